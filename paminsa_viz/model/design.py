@@ -1,0 +1,288 @@
+"""The robot's numbers: geometry, masses, inertias, payload, friction.
+
+Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
+its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
+field list alone (see `paminsa_viz.model.parameters`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, is_dataclass, replace
+from enum import Enum
+from typing import Any
+
+from paminsa_viz.model.errors import InvalidDesign
+
+
+def quantity(
+    default: float | None, symbol: str, unit: str, label: str, *, positive: bool = False
+) -> Any:
+    """Declare a design value with its paper symbol, SI unit and plain name."""
+    return field(
+        default=default,
+        metadata={"symbol": symbol, "unit": unit, "label": label, "positive": positive},
+    )
+
+
+def check_numbers(group: object, path: str) -> None:
+    """Raise `InvalidDesign` unless every quantity of ``group`` is a finite, allowed number."""
+    for item in fields(group):  # type: ignore[arg-type]
+        if "unit" not in item.metadata:
+            continue
+        value = getattr(group, item.name)
+        if value is None and item.default is None:
+            continue
+        name = f"{path}.{item.name}"
+        positive = item.metadata["positive"]
+        allowed = f"a finite number {'above' if positive else 'of at least'} 0 is needed"
+        if item.metadata["unit"]:
+            allowed += f" [{item.metadata['unit']}]"
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise InvalidDesign(name, value, allowed)
+        if not math.isfinite(value) or value < 0 or (positive and value == 0):
+            raise InvalidDesign(name, value, allowed)
+
+
+class Assembly(Enum):
+    """How the pantographs are put together: which of the two roots the knee 9 takes.
+
+    ``PRINTED`` is the root that Appendix 1 prints for F (the lower knee; the natural posture hangs,
+    z < 0); ``MIRROR`` is the other one.
+    """
+
+    PRINTED = "printed"
+    MIRROR = "mirror"
+
+    @property
+    def sign(self) -> float:
+        """+1 for the printed root, -1 for its mirror image."""
+        return 1.0 if self is Assembly.PRINTED else -1.0
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """Lengths of the mechanism (Appendix 4).
+
+    Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
+    parallelogram, so they are no parameters of their own.
+    """
+
+    magnification: float = quantity(3.0, "k", "", "pantograph magnification factor", positive=True)
+    base_radius: float = quantity(0.35, "R_b", "m", "radius of the leg axes", positive=True)
+    platform_radius: float = quantity(0.1, "R_pl", "m", "radius of platform joints", positive=True)
+    arm_length: float = quantity(0.308, "l_B1", "m", "length of arm B1")
+    shaft_length: float = quantity(0.442, "l_B2", "m", "length of shaft B2")
+    crank_length: float = quantity(0.42, "l_B3 = l_B8", "m", "length of B3 and B8", positive=True)
+    coupler_length: float = quantity(0.63, "l_B4 = k l_B7", "m", "length of B4", positive=True)
+    platform_joint_height: float = quantity(0.0275, "l_B5", "m", "joint 5 above the platform")
+    guide_link_length: float = quantity(
+        0.3635, "l_B10", "m", "length of guide link B10", positive=True
+    )
+    guide_stroke: float | None = quantity(
+        None, "|X_4| max", "m", "stroke of joint 8 (default: l_B10)", positive=True
+    )
+    axis_clearance: float = quantity(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "geometry")
+        if self.magnification <= 1:
+            raise InvalidDesign(
+                "geometry.magnification",
+                self.magnification,
+                "k has to be greater than 1, or joint 4 would not lie between 9 and 5",
+            )
+        if self.home_span >= self.crank_length + self.coupler_length:
+            longest = self.crank_length + self.coupler_length
+            raise InvalidDesign(
+                "geometry.coupler_length",
+                self.coupler_length,
+                f"B4 and B8 can not close the pantograph with the platform at the centre: together "
+                f"they reach {longest:.6g} m, and joints 8 and 5 are at least "
+                f"{self.home_span:.6g} m apart there; lengthen B4 or B8, or bring R_b and R_pl "
+                f"closer together",
+            )
+
+    @property
+    def home_span(self) -> float:
+        """Horizontal distance from 8 to 5 at x = y = theta = 0 [m]."""
+        return self.span_ratio * abs(self.base_radius - self.platform_radius)
+
+    @property
+    def span_ratio(self) -> float:
+        """Horizontal distance from 8 to 5 divided by X_1, that is k/(k-1)."""
+        return self.magnification / (self.magnification - 1)
+
+    @property
+    def stroke(self) -> float:
+        """Largest distance of joint 8 from the leg axis, |X_4| [m]."""
+        return self.guide_link_length if self.guide_stroke is None else self.guide_stroke
+
+    @property
+    def short_coupler_length(self) -> float:
+        """Length of link B7, l_B4/k [m]."""
+        return self.coupler_length / self.magnification
+
+
+@dataclass(frozen=True)
+class JointMasses:
+    """Masses of the joints of one leg, m_i (Appendix 4)."""
+
+    j2: float = quantity(0.214, "m_2", "kg", "joint 2, shaft to arm")
+    j3: float = quantity(0.338, "m_3", "kg", "joint 3, pantograph to shaft")
+    j4: float = quantity(0.262, "m_4", "kg", "joint 4, B3 to B4")
+    j5: float = quantity(0.233, "m_5", "kg", "joint 5, B4 to platform")
+    j7: float = quantity(0.28, "m_7", "kg", "joint 7, B3 to B7")
+    j8: float = quantity(0.305, "m_8", "kg", "joint 8, slider on the guide")
+    j9: float = quantity(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "joints")
+
+
+@dataclass(frozen=True)
+class LinkMasses:
+    """Masses of the links of one leg, m_Bi (Appendix 4)."""
+
+    b1: float = quantity(1.221, "m_B1", "kg", "B1, horizontal arm")
+    b2: float = quantity(0.921, "m_B2", "kg", "B2, vertical shaft")
+    b3: float = quantity(0.406, "m_B3", "kg", "B3, bar 4-3-7")
+    b4: float = quantity(0.672, "m_B4", "kg", "B4, bar 9-4-5")
+    b7: float = quantity(0.107, "m_B7", "kg", "B7, bar 7-8")
+    b8: float = quantity(0.403, "m_B8", "kg", "B8, bar 8-9")
+    b10: float = quantity(0.436, "m_B10", "kg", "B10, guide link")
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "links")
+
+
+@dataclass(frozen=True)
+class Inertias:
+    """Moments of inertia of the links about their mass centres (Eq. 10, Appendix 4).
+
+    ``axial`` is I_XX, along the tube; ``transverse`` is I_YY = I_ZZ, across it; ``vertical`` is
+    about the leg axis, as the paper gives it for B2 and B10.
+    """
+
+    b3_axial: float = quantity(0.0038, "I_XX^(B3)", "kg m^2", "B3, along the bar")
+    b3_transverse: float = quantity(0.02, "I_YY^(B3)", "kg m^2", "B3, across the bar")
+    b4_axial: float = quantity(0.0012, "I_XX^(B4)", "kg m^2", "B4, along the bar")
+    b4_transverse: float = quantity(0.048, "I_YY^(B4)", "kg m^2", "B4, across the bar")
+    b7_axial: float = quantity(8e-4, "I_XX^(B7)", "kg m^2", "B7, along the bar")
+    b7_transverse: float = quantity(0.003, "I_YY^(B7)", "kg m^2", "B7, across the bar")
+    b8_axial: float = quantity(0.0024, "I_XX^(B8)", "kg m^2", "B8, along the bar")
+    b8_transverse: float = quantity(0.02, "I_YY^(B8)", "kg m^2", "B8, across the bar")
+    b2_vertical: float = quantity(0.003, "I_B2", "kg m^2", "B2, about the leg axis")
+    b10_vertical: float = quantity(0.02, "I_B10", "kg m^2", "B10, about the vertical")
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "inertias")
+
+
+@dataclass(frozen=True)
+class Platform:
+    """The moving platform (Appendix 4, m_p1 and I_pl)."""
+
+    mass: float = quantity(2.301, "m_pl", "kg", "platform", positive=True)
+    inertia: float = quantity(0.015, "I_pl", "kg m^2", "platform, about the vertical")
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "platform")
+
+
+@dataclass(frozen=True)
+class Payload:
+    """A body carried with its mass centre on the platform's vertical axis (none in the paper)."""
+
+    mass: float = quantity(0.0, "m_load", "kg", "payload")
+    inertia: float = quantity(0.0, "I_load", "kg m^2", "payload, about the vertical")
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "payload")
+
+
+@dataclass(frozen=True)
+class Friction:
+    """Friction at the actuators; zero by default, as in the paper.
+
+    The friction torque at a speed w is ``viscous * w + coulomb * tanh(w / transition_speed)``, the
+    same for M1..M3 (rotary), with its own two coefficients for M4 (linear). The smooth step keeps
+    simulations integrable and gives no torque at rest.
+    """
+
+    viscous_rotary: float = quantity(0.0, "b_M", "N m s/rad", "viscous friction of M1..M3")
+    coulomb_rotary: float = quantity(0.0, "c_M", "N m", "Coulomb friction of M1..M3")
+    viscous_linear: float = quantity(0.0, "b_4", "N s/m", "viscous friction of M4")
+    coulomb_linear: float = quantity(0.0, "c_4", "N", "Coulomb friction of M4")
+    transition_speed: float = quantity(
+        1e-3, "w_s", "rad/s, m/s", "speed scale of the Coulomb step", positive=True
+    )
+
+    def __post_init__(self) -> None:
+        check_numbers(self, "friction")
+
+
+@dataclass(frozen=True)
+class Design:
+    """Everything that defines one robot. Two designs are equal if their numbers are.
+
+    Raises:
+        InvalidDesign: If a value is negative, not finite, or can not belong to a machine.
+    """
+
+    geometry: Geometry = Geometry()
+    joints: JointMasses = JointMasses()
+    links: LinkMasses = LinkMasses()
+    inertias: Inertias = Inertias()
+    platform: Platform = Platform()
+    payload: Payload = Payload()
+    friction: Friction = Friction()
+    gravity: float = quantity(9.81, "g", "m/s^2", "gravitational acceleration")
+    name: str = field(default="PAMINSA", compare=False)
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            group = getattr(self, item.name)
+            expected = item.default
+            if is_dataclass(expected) and type(group) is not type(expected):
+                raise InvalidDesign(item.name, group, f"a {type(expected).__name__} is needed")
+        check_numbers(self, "design")
+
+    def value(self, path: str) -> float:
+        """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
+
+        The guide stroke is returned as the length in force, also where it follows l_B10.
+        """
+        if path == "geometry.guide_stroke":
+            return self.geometry.stroke
+        target: Any = self
+        for part in path.split("."):
+            target = getattr(target, part)
+        return float(target)
+
+    def vary(self, changes: Mapping[str, float | None]) -> Design:
+        """Return a copy with some numbers changed, given by dotted path.
+
+        Changes of one group are made together, so that lengths that depend on each other can be
+        changed in one step.
+
+        Raises:
+            InvalidDesign: If a path does not exist or a value is not possible.
+        """
+        grouped: dict[str, dict[str, float | None]] = {}
+        for path, value in changes.items():
+            group, _, name = path.rpartition(".")
+            owner = getattr(self, group, None) if group else self
+            known = {item.name for item in fields(owner) if "unit" in item.metadata} if owner else ()
+            if name not in known:
+                raise InvalidDesign(path, value, "there is no design value of this name")
+            grouped.setdefault(group, {})[name] = value
+        top: dict[str, Any] = dict(grouped.pop("", {}))
+        for group, values in grouped.items():
+            top[group] = replace(getattr(self, group), **values)
+        return replace(self, **top)
+
+
+APPENDIX_4 = Design(name="Appendix 4")
+"""The prototype's numbers as the paper gives them, with g = 9.81 m/s^2 (Appendix 3)."""

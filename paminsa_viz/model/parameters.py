@@ -1,0 +1,62 @@
+"""The list of a design's numbers, made from the dataclasses' own field declarations."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+from paminsa_viz.model.design import APPENDIX_4
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One number of a design.
+
+    Attributes:
+        path: Dotted path for `Design.value` and `Design.vary`.
+        symbol: Symbol in the paper.
+        unit: SI unit, empty for pure numbers.
+        label: Plain name.
+        default: Appendix 4's value.
+        positive: Whether zero is refused.
+    """
+
+    path: str
+    symbol: str
+    unit: str
+    label: str
+    default: float
+    positive: bool
+
+    @property
+    def group(self) -> str:
+        """First part of the path, or ``"design"`` for a number that stands in no group."""
+        return self.path.rpartition(".")[0] or "design"
+
+
+def _parameters() -> tuple[Parameter, ...]:
+    found = []
+    for group in fields(APPENDIX_4):
+        owner = getattr(APPENDIX_4, group.name)
+        items = [group] if "unit" in group.metadata else fields(owner) if group.metadata == {} and (
+            hasattr(owner, "__dataclass_fields__")
+        ) else []
+        for item in items:
+            path = item.name if item is group else f"{group.name}.{item.name}"
+            found.append(
+                Parameter(
+                    path=path,
+                    symbol=item.metadata["symbol"],
+                    unit=item.metadata["unit"],
+                    label=item.metadata["label"],
+                    default=APPENDIX_4.value(path),
+                    positive=item.metadata["positive"],
+                )
+            )
+    return tuple(found)
+
+
+PARAMETERS: tuple[Parameter, ...] = _parameters()
+"""Every number of a design, in the order of the paper's Appendix 4."""
+
+PARAMETER: dict[str, Parameter] = {parameter.path: parameter for parameter in PARAMETERS}
+"""The same by path."""
