@@ -1,0 +1,222 @@
+"""The tests' own mechanics has to be right before anything is measured against it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from tests import oracle, samples
+
+DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in range(4))]
+BOTH = pytest.mark.parametrize("assembly", list(Assembly))
+EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
+
+
+def joints(design: Design, pose: Any, assembly: Assembly) -> list[dict[int, Any]]:
+    """Joint points of the three legs as arrays (n, 3)."""
+    found = []
+    for index in range(3):
+        solved = oracle.leg(design, oracle.split(pose), index, assembly)
+        found.append(
+            {
+                number: np.stack(np.broadcast_arrays(*point), axis=-1)
+                for number, point in solved.points.items()
+            }
+        )
+    return found
+
+
+def length(a: Any, b: Any) -> Any:
+    return np.linalg.norm(a - b, axis=-1)
+
+
+@BOTH
+@EACH
+def test_every_leg_is_the_mechanism_of_the_paper(design: Design, assembly: Assembly) -> None:
+    g, k = design.geometry, design.geometry.magnification
+    pose = samples.random_poses(np.random.default_rng(1), design, assembly, 50, natural=False)
+    for index, p in enumerate(joints(design, pose, assembly)):
+        angle = oracle.AXIS_ANGLES[index]
+        axis = g.base_radius * np.array([np.cos(angle), np.sin(angle)])
+        near = np.hypot(*(p[5] - np.append(axis, 0.0))[:, :2].T)
+        tight = {"rtol": 0, "atol": 1e-13}
+        np.testing.assert_allclose(length(p[9], p[8]), g.crank_length, **tight)
+        np.testing.assert_allclose(length(p[4], p[7]), g.crank_length, **tight)
+        np.testing.assert_allclose(length(p[9], p[5]), g.coupler_length, **tight)
+        np.testing.assert_allclose(length(p[7], p[8]), g.coupler_length / k, **tight)
+        np.testing.assert_allclose(length(p[2], p[3]), g.shaft_length, **tight)
+        np.testing.assert_allclose(p[4] - p[9], p[7] - p[8], **tight)
+        np.testing.assert_allclose(p[5] - p[8], k * (p[3] - p[8]), **tight)
+        # Joint 3 lies on B3 and on the leg axis, joint 8 at the guides' height beyond the axis.
+        np.testing.assert_allclose(p[3] - p[7], (p[4] - p[7]) / k, **tight)
+        np.testing.assert_allclose(p[3][:, :2], np.broadcast_to(axis, (50, 2)), **tight)
+        np.testing.assert_allclose(p[8][:, 2], 0.0, **tight)
+        np.testing.assert_allclose(length(p[8][:, :2], axis), near / (k - 1), **tight)
+        # The knee is the lower or the upper one of the two, seen from the line 8-5.
+        line = np.cross(p[5] - p[8], p[9] - p[8])
+        plane = np.cross([0.0, 0.0, 1.0], p[5] - p[8])
+        assert np.all(np.einsum("ni,ni->n", line, plane) * assembly.sign > 0)
+        # One plane through the leg axis holds the whole leg.
+        heading = (p[5] - p[3])[:, :2] / near[:, None]
+        for point in p.values():
+            aside = (point[:, 0] - axis[0]) * heading[:, 1] - (point[:, 1] - axis[1]) * heading[
+                :, 0
+            ]
+            np.testing.assert_allclose(aside, 0.0, **tight)
+
+
+@BOTH
+@EACH
+def test_static_forces_are_the_slope_of_the_potential(design: Design, assembly: Assembly) -> None:
+    pose = samples.random_poses(np.random.default_rng(2), design, assembly, 30)
+    forces = oracle.pose_forces(design, pose, np.zeros(4), np.zeros(4), assembly)
+    step = 1e-30
+    slope = np.stack(
+        [oracle.potential(design, pose + 1j * step * e, assembly).imag / step for e in np.eye(4)],
+        axis=-1,
+    )
+    np.testing.assert_allclose(forces, slope, rtol=0, atol=1e-12 * np.abs(slope).max())
+
+
+@BOTH
+@EACH
+def test_actuator_rates_follow_the_actuators(design: Design, assembly: Assembly) -> None:
+    pose, velocity, _ = samples.random_states(np.random.default_rng(3), design, assembly, 30)
+    h = 1e-4
+    ahead, behind, ahead2, behind2 = (
+        oracle.actuators(design, pose + n * h * velocity) for n in (1, -1, 2, -2)
+    )
+    measured = (8 * (ahead - behind) - (ahead2 - behind2)) / (12 * h)
+    rates = oracle.actuator_rates(design, pose, velocity)
+    np.testing.assert_allclose(rates, measured, rtol=0, atol=1e-8 * np.abs(rates).max())
+
+
+@BOTH
+@EACH
+def test_kinetic_energy_from_measured_speeds(design: Design, assembly: Assembly) -> None:
+    """Speeds of points from differences of places; turning from differences of the axes."""
+    pose, velocity, _ = samples.random_states(np.random.default_rng(4), design, assembly, 10)
+    h = 1e-3
+    runs = {
+        n: oracle.bodies(design, oracle.split(pose + n * h * velocity), assembly)
+        for n in (-3, -2, -1, 0, 1, 2, 3)
+    }
+
+    def speed(pick: Any) -> Any:
+        a = {
+            n: np.stack(np.broadcast_arrays(*pick(run), pose[:, 0])[:3], -1)
+            for n, run in runs.items()
+        }
+        return (45 * (a[1] - a[-1]) - 9 * (a[2] - a[-2]) + (a[3] - a[-3])) / (60 * h)
+
+    total: Any = 0.0
+    for index, body in enumerate(runs[0]):
+        v = speed(lambda run, i=index: run[i].centre)
+        total = total + 0.5 * body.mass * np.sum(v * v, axis=-1)
+        if body.axes is None:
+            continue
+        # sum over axes of J_a |e_a'|^2 / 2 with J = tr(I)/2 - I is the energy of turning.
+        for a in range(3):
+            e = speed(lambda run, i=index, a=a: run[i].axes[a])
+            spread = 0.5 * sum(body.inertia) - body.inertia[a]
+            total = total + 0.5 * spread * np.sum(e * e, axis=-1)
+    np.testing.assert_allclose(oracle.kinetic(design, pose, velocity, assembly), total, rtol=1e-7)
+
+
+@BOTH
+@EACH
+def test_power_of_the_actuators_is_the_growth_of_energy(design: Design, assembly: Assembly) -> None:
+    pose, velocity, acceleration = samples.random_states(
+        np.random.default_rng(5), design, assembly, 30
+    )
+    torque = oracle.inverse_dynamics(design, pose, velocity, acceleration, assembly)
+    power = np.sum(torque * oracle.actuator_rates(design, pose, velocity), axis=-1)
+
+    def energy(t: float) -> Any:
+        q, v = pose + velocity * t + acceleration * t * t / 2, velocity + acceleration * t
+        return oracle.kinetic(design, q, v, assembly) + oracle.potential(design, q, assembly)
+
+    h = 2e-4
+    growth = (
+        45 * (energy(h) - energy(-h))
+        - 9 * (energy(2 * h) - energy(-2 * h))
+        + (energy(3 * h) - energy(-3 * h))
+    ) / (60 * h)
+    np.testing.assert_allclose(power, growth, rtol=0, atol=1e-8 * np.abs(power).max())
+
+
+@BOTH
+def test_lagrange_from_the_energies_gives_the_same_forces(assembly: Assembly) -> None:
+    """d/dt dT/dv - dT/dq + dV/dq, differentiated numerically from T and V alone."""
+    pose, velocity, acceleration = samples.random_states(
+        np.random.default_rng(6), DESIGNS[1], assembly, 10
+    )
+    h = 2e-4
+
+    def slope(f: Any) -> Any:
+        return (45 * (f(h) - f(-h)) - 9 * (f(2 * h) - f(-2 * h)) + (f(3 * h) - f(-3 * h))) / (
+            60 * h
+        )
+
+    columns = []
+    for e in np.eye(4):
+
+        def momentum(t: float, e: Any = e) -> Any:
+            # T is quadratic in the rates, so one central difference of any size is exact.
+            q, v = pose + velocity * t + acceleration * t * t / 2, velocity + acceleration * t
+            up, down = (oracle.kinetic(DESIGNS[1], q, v + s * e, assembly) for s in (1.0, -1.0))
+            return 0.5 * (up - down)
+
+        def action(t: float, e: Any = e) -> Any:
+            q = pose + t * e
+            return oracle.kinetic(DESIGNS[1], q, velocity, assembly) - oracle.potential(
+                DESIGNS[1], q, assembly
+            )
+
+        columns.append(slope(momentum) - slope(action))
+    forces = oracle.pose_forces(DESIGNS[1], pose, velocity, acceleration, assembly)
+    np.testing.assert_allclose(
+        forces, np.stack(columns, axis=-1), rtol=0, atol=1e-8 * np.abs(forces).max()
+    )
+
+
+@BOTH
+def test_only_the_lift_carries_the_platform(assembly: Assembly) -> None:
+    pose = samples.random_poses(np.random.default_rng(7), APPENDIX_4, assembly, 20)
+    light = oracle.static_torques(APPENDIX_4, pose, assembly)
+    heavy = oracle.static_torques(APPENDIX_4.vary({"payload.mass": 12.0}), pose, assembly)
+    np.testing.assert_allclose(heavy[:, :3], light[:, :3], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(heavy[:, 3] - light[:, 3], 12.0 * 9.81 * 3.0, rtol=1e-13)
+
+
+def test_mirror_image_has_opposite_gravity_torques() -> None:
+    pose = samples.random_poses(np.random.default_rng(8), APPENDIX_4, Assembly.PRINTED, 20)
+    mirrored = pose.copy()
+    mirrored[:, 3] = -pose[:, 3] - 2 * APPENDIX_4.geometry.platform_joint_height
+    below = oracle.static_torques(APPENDIX_4, pose, Assembly.PRINTED)
+    above = oracle.static_torques(APPENDIX_4, mirrored, Assembly.MIRROR)
+    np.testing.assert_allclose(above[:, :3], -below[:, :3], rtol=0, atol=1e-12)
+
+
+@BOTH
+def test_one_state_and_batches_of_any_shape_agree(assembly: Assembly) -> None:
+    states = samples.random_states(np.random.default_rng(9), APPENDIX_4, assembly, 6)
+    flat = oracle.inverse_dynamics(APPENDIX_4, *states, assembly)
+    grid = oracle.inverse_dynamics(APPENDIX_4, *(s.reshape(2, 3, 4) for s in states), assembly)
+    np.testing.assert_allclose(grid.reshape(6, 4), flat, rtol=1e-13)
+    one = oracle.inverse_dynamics(APPENDIX_4, *(s[4] for s in states), assembly)
+    np.testing.assert_allclose(one, flat[4], rtol=1e-13)
+
+
+@BOTH
+def test_random_designs_leave_room_to_move(assembly: Assembly) -> None:
+    rng = np.random.default_rng(10)
+    for _ in range(20):
+        design = samples.random_design(rng)
+        pose = samples.random_poses(rng, design, assembly, 50)
+        assert pose.shape == (50, 4)
+        assert samples.usable(design, pose).all()
+        assert np.all((pose[:, 3] + design.geometry.platform_joint_height) * assembly.sign < 0)
