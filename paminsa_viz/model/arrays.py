@@ -1,0 +1,62 @@
+"""Checks on the arrays that come in, and the fold between any batch shape and a flat list."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model.errors import InvalidInput
+
+Array = NDArray[np.float64]
+
+
+def as_vectors(values: ArrayLike, argument: str, size: int = 4) -> Array:
+    """Return ``values`` as float64 with a last axis of ``size`` entries.
+
+    Raises:
+        InvalidInput: If the values are no real numbers, or the last axis has another length.
+    """
+    try:
+        array = np.asarray(values)
+        if np.iscomplexobj(array):
+            raise TypeError
+        array = array.astype(np.float64, copy=False)
+    except (TypeError, ValueError):
+        raise InvalidInput(argument, "real numbers are needed") from None
+    if array.ndim == 0 or array.shape[-1] != size:
+        raise InvalidInput(
+            argument, f"the last axis has to have {size} entries; the shape is {array.shape}"
+        )
+    return array
+
+
+def as_numbers(values: ArrayLike, argument: str) -> Array:
+    """Return ``values`` as float64 of any shape.
+
+    Raises:
+        InvalidInput: If the values are no real numbers.
+    """
+    return as_vectors(np.asarray(values)[..., None], argument, 1)[..., 0]
+
+
+def together(**vectors: Any) -> tuple[tuple[int, ...], list[Array]]:
+    """Broadcast vectors of four against each other and flatten their batch axes.
+
+    Returns:
+        The batch shape, and each vector as (n, 4).
+
+    Raises:
+        InvalidInput: If a vector is unusable or the batch shapes do not fit each other.
+    """
+    arrays = {name: as_vectors(values, name) for name, values in vectors.items()}
+    try:
+        shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InvalidInput(
+            next(iter(arrays)), f"the batch shapes do not fit each other: {shapes}"
+        ) from None
+    flat = [np.broadcast_to(array, shape).reshape(-1, 4) for array in arrays.values()]
+    return shape[:-1], flat

@@ -1,0 +1,166 @@
+"""Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise; same source, same API.
+
+The first compilation takes seconds (later runs load it from disk). A script waits for it once; a
+page calls `compile_in_background` and works on NumPy until the kernels are there.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model import leg, robot
+from paminsa_viz.model.lumped import EnergyTerms
+
+Array = NDArray[np.float64]
+
+FORMULAE = {
+    "rotary_torques": lambda *args: robot.unit_torques(*args)[:3],
+    "unit_torques": robot.unit_torques,
+    "least_margin": robot.least_margin,
+    "dexterity": robot.dexterity,
+}
+"""Formulae of a pose, by the name under which they are compiled."""
+
+
+class _Kernels:
+    """Holds the module of compiled kernels once it is loaded; the loading may be put off."""
+
+    def __init__(self) -> None:
+        self.module: ModuleType | None = None
+        self.deferred = os.environ.get("PAMINSA_VIZ_BACKEND", "") == "numpy"
+        self.lock = threading.Lock()
+
+    def get(self) -> ModuleType | None:
+        if self.module is None and not self.deferred:
+            self.load()
+        return self.module
+
+    def load(self) -> None:
+        with self.lock:
+            if self.module is None:
+                from paminsa_viz.model import compiled
+
+                compiled.warm_up()
+                self.module = compiled
+
+
+_kernels = _Kernels()
+
+
+def compile_in_background() -> threading.Thread:
+    """Load the kernels in a thread; until it has ended everything runs on NumPy."""
+    _kernels.deferred = True
+    thread = threading.Thread(target=_kernels.load, name="paminsa-compile", daemon=True)
+    thread.start()
+    return thread
+
+
+def is_compiled() -> bool:
+    """Whether compiled kernels are in use."""
+    return _kernels.module is not None
+
+
+class use_numpy:
+    """Context in which everything runs on NumPy, for tests and comparisons (not thread-safe)."""
+
+    def __enter__(self) -> None:
+        self._saved = (_kernels.module, _kernels.deferred)
+        _kernels.module, _kernels.deferred = None, True
+
+    def __exit__(self, *_: object) -> None:
+        _kernels.module, _kernels.deferred = self._saved
+
+
+def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
+    """Evaluate a formula of a pose on a list.
+
+    Args:
+        name: Key of `FORMULAE`.
+        m: The mechanism.
+        pose: (n, 4) [m, m, rad, m].
+
+    Returns:
+        (n, results of the formula).
+    """
+    pose = np.ascontiguousarray(pose)
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    kernels = _kernels.get()
+    if kernels is not None:
+        out = np.empty((len(pose), kernels.COUNTS[name]))
+        kernels.OVER_POSES[name][1](m, pose, c, s, out)
+        return out
+    with np.errstate(all="ignore"):
+        values = FORMULAE[name](m, pose[:, 0], pose[:, 1], c, s, pose[:, 3])
+    return np.stack(np.broadcast_arrays(*values), axis=-1)
+
+
+def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array) -> Array:
+    """Evaluate a formula on all sums of an outer and an inner pose; theta is the outer's alone.
+
+    Args:
+        name: Key of `FORMULAE`.
+        m: The mechanism.
+        outer: (rows, 4) parts of poses [m, m, rad, m].
+        inner: (columns, 4) parts of poses; the third column is not used.
+
+    Returns:
+        (results of the formula, rows, columns).
+    """
+    c, s = np.cos(outer[:, 2]), np.sin(outer[:, 2])
+    kernels = _kernels.get()
+    if kernels is not None:
+        rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
+        columns = np.ascontiguousarray(inner[:, [0, 1, 3]].T)
+        out = np.empty((kernels.COUNTS[name], len(rows), columns.shape[1]))
+        kernels.OVER_POSES[name][0](m, rows, columns, out)
+        return out
+    sums = outer[:, None, :] + inner[None, :, :]
+    with np.errstate(all="ignore"):
+        values = FORMULAE[name](
+            m, sums[..., 0], sums[..., 1], c[:, None], s[:, None], sums[..., 3]
+        )
+    return np.stack(np.broadcast_arrays(*values))
+
+
+def drive(
+    m: leg.Mechanism,
+    e: EnergyTerms,
+    gravity: float,
+    pose: Array,
+    velocity: Array,
+    acceleration: Array,
+) -> Array:
+    """Evaluate `robot.drive` on lists (n, 4); returns torques and multipliers, (n, 8)."""
+    pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    kernels = _kernels.get()
+    if kernels is not None:
+        out = np.empty((len(pose), 8))
+        kernels.drive(m, e, gravity, pose, c, s, velocity, acceleration, out)
+        return out
+    x, y, _, z = pose.T
+    with np.errstate(all="ignore"):
+        values = robot.drive(m, e, gravity, x, y, c, s, z, *velocity.T, *acceleration.T)
+    return np.stack(np.broadcast_arrays(*values), axis=-1)
+
+
+def mass_matrix(m: leg.Mechanism, e: EnergyTerms, pose: Array) -> Array:
+    """Evaluate `robot.mass_matrix` on a list (n, 4); returns the upper triangles, (n, 10)."""
+    pose = np.ascontiguousarray(pose)
+    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    kernels = _kernels.get()
+    if kernels is not None:
+        out = np.empty((len(pose), 10))
+        kernels.mass_matrix(m, e, pose, c, s, out)
+        return out
+    with np.errstate(all="ignore"):
+        values: tuple[Any, ...] = robot.mass_matrix(
+            m, e, pose[:, 0], pose[:, 1], c, s, pose[:, 3]
+        )
+    return np.stack(np.broadcast_arrays(*values), axis=-1)

@@ -1,0 +1,258 @@
+"""Dynamics of the robot (Eqs. 9-21): torques for a motion, motion for torques, energies.
+
+Lagrange's equations are set up in the paper's eight coordinates (x, y, theta, z, theta_1..3, Z);
+the first four give the multipliers of the closure equations, the last four the actuator torques.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model import backend
+from paminsa_viz.model.arrays import Array, as_vectors, together
+from paminsa_viz.model.design import Assembly, Design, Friction
+from paminsa_viz.model.jacobian import inverse_jacobian
+from paminsa_viz.model.kinematics import leg_states
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
+from paminsa_viz.model.reach import Limit, reach_status
+
+
+@dataclass(frozen=True)
+class InverseDynamics:
+    """Torques that make a motion; batch shape (...), NaN where there is none.
+
+    Attributes:
+        torque: (..., 4) torques of M1..M3 [N m] and force of M4 [N]; friction included.
+        multipliers: (..., 4) Lagrange multipliers of s_1..s_4 (Eq. 15): forces on the platform
+            across the legs, and along z in units of Z [N].
+        status: (...) values of `Limit`; ``SINGULAR`` where a torque has no bound.
+        leg: (...) index of the leg that stands in the way, -1 for none.
+    """
+
+    torque: Array
+    multipliers: Array
+    status: NDArray[np.uint8]
+    leg: NDArray[np.int8]
+
+
+@dataclass(frozen=True)
+class TorqueBreakdown:
+    """The parts of an actuator torque, each (..., 4) [N m, N]; they add up to ``total``."""
+
+    gravity: Array
+    inertial: Array
+    velocity: Array
+    friction: Array
+
+    @property
+    def total(self) -> Array:
+        """Sum of the parts, (..., 4) [N m, N]."""
+        return self.gravity + self.inertial + self.velocity + self.friction
+
+
+def _terms(design: Design, misprints: Misprint) -> EnergyTerms:
+    terms = energy_terms(lumped_coefficients(design, misprints), misprints)
+    return EnergyTerms(*map(float, terms))
+
+
+def inverse_dynamics(
+    design: Design,
+    pose: ArrayLike,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    assembly: Assembly = Assembly.PRINTED,
+    misprints: Misprint = Misprint.NONE,
+) -> InverseDynamics:
+    """Return the actuator torques for a platform motion (Eqs. 15-21).
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
+        acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
+        assembly: Root of the knee.
+        misprints: Formulae to take as printed; none by default.
+
+    Raises:
+        InvalidInput: If shapes do not fit or values are not real. Poses out of reach raise
+            nothing; they are NaN, with the reason in ``status``.
+    """
+    shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
+    m = mechanism(design.geometry, assembly)
+    result = backend.drive(m, _terms(design, misprints), design.gravity, p, v, a)
+    torque = result[:, :4]
+    if not frictionless(design.friction):
+        torque = torque + friction_torque(design.friction, actuator_velocity(design, p, v))
+    status, leg = reach_status(design.geometry, p)
+    finite = np.isfinite(result).all(axis=-1)
+    motion_finite = np.isfinite(v).all(axis=-1) & np.isfinite(a).all(axis=-1)
+    status[(status == Limit.OK) & ~motion_finite] = Limit.NOT_FINITE
+    status[(status == Limit.OK) & ~finite] = Limit.SINGULAR
+    good = (status == Limit.OK)[:, None]
+    return InverseDynamics(
+        torque=np.where(good, torque, np.nan).reshape(*shape, 4),
+        multipliers=np.where(good, result[:, 4:], np.nan).reshape(*shape, 4),
+        status=status.reshape(shape),
+        leg=leg.reshape(shape),
+    )
+
+
+def torque_breakdown(
+    design: Design,
+    pose: ArrayLike,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    assembly: Assembly = Assembly.PRINTED,
+    misprints: Misprint = Misprint.NONE,
+) -> TorqueBreakdown:
+    """Split the torque of `inverse_dynamics`, with the same arguments, by its causes.
+
+    Gravity is the torque at rest; the inertial part is what the acceleration adds in a world
+    without gravity; the velocity part (centrifugal and Coriolis) what the velocity adds there.
+    """
+    shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
+    plain = replace(design, friction=Friction())
+    weightless = replace(plain, gravity=0.0)
+    still = np.zeros_like(p)
+    at_rest = inverse_dynamics(plain, p, still, still, assembly, misprints)
+    inertial = inverse_dynamics(weightless, p, still, a, assembly, misprints)
+    moving = inverse_dynamics(weightless, p, v, still, assembly, misprints)
+    friction = np.zeros_like(p)
+    if not frictionless(design.friction):
+        friction = friction_torque(design.friction, actuator_velocity(design, p, v))
+    return TorqueBreakdown(
+        gravity=at_rest.torque.reshape(*shape, 4),
+        inertial=inertial.torque.reshape(*shape, 4),
+        velocity=moving.torque.reshape(*shape, 4),
+        friction=friction.reshape(*shape, 4),
+    )
+
+
+def actuator_velocity(design: Design, pose: ArrayLike, velocity: ArrayLike) -> Array:
+    """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s]."""
+    return np.einsum(
+        "...ij,...j->...i",
+        inverse_jacobian(design.geometry, pose),
+        as_vectors(velocity, "velocity"),
+    )
+
+
+def frictionless(friction: Friction) -> bool:
+    """Whether all friction coefficients are zero."""
+    return not any(
+        (
+            friction.viscous_rotary,
+            friction.coulomb_rotary,
+            friction.viscous_linear,
+            friction.coulomb_linear,
+        )
+    )
+
+
+def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
+    """Return what the actuators need against friction at their speeds (..., 4) [rad/s, m/s]."""
+    speed = as_vectors(speed, "speed")
+    viscous = np.array([friction.viscous_rotary] * 3 + [friction.viscous_linear])
+    coulomb = np.array([friction.coulomb_rotary] * 3 + [friction.coulomb_linear])
+    return viscous * speed + coulomb * np.tanh(speed / friction.transition_speed)
+
+
+def mass_matrix(
+    design: Design,
+    pose: ArrayLike,
+    assembly: Assembly = Assembly.PRINTED,
+    misprints: Misprint = Misprint.NONE,
+) -> Array:
+    """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
+
+    Symmetric positive definite wherever the pose can be taken, type-2 singularities included. NaN
+    where the bars can not close.
+    """
+    pose = as_vectors(pose, "pose")
+    m = mechanism(design.geometry, assembly)
+    upper = backend.mass_matrix(m, _terms(design, misprints), pose.reshape(-1, 4))
+    matrix = np.empty((len(upper), 4, 4))
+    rows, columns = np.triu_indices(4)
+    matrix[:, rows, columns] = upper
+    matrix[:, columns, rows] = upper
+    return matrix.reshape(*pose.shape[:-1], 4, 4)
+
+
+def forward_dynamics(
+    design: Design,
+    pose: ArrayLike,
+    velocity: ArrayLike,
+    torque: ArrayLike,
+    assembly: Assembly = Assembly.PRINTED,
+) -> Array:
+    """Return the platform acceleration that actuator torques cause, (..., 4).
+
+    Args:
+        design: The robot, friction included.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
+        torque: (..., 4) [N m, N m, N m, N].
+        assembly: Root of the knee.
+
+    Returns:
+        [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose can not be taken.
+    """
+    shape, (p, v, q) = together(pose=pose, velocity=velocity, torque=torque)
+    bias = inverse_dynamics(design, p, v, np.zeros_like(p), assembly).torque
+    g = inverse_jacobian(design.geometry, p)
+    matrix = mass_matrix(design, p, assembly)
+    force = np.einsum("nji,nj->ni", g, q - bias)
+    good = np.isfinite(force).all(axis=-1) & np.isfinite(matrix).all(axis=(-1, -2))
+    acceleration = np.full_like(p, np.nan)
+    acceleration[good] = np.linalg.solve(matrix[good], force[good, :, None])[..., 0]
+    return acceleration.reshape(*shape, 4)
+
+
+def kinetic_energy(
+    design: Design,
+    pose: ArrayLike,
+    velocity: ArrayLike,
+    assembly: Assembly = Assembly.PRINTED,
+    misprints: Misprint = Misprint.NONE,
+) -> Array:
+    """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3."""
+    shape, (p, v) = together(pose=pose, velocity=velocity)
+    e = _terms(design, misprints)
+    g, q = leg_states(design.geometry, p, v, np.zeros_like(p), assembly)
+    lift = v[:, 3:] / design.geometry.magnification
+    translation = (
+        e.xy5 * (q.rho_rate**2 + (g.rho * q.beta_rate) ** 2)
+        + e.z5 * q.zeta_rate**2
+        + e.p9 * (q.r9_rate**2 + (g.r9 * q.beta_rate) ** 2 + q.z9_rate**2)
+        + e.xy59 * (q.rho_rate * q.r9_rate + g.rho * g.r9 * q.beta_rate**2)
+        + e.z59 * q.zeta_rate * q.z9_rate
+        + e.lift * lift**2
+        + e.z5_lift * q.zeta_rate * lift
+        + e.lift_linear * lift
+        + e.turn * v[:, 2:3] ** 2
+    )
+    rotation = (
+        e.psi * q.psi_rate**2
+        + e.phi * q.phi_rate**2
+        + q.beta_rate**2
+        * (
+            e.spin
+            + e.spin_sin_psi * g.sin_psi**2
+            + e.spin_cos_psi * g.cos_psi**2
+            + e.spin_sin_phi * g.sin_phi**2
+            + e.spin_cos_phi * g.cos_phi**2
+        )
+    )
+    platform = e.mass * (v[:, 0] ** 2 + v[:, 1] ** 2 + v[:, 3] ** 2) + e.inertia * v[:, 2] ** 2
+    return (0.5 * platform + (translation + rotation).sum(axis=-1)).reshape(shape)
+
+
+def actuator_power(
+    design: Design, pose: ArrayLike, velocity: ArrayLike, torque: ArrayLike
+) -> Array:
+    """Return the power of each actuator, Q_j q_j', (..., 4) [W]."""
+    return as_vectors(torque, "torque") * actuator_velocity(design, pose, velocity)

@@ -1,0 +1,224 @@
+"""Lumped mass coefficients (Appendices 2 and 3) and the terms of the energies they stand for.
+
+Everything the robot's mass distribution does to its torques passes through 18 numbers
+
+    c = (M_p1, M_p2, M_p3, M_c1 .. M_c13, m_pl, I_pl),
+
+which are linear in the masses and inertias and depend on the geometry only through k and lengths.
+The energies (Eqs. 11-14) are then linear in c: `energy_terms` says which coefficient multiplies
+which square of a velocity. The misprints of the paper live here and nowhere else, because each of
+them moves a coefficient to a wrong place; see `Misprint`.
+"""
+
+from __future__ import annotations
+
+from enum import Flag, auto
+from types import SimpleNamespace
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.parameters import PARAMETERS
+
+Array = NDArray[np.float64]
+
+
+class Misprint(Flag):
+    """The printed formulae that differ from the correct ones; combine them with ``|``.
+
+    The misprints of Appendix 1 (indices of the base points) and of Appendix 4 (a unit, a symbol)
+    name things wrongly and leave nothing to evaluate, so they are not in this list.
+    """
+
+    NONE = 0
+    EQ13_LIFT_SPEED = auto()
+    """Eq. 13 prints M_c6 Z' instead of M_c6 Z'^2."""
+    EQ13_LEG_SPIN = auto()
+    """Eq. 13 prints M_c8 theta'^2 (the platform's) instead of M_c8 theta_k'^2."""
+    APP3_MC4 = auto()
+    """Appendix 3, M_c4 prints m_7 / (k^2 (k-1)) instead of twice that."""
+    EQ14_PHI_SPEED = auto()
+    """Eq. 14 prints M_c10 phi'^2 instead of M_c11 phi'^2."""
+    EQ14_SINE_SIGNS = auto()
+    """Eq. 14 prints -M_c10 sin^2 psi and -M_c12 sin^2 phi instead of +."""
+    ALL = EQ13_LIFT_SPEED | EQ13_LEG_SPIN | APP3_MC4 | EQ14_PHI_SPEED | EQ14_SINE_SIGNS
+    """The formulae exactly as printed."""
+
+
+COEFFICIENTS: tuple[str, ...] = (
+    "Mp1", "Mp2", "Mp3", *(f"Mc{i}" for i in range(1, 14)), "m_pl", "I_pl",
+)  # fmt: skip
+"""Names of the entries of c."""
+
+MASS_PATHS: tuple[str, ...] = tuple(
+    p.path
+    for p in PARAMETERS
+    if p.group in ("joints", "links", "inertias", "platform", "payload")
+)
+"""Design values in which c is linear."""
+
+
+class EnergyTerms(NamedTuple):
+    """Factors of the energies, one for each kind of term; a leg unless said otherwise.
+
+    V has ``v5 z_5 + v9 z_9 + vz Z``; T has the rest, in the order of Eqs. 13 and 14.
+    """
+
+    v5: Any
+    v9: Any
+    vz: Any
+    xy5: Any  # x_5'^2 + y_5'^2
+    z5: Any  # z_5'^2
+    p9: Any  # x_9'^2 + y_9'^2 + z_9'^2
+    xy59: Any  # x_5' x_9' + y_5' y_9'
+    z59: Any  # z_5' z_9'
+    lift: Any  # Z'^2
+    z5_lift: Any  # z_5' Z'
+    spin: Any  # theta_k'^2, constant part
+    psi: Any  # psi'^2
+    phi: Any  # phi'^2
+    spin_sin_psi: Any  # theta_k'^2 sin^2 psi
+    spin_cos_psi: Any  # theta_k'^2 cos^2 psi
+    spin_sin_phi: Any  # theta_k'^2 sin^2 phi
+    spin_cos_phi: Any  # theta_k'^2 cos^2 phi
+    lift_linear: Any  # Z', only in the formula as printed
+    turn: Any  # theta'^2 of the platform, counted a leg; only in the formula as printed
+    mass: Any  # m_pl (x'^2 + y'^2 + z'^2)/2, platform and payload, counted once
+    inertia: Any  # I_pl theta'^2 / 2, counted once
+
+
+def _lumped(
+    geometry: Geometry, gravity: float, m: SimpleNamespace, misprints: Misprint
+) -> tuple[list[Any], Any]:
+    """Appendices 2 and 3 as printed, but for the one misprint in them; ``m`` by paper symbol."""
+    k, g = geometry.magnification, gravity
+    joints = m.m2 + m.m3 + m.m4 + m.m7
+    mp1 = g * (m.m5 + joints / k + m.B4 / 2 + (m.B1 + m.B7) / (2 * k) + (m.B2 + m.B3) / k)
+    mp2 = g * (
+        ((k - 1) * m.m4 - m.m7 + k * m.m9) / k
+        + ((k - 2) * m.B3 - m.B7) / (2 * k)
+        + (m.B4 + m.B8) / 2
+    )
+    mp3 = g * m.B1 / 2
+    e3 = g * geometry.shaft_length * (m.m2 + (m.B1 + m.B2) / 2)
+    mc1 = 0.5 * (
+        m.m4 / k**2
+        + m.m5
+        + m.m7 / (k * (k - 1)) ** 2
+        + m.m8 / (k - 1) ** 2
+        + m.B3 * (k - 2) ** 2 / (2 * k * (k - 1)) ** 2
+        + m.B4 / 4
+        + m.B7 * (k + 1) ** 2 / (2 * k * (k - 1)) ** 2
+        + m.B8 / (2 * (k - 1)) ** 2
+    )
+    mc2 = 0.5 * (
+        joints / k**2 + m.m5 + (m.B1 + m.B7) / (4 * k**2) + (m.B2 + m.B3) / k**2 + m.B4 / 4
+    )
+    mc3 = 0.5 * (
+        (k - 1) ** 2 * m.m4 / k**2
+        + m.m7 / k**2
+        + m.m9
+        + m.B3 * (k - 2) ** 2 / (4 * k**2)
+        + m.B4 / 4
+        + m.B7 / (4 * k**2)
+        + m.B8 / 4
+    )
+    m7_factor = 1 if misprints & Misprint.APP3_MC4 else 2
+    mc4 = 0.5 * (
+        2 * (k - 1) * m.m4 / k**2
+        + m7_factor * m.m7 / (k**2 * (k - 1))
+        + m.B3 * (k - 2) ** 2 / (2 * k**2 * (k - 1))
+        + m.B4 / 2
+        + m.B7 * (k + 1) / (2 * k**2 * (k - 1))
+        - m.B8 / (2 * (k - 1))
+    )
+    mc5 = 0.5 * (
+        (4 * ((k - 1) * m.m4 - m.m7) - m.B7 + 2 * m.B3 * (k - 2)) / (2 * k**2) + m.B4 / 2
+    )
+    mc6 = m.B1 / 8
+    mc7 = m.B1 / (4 * k)
+    mc8 = m.B10 * geometry.guide_link_length**2 / 8
+    mc9 = (m.Iyy4 + m.Iyy7) / 2
+    mc10 = (m.Ixx4 + m.Ixx7) / 2
+    mc11 = (m.Iyy3 + m.Iyy8) / 2
+    mc12 = (m.Ixx3 + m.Ixx8) / 2
+    mc13 = (m.I2 + m.I10) / 2
+    inertial = [mc1, mc2, mc3, mc4, mc5, mc6, mc7, mc8, mc9, mc10, mc11, mc12, mc13]
+    return [mp1, mp2, mp3, *inertial, m.mpl + m.mload, m.Ipl + m.Iload], e3
+
+
+_SYMBOLS = (
+    "m2 m3 m4 m5 m7 m8 m9 B1 B2 B3 B4 B7 B8 B10 "
+    "Ixx3 Iyy3 Ixx4 Iyy4 Ixx7 Iyy7 Ixx8 Iyy8 I2 I10 mpl Ipl mload Iload"
+).split()
+
+
+def _masses(values: Any) -> SimpleNamespace:
+    """Name the values that come in the order of `MASS_PATHS` by the symbols of the formulae."""
+    return SimpleNamespace(**dict(zip(_SYMBOLS, values, strict=True)))
+
+
+def mass_vector(design: Design) -> Array:
+    """Return the masses and inertias in the order of `MASS_PATHS`, (28,) [kg, kg m^2]."""
+    return np.array([design.value(path) for path in MASS_PATHS])
+
+
+def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> Array:
+    """Return c, (18,), in the order of `COEFFICIENTS` (Appendices 2 and 3).
+
+    M_p are weights [N]; M_c1..7 and m_pl are masses [kg]; M_c8..13 and I_pl are [kg m^2].
+    """
+    values = _masses(mass_vector(design))
+    return np.array(_lumped(design.geometry, design.gravity, values, misprints)[0])
+
+
+def lumped_matrix(
+    geometry: Geometry, gravity: float = 9.81, misprints: Misprint = Misprint.NONE
+) -> Array:
+    """Return N, (18, 28), such that c = N @ mass_vector(design): c is linear in the masses."""
+    units = _masses(np.eye(len(MASS_PATHS)))
+    return np.array(
+        [row + np.zeros(len(MASS_PATHS)) for row in _lumped(geometry, gravity, units, misprints)[0]]
+    )
+
+
+def potential_constant(design: Design) -> float:
+    """Return e_3 of Appendix 2, the part of a leg's potential energy that never changes [J]."""
+    return float(
+        _lumped(design.geometry, design.gravity, _masses(mass_vector(design)), Misprint.NONE)[1]
+    )
+
+
+def energy_terms(c: Array, misprints: Misprint = Misprint.NONE) -> EnergyTerms:
+    """Say which entry of c multiplies which term of the energies (Eqs. 11-14).
+
+    Args:
+        c: Lumped coefficients, (18,) or (18, n); the result's entries have the rest of its shape.
+        misprints: Terms to take as printed instead of corrected.
+    """
+    mp1, mp2, mp3, c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13, mass, inertia = c
+    none = 0.0 * mass
+    lift_printed = bool(misprints & Misprint.EQ13_LIFT_SPEED)
+    spin_printed = bool(misprints & Misprint.EQ13_LEG_SPIN)
+    sine = -1.0 if misprints & Misprint.EQ14_SINE_SIGNS else 1.0
+    return EnergyTerms(
+        v5=mp1, v9=mp2, vz=mp3,
+        xy5=c1, z5=c2, p9=c3, xy59=c4, z59=c5,
+        lift=none if lift_printed else c6,
+        z5_lift=c7,
+        spin=c13 + (none if spin_printed else c8),
+        psi=c9,
+        phi=c10 if misprints & Misprint.EQ14_PHI_SPEED else c11,
+        spin_sin_psi=sine * c10, spin_cos_psi=c9,
+        spin_sin_phi=sine * c12, spin_cos_phi=c11,
+        lift_linear=c6 if lift_printed else none,
+        turn=c8 if spin_printed else none,
+        mass=mass, inertia=inertia,
+    )  # fmt: skip
+
+
+def term_matrix(misprints: Misprint = Misprint.NONE) -> Array:
+    """Return S, (21, 18), such that the energy terms are S @ c."""
+    return np.array(energy_terms(np.eye(len(COEFFICIENTS)), misprints))

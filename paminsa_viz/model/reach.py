@@ -1,0 +1,148 @@
+"""Which poses the robot can take; if it can not, which leg and which limit stand in the way."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model import backend, robot
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.errors import UnreachablePose
+from paminsa_viz.model.leg import mechanism
+
+
+class Limit(IntEnum):
+    """Why a pose can not be taken, or a torque not be given."""
+
+    OK = 0
+    NOT_FINITE = 1
+    STRETCHED = 2
+    FOLDED = 3
+    GUIDE = 4
+    AXIS = 5
+    SINGULAR = 6
+
+    @property
+    def word(self) -> str:
+        """The name used in tables and files."""
+        return self.name.lower().replace("_", "-")
+
+    @property
+    def explanation(self) -> str:
+        """What it means, in words."""
+        return _EXPLANATIONS[self]
+
+
+_EXPLANATIONS = {
+    Limit.OK: "the pose can be taken",
+    Limit.NOT_FINITE: "the pose is not finite",
+    Limit.STRETCHED: "the pantograph is over-stretched: joints 8 and 5 are too far apart",
+    Limit.FOLDED: "the pantograph is folded too far: joints 8 and 5 are too close together",
+    Limit.GUIDE: "joint 8 would leave its guide",
+    Limit.AXIS: "joint 5 is on its leg axis",
+    Limit.SINGULAR: "the pose is singular, torques have no bound there",
+}
+
+MARGINS: tuple[Limit, ...] = (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.AXIS)
+"""Limits in the order of the last axis of `Reach.margins`."""
+
+
+@dataclass(frozen=True)
+class Reach:
+    """Whether poses of batch shape (...) can be taken.
+
+    Attributes:
+        status: (...) values of `Limit`.
+        leg: (...) index of the leg that is worst off, 0 to 2; -1 where the pose can be taken.
+        excess: (...) by how much that leg's limit is exceeded, 0 where it is not [m].
+        margins: (..., 3 legs, 4 limits) distance to every limit, negative beyond it [m]; limits in
+            the order of `MARGINS`: |85| below l_B4 + l_B8, |85| above |l_B4 - l_B8|, joint 8
+            within its stroke, joint 5 off the leg axis.
+    """
+
+    status: NDArray[np.uint8]
+    leg: NDArray[np.int8]
+    excess: Array
+    margins: Array
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Where the pose can be taken, (...)."""
+        return self.status == Limit.OK
+
+    def words(self) -> NDArray[np.str_]:
+        """Return the status as words for tables, such as ``ok`` or ``stretched:leg2``, (...)."""
+        return status_words(self.status, self.leg)
+
+
+def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
+    """Return status codes as words; the leg is added, by the paper's number, where there is one."""
+    words = np.array([limit.word for limit in Limit])[np.asarray(status)]
+    legs = np.array([":leg1", ":leg2", ":leg3", ""])[np.asarray(leg)]
+    return np.char.add(words, legs)
+
+
+def reach(geometry: Geometry, pose: ArrayLike) -> Reach:
+    """Say for each pose whether the robot can take it, in either assembly mode.
+
+    Args:
+        geometry: Lengths and limits.
+        pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
+    """
+    pose = as_vectors(pose, "pose")
+    x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]
+    with np.errstate(all="ignore"):
+        legs = robot.leg_margins(
+            mechanism(geometry),
+            np.array(robot.AXIS_X), np.array(robot.AXIS_Y),
+            x, y, np.cos(theta), np.sin(theta), z,
+        )  # fmt: skip
+    margins = np.stack(np.broadcast_arrays(*legs), axis=-1)
+    flat = margins.reshape(*pose.shape[:-1], 12)
+    which = np.argmin(flat, axis=-1)
+    worst = np.take_along_axis(flat, which[..., None], axis=-1)[..., 0]
+    status, leg = decode(worst, which)
+    return Reach(status, leg, np.where(leg >= 0, -worst, 0.0), margins)
+
+
+def decode(worst: Array, which: ArrayLike) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:
+    """Turn the least margin and its tag (see `robot.least_margin`) into status and leg."""
+    tag = np.asarray(which, dtype=np.int64)
+    limits = np.array(MARGINS, dtype=np.uint8)
+    # A guide may be used to its end; on the other limits the mechanism is singular.
+    bad = (worst < 0) | ((worst == 0) & (tag % 4 != 2))
+    status = np.where(bad, limits[tag % 4], np.uint8(Limit.OK))
+    status = np.where(np.isfinite(worst), status, np.uint8(Limit.NOT_FINITE)).astype(np.uint8)
+    leg = np.where(bad & np.isfinite(worst), tag // 4, -1).astype(np.int8)
+    return status, leg
+
+
+def reach_status(geometry: Geometry, pose: Array) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:
+    """Return status and leg alone for a list of poses (n, 4): the fast way for batches."""
+    worst, which = backend.over_list("least_margin", mechanism(geometry), pose).T
+    return decode(worst, which)
+
+
+def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
+    """Check one pose.
+
+    Raises:
+        UnreachablePose: If the robot can not take it; says which leg, which limit, by how much.
+    """
+    result = reach(geometry, pose)
+    if result.ok.all():
+        return
+    first = tuple(np.argwhere(~result.ok)[0])
+    where = np.asarray(pose, dtype=float)[first]
+    limit = Limit(int(result.status[first]))
+    leg, excess = int(result.leg[first]) + 1, float(result.excess[first])
+    x, y, theta, z = where
+    text = f"pose ({1e3 * x:.1f} mm, {1e3 * y:.1f} mm, {np.degrees(theta):.1f} deg, {1e3 * z:.1f} mm)"
+    text += f" can not be taken: {limit.explanation}"
+    if leg:
+        text += f" (leg {leg}, by {1e3 * excess:.2f} mm)"
+    raise UnreachablePose(tuple(map(float, where)), leg, limit.word, excess, text)

@@ -1,0 +1,87 @@
+"""Torques as a product Q = Y(q, q', q'') c, linear in the lumped coefficients.
+
+A derivation of its own beside `dynamics`: by Jourdain's principle, with partial velocities of the
+actuators and no multipliers. With Y kept for a trajectory, a change of masses costs one product.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, together
+from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.kinematics import leg_states
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.leg_forces import leg_regressor
+from paminsa_viz.model.lumped import Misprint, term_matrix
+from paminsa_viz.model.reach import Limit, reach_status
+
+BLOCK = 4096
+"""States worked on at a time; bounds the memory of the intermediate terms to some 20 MB."""
+
+
+def regressor(
+    geometry: Geometry,
+    pose: ArrayLike,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    gravity: float = 9.81,
+    misprints: Misprint = Misprint.NONE,
+) -> Array:
+    """Return Y, (..., 4 actuators, 18 coefficients of `lumped.COEFFICIENTS`).
+
+    M_p1..3 are weights, so ``gravity`` [m/s^2] enters through the platform's mass alone. Friction
+    is no part of it. NaN where the pose can not be taken.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
+        acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
+        assembly: Root of the knee.
+        gravity: Gravitational acceleration [m/s^2].
+        misprints: Formulae to take as printed. M_c4's misprint is one of c, not of Y.
+    """
+    shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
+    terms = term_matrix(misprints)
+    y = np.empty((len(p), 4, terms.shape[1]))
+    for start in range(0, len(p), BLOCK):
+        part = slice(start, start + BLOCK)
+        y[part] = _unit_terms(geometry, p[part], v[part], a[part], assembly, gravity) @ terms
+    return y.reshape(*shape, 4, terms.shape[1])
+
+
+def _unit_terms(
+    geometry: Geometry, p: Array, v: Array, a: Array, assembly: Assembly, gravity: float
+) -> Array:
+    """Return the torques of unit energy terms, (n, 4, 21), in the order of `EnergyTerms`."""
+    g, q = leg_states(geometry, p, v, a, assembly)
+    with np.errstate(all="ignore"):
+        kinds = leg_regressor(mechanism(geometry, assembly), g, q)
+        on_rho, on_zeta, on_beta, on_lift = (
+            np.stack(np.broadcast_arrays(*kind)) for kind in kinds
+        )  # each (19, n, 3)
+        j = jacobian(geometry, p)[:, :3, :3]
+        # rho_k' for theta_j' = 1
+        turn = g.px * g.uy - g.py * g.ux
+        radial = (
+            g.ux[:, :, None] * j[:, None, 0]
+            + g.uy[:, :, None] * j[:, None, 1]
+            + turn[:, :, None] * j[:, None, 2]
+        )  # (n, leg, actuator)
+    y = np.zeros((len(p), 4, 21))
+    k = geometry.magnification
+    y[:, :3, :19] = np.einsum("tnk,nkj->njt", on_rho, radial) + np.moveaxis(on_beta, 0, -1)
+    y[:, 3, :19] = (k * on_zeta + on_lift).sum(axis=-1).T
+    # platform: turn (printed Eq. 13 only), mass, inertia
+    y[:, :3, 18] = 6 * a[:, 2:3] * j[:, 2]
+    y[:, :3, 19] = a[:, 0:1] * j[:, 0] + a[:, 1:2] * j[:, 1]
+    y[:, 3, 19] = k * (a[:, 3] + gravity)
+    y[:, :3, 20] = a[:, 2:3] * j[:, 2]
+    status, _ = reach_status(geometry, p)
+    y[status != Limit.OK] = np.nan
+    return y

@@ -1,0 +1,337 @@
+"""The robot from its three legs: torques, inertia, singularity, reach, as plain formulae.
+
+The same source serves NumPy and the compiler; see `leg.py` for notation and conventions. Outputs
+of an unreachable pose are NaN: each formula starts from the square root that fails there.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from paminsa_viz.model.leg import (
+    LegPosition,
+    LegVector,
+    Mechanism,
+    knee_height,
+    leg_motion,
+    leg_position,
+    leg_vector,
+    pantograph,
+)
+from paminsa_viz.model.leg_forces import leg_forces, leg_inertia
+from paminsa_viz.model.lumped import EnergyTerms
+
+HALF_ROOT_3 = 0.8660254037844386
+AXIS_X = (-HALF_ROOT_3, HALF_ROOT_3, 0.0)
+AXIS_Y = (-0.5, -0.5, 1.0)
+"""Directions from the base centre to the leg axes, at 210, -30 and 90 degrees (e_k / R_b)."""
+
+THIRD = 1.0 / 3.0
+INVERSE_SQRT_6 = 0.408248290463863
+
+
+def choose(condition: Any, yes: Any, no: Any) -> Any:
+    """Elementwise ``yes if condition else no``; compiled to a branchless select."""
+    return np.where(condition, yes, no)
+
+
+class Balance(NamedTuple):
+    """Solution t of sum_k t_k (w_k rho_k, p_k x w_k rho_k) = (fx, fy, ft), w_k tangential."""
+
+    t1: Any
+    t2: Any
+    t3: Any
+
+
+def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
+    """Return det of the rows (w_k rho_k, p_k . d_k) [m^4], zero at type-2 singularities.
+
+    It has the closed form -(3 sqrt(3)/2) R_pl (R_b cos theta - R_pl) (r_s^2 - x^2 - y^2) with
+    r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta.
+    """
+    rb, rp = m.base_radius, m.platform_radius
+    locus = rb * rb + rp * rp - 2.0 * rb * rp * c
+    return -3.0 * HALF_ROOT_3 * rp * (rb * c - rp) * (locus - x * x - y * y)
+
+
+def balance(
+    determinant: Any, a: LegVector, b: LegVector, d: LegVector, fx: Any, fy: Any, ft: Any
+) -> Balance:
+    """Split a horizontal force and a vertical moment on the platform over the three legs."""
+    ma = a.px * a.dx + a.py * a.dy
+    mb = b.px * b.dx + b.py * b.dy
+    md = d.px * d.dx + d.py * d.dy
+    inverse = 1.0 / determinant
+    t1 = fx * (b.dx * md - mb * d.dx) + fy * (b.dy * md - mb * d.dy) + ft * (b.dx * d.dy - b.dy * d.dx)
+    t2 = fx * (d.dx * ma - md * a.dx) + fy * (d.dy * ma - md * a.dy) + ft * (d.dx * a.dy - d.dy * a.dx)
+    t3 = fx * (a.dx * mb - ma * b.dx) + fy * (a.dy * mb - ma * b.dy) + ft * (a.dx * b.dy - a.dy * b.dx)
+    return Balance(t1 * inverse, t2 * inverse, t3 * inverse)
+
+
+def _slope(m: Mechanism, v: LegVector, zeta: Any) -> tuple[Any, Any]:
+    """Return the derivatives of z9 that statics needs, see `knee_height`."""
+    _, by_rho, by_zeta = knee_height(m, pantograph(m, v.rho2, zeta), zeta)
+    return by_rho, by_zeta
+
+
+def _usable(m: Mechanism, v: LegVector) -> Any:
+    """Whether joint 8 is on its guide and joint 5 off its leg axis."""
+    return (v.rho2 <= m.rho2_max) & (v.rho2 > m.rho2_min)
+
+
+def unit_torques(
+    m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any
+) -> tuple[Any, Any, Any, Any]:
+    """Return Gamma, the static torques [m] and force [1] of M1..M4 for M_p2 = 1 N.
+
+    The potential energy depends on x, y and theta through the knees alone, so that
+    Q_j = M_p2 Gamma_j for j = 1, 2, 3 (Eq. 5); for M4 a constant comes on top.
+    """
+    zeta = z + m.joint_height
+    v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
+    v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
+    v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
+    f1, h1 = _slope(m, v1, zeta)
+    f2, h2 = _slope(m, v2, zeta)
+    f3, h3 = _slope(m, v3, zeta)
+    fx = f1 * v1.dx + f2 * v2.dx + f3 * v3.dx
+    fy = f1 * v1.dy + f2 * v2.dy + f3 * v3.dy
+    ft = (
+        f1 * (v1.px * v1.dy - v1.py * v1.dx)
+        + f2 * (v2.px * v2.dy - v2.py * v2.dx)
+        + f3 * (v3.px * v3.dy - v3.py * v3.dx)
+    )
+    t = balance(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
+    usable = _usable(m, v1) & _usable(m, v2) & _usable(m, v3)
+    return (
+        choose(usable, t.t1 * v1.rho2, np.nan),
+        choose(usable, t.t2 * v2.rho2, np.nan),
+        choose(usable, t.t3 * v3.rho2, np.nan),
+        choose(usable, (h1 + h2 + h3) * m.k, np.nan),
+    )
+
+
+def _vector(g: LegPosition) -> LegVector:
+    return LegVector(g.px, g.py, g.ux * g.rho, g.uy * g.rho, g.rho * g.rho)
+
+
+class Drive(NamedTuple):
+    """Actuator torques and the multipliers of the closure equations s_1..s_4."""
+
+    tau1: Any
+    tau2: Any
+    tau3: Any
+    f4: Any
+    lambda1: Any
+    lambda2: Any
+    lambda3: Any
+    lambda4: Any
+
+
+def drive(
+    m: Mechanism, e: EnergyTerms, gravity: Any,
+    x: Any, y: Any, c: Any, s: Any, z: Any,
+    vx: Any, vy: Any, vt: Any, vz: Any,
+    ax: Any, ay: Any, at: Any, az: Any,
+) -> Drive:  # fmt: skip
+    """Inverse dynamics as the paper solves it (Eqs. 15-21).
+
+    The first four Lagrange equations (x, y, theta, z) give the multipliers, the last four
+    (theta_1..3, Z) the torques. ``gravity`` [m/s^2] acts on the platform; the legs' weights stand
+    in the energy terms.
+    """
+    g1 = leg_position(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)
+    g2 = leg_position(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z)
+    g3 = leg_position(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z)
+    f1 = leg_forces(m, e, g1, leg_motion(m, g1, vx, vy, vt, vz, ax, ay, at, az))
+    f2 = leg_forces(m, e, g2, leg_motion(m, g2, vx, vy, vt, vz, ax, ay, at, az))
+    f3 = leg_forces(m, e, g3, leg_motion(m, g3, vx, vy, vt, vz, ax, ay, at, az))
+    # horizontal forces on the points 5
+    x1, y1 = f1.radial * g1.ux - f1.tangential * g1.uy, f1.radial * g1.uy + f1.tangential * g1.ux
+    x2, y2 = f2.radial * g2.ux - f2.tangential * g2.uy, f2.radial * g2.uy + f2.tangential * g2.ux
+    x3, y3 = f3.radial * g3.ux - f3.tangential * g3.uy, f3.radial * g3.uy + f3.tangential * g3.ux
+    fx = x1 + x2 + x3 + e.mass * ax
+    fy = y1 + y2 + y3 + e.mass * ay
+    ft = (
+        (g1.px * y1 - g1.py * x1)
+        + (g2.px * y2 - g2.py * x2)
+        + (g3.px * y3 - g3.py * x3)
+        + (e.inertia + 6.0 * e.turn) * at
+    )
+    fz = f1.vertical + f2.vertical + f3.vertical + e.mass * (az + gravity)
+
+    v1, v2, v3 = _vector(g1), _vector(g2), _vector(g3)
+    t = balance(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
+    usable = _usable(m, v1) & _usable(m, v2) & _usable(m, v3)
+    # A_ij: d s_k = -rho_k^-1 (row of `balance`), d s_k / d theta_k = rho_k, d s_4 = (1/k, -1)
+    lambda1, lambda2, lambda3 = -g1.rho * t.t1, -g2.rho * t.t2, -g3.rho * t.t3
+    lambda4 = fz * m.k
+    return Drive(
+        choose(usable, f1.torque - lambda1 * g1.rho, np.nan),
+        choose(usable, f2.torque - lambda2 * g2.rho, np.nan),
+        choose(usable, f3.torque - lambda3 * g3.rho, np.nan),
+        choose(usable, f1.lift + f2.lift + f3.lift + lambda4, np.nan),
+        choose(usable, lambda1, np.nan),
+        choose(usable, lambda2, np.nan),
+        choose(usable, lambda3, np.nan),
+        choose(usable, lambda4, np.nan),
+    )
+
+
+def _leg_mass(
+    m: Mechanism, e: EnergyTerms, leg: int, x: Any, y: Any, c: Any, s: Any, z: Any
+) -> tuple[Any, ...]:
+    """Return the part of one leg in `mass_matrix`."""
+    g = leg_position(m, AXIS_X[leg], AXIS_Y[leg], x, y, c, s, z)
+    i = leg_inertia(m, e, g)
+    cross_p = g.px * g.uy - g.py * g.ux  # d rho / d theta
+    dot_p = g.px * g.ux + g.py * g.uy  # rho d theta_k / d theta
+    turn = i.beta * g.inverse_rho * g.inverse_rho
+    return (
+        i.rho * g.ux * g.ux + turn * g.uy * g.uy,
+        (i.rho - turn) * g.ux * g.uy,
+        i.rho * g.ux * cross_p - turn * g.uy * dot_p,
+        i.cross * g.ux,
+        i.rho * g.uy * g.uy + turn * g.ux * g.ux,
+        i.rho * g.uy * cross_p + turn * g.ux * dot_p,
+        i.cross * g.uy,
+        i.rho * cross_p * cross_p + turn * dot_p * dot_p,
+        i.cross * cross_p,
+        i.zeta,
+    )
+
+
+def mass_matrix(
+    m: Mechanism, e: EnergyTerms, x: Any, y: Any, c: Any, s: Any, z: Any
+) -> tuple[Any, ...]:
+    """Return the upper triangle of the mass matrix in (x, y, theta, z), row by row (10 values)."""
+    a = _leg_mass(m, e, 0, x, y, c, s, z)
+    b = _leg_mass(m, e, 1, x, y, c, s, z)
+    d = _leg_mass(m, e, 2, x, y, c, s, z)
+    return (
+        a[0] + b[0] + d[0] + e.mass,
+        a[1] + b[1] + d[1],
+        a[2] + b[2] + d[2],
+        a[3] + b[3] + d[3],
+        a[4] + b[4] + d[4] + e.mass,
+        a[5] + b[5] + d[5],
+        a[6] + b[6] + d[6],
+        a[7] + b[7] + d[7] + e.inertia + 6.0 * e.turn,
+        a[8] + b[8] + d[8],
+        a[9] + b[9] + d[9] + e.mass,
+    )
+
+
+class LegMargins(NamedTuple):
+    """How far a leg is from each of its limits; negative: by how much it is exceeded [m]."""
+
+    stretch: Any  # l_B4 + l_B8 - |85|
+    fold: Any  # |85| - |l_B4 - l_B8|
+    guide: Any  # stroke - |X_4|
+    axis: Any  # X_1 - clearance
+
+
+def leg_margins(
+    m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any, z: Any
+) -> LegMargins:
+    """Return the margins of one leg; arguments as in `leg_position`."""
+    v = leg_vector(m, ax, ay, x, y, c, s)
+    rho = np.sqrt(v.rho2)
+    zeta = z + m.joint_height
+    distance = np.sqrt(m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta)
+    return LegMargins(
+        m.crank + m.coupler - distance,
+        distance - np.abs(m.coupler - m.crank),
+        m.stroke - m.guide_ratio * rho,
+        rho - m.clearance,
+    )
+
+
+def least_margin(
+    m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any
+) -> tuple[Any, Any]:
+    """Return the smallest margin of all legs and limits [m], and which one it is.
+
+    The second value is 4 * leg + limit, legs from 0, limits in the order of `LegMargins`.
+    """
+    a = leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)
+    worst, which = _lesser(a.stretch, 0.0, a.fold, 1.0)
+    worst, which = _lesser(worst, which, a.guide, 2.0)
+    worst, which = _lesser(worst, which, a.axis, 3.0)
+    b = leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z)
+    worst, which = _lesser(worst, which, b.stretch, 4.0)
+    worst, which = _lesser(worst, which, b.fold, 5.0)
+    worst, which = _lesser(worst, which, b.guide, 6.0)
+    worst, which = _lesser(worst, which, b.axis, 7.0)
+    d = leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z)
+    worst, which = _lesser(worst, which, d.stretch, 8.0)
+    worst, which = _lesser(worst, which, d.fold, 9.0)
+    worst, which = _lesser(worst, which, d.guide, 10.0)
+    return _lesser(worst, which, d.axis, 11.0)
+
+
+def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> tuple[Any, Any]:
+    """Return the lesser of two values and its tag."""
+    first = value <= other
+    return choose(first, value, other), choose(first, tag, other_tag)
+
+
+def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) -> Any:
+    """Return the largest eigenvalue of a symmetric 3x3 matrix, by the trigonometric formula."""
+    mean = (xx + yy + zz) * THIRD
+    dx, dy, dz = xx - mean, yy - mean, zz - mean
+    spread = np.sqrt(dx * dx + dy * dy + dz * dz + 2.0 * (xy * xy + yz * yz + xz * xz)) * INVERSE_SQRT_6
+    det = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
+    cube = spread * spread * spread
+    ratio = choose(cube > 0.0, 0.5 * det / choose(cube > 0.0, cube, 1.0), 1.0)
+    ratio = choose(ratio > 1.0, 1.0, choose(ratio < -1.0, -1.0, ratio))
+    return mean + 2.0 * spread * np.cos(np.arccos(ratio) * THIRD)
+
+
+def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any]:
+    """Return the determinant of the rows (w_k, p_k x w_k) [m], and the condition number of J.
+
+    The condition number is that of the 2-norm of the map from (x', y', R_pl theta') to
+    (theta_1', theta_2', theta_3'): R_pl is the characteristic length. Neither depends on z, but
+    both are NaN where the pose can not be reached.
+    """
+    v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
+    v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
+    v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
+    det = platform_determinant(m, x, y, c)
+    # rows of the inverse Jacobian over R_pl, and columns of its inverse
+    i1, i2, i3 = 1.0 / v1.rho2, 1.0 / v2.rho2, 1.0 / v3.rho2
+    l1, l2, l3 = (_lever(m, v1), _lever(m, v2), _lever(m, v3))
+    forward = _largest_eigenvalue(
+        i1 * i1 * v1.dy * v1.dy + i2 * i2 * v2.dy * v2.dy + i3 * i3 * v3.dy * v3.dy,
+        i1 * i1 * v1.dx * v1.dx + i2 * i2 * v2.dx * v2.dx + i3 * i3 * v3.dx * v3.dx,
+        i1 * i1 * l1 * l1 + i2 * i2 * l2 * l2 + i3 * i3 * l3 * l3,
+        -(i1 * i1 * v1.dx * v1.dy + i2 * i2 * v2.dx * v2.dy + i3 * i3 * v3.dx * v3.dy),
+        i1 * i1 * v1.dx * l1 + i2 * i2 * v2.dx * l2 + i3 * i3 * v3.dx * l3,
+        -(i1 * i1 * v1.dy * l1 + i2 * i2 * v2.dy * l2 + i3 * i3 * v3.dy * l3),
+    )
+    jx = balance(det, v1, v2, v3, 1.0, 0.0, 0.0)
+    jy = balance(det, v1, v2, v3, 0.0, 1.0, 0.0)
+    jt = balance(det, v1, v2, v3, 0.0, 0.0, m.platform_radius)
+    r1, r2, r3 = v1.rho2, v2.rho2, v3.rho2
+    backward = _largest_eigenvalue(
+        r1 * r1 * jx.t1 * jx.t1 + r2 * r2 * jx.t2 * jx.t2 + r3 * r3 * jx.t3 * jx.t3,
+        r1 * r1 * jy.t1 * jy.t1 + r2 * r2 * jy.t2 * jy.t2 + r3 * r3 * jy.t3 * jy.t3,
+        r1 * r1 * jt.t1 * jt.t1 + r2 * r2 * jt.t2 * jt.t2 + r3 * r3 * jt.t3 * jt.t3,
+        r1 * r1 * jx.t1 * jy.t1 + r2 * r2 * jx.t2 * jy.t2 + r3 * r3 * jx.t3 * jy.t3,
+        r1 * r1 * jy.t1 * jt.t1 + r2 * r2 * jy.t2 * jt.t2 + r3 * r3 * jy.t3 * jt.t3,
+        r1 * r1 * jx.t1 * jt.t1 + r2 * r2 * jx.t2 * jt.t2 + r3 * r3 * jx.t3 * jt.t3,
+    )
+    worst, _ = least_margin(m, x, y, c, s, z)
+    reachable = worst > 0.0
+    return (
+        choose(reachable, det / np.sqrt(r1 * r2 * r3), np.nan),
+        choose(reachable, np.sqrt(forward * backward), np.nan),
+    )
+
+
+def _lever(m: Mechanism, v: LegVector) -> Any:
+    """Return rho_k^2 d theta_k / d theta over the characteristic length."""
+    return (v.px * v.dx + v.py * v.dy) / m.platform_radius

@@ -1,0 +1,99 @@
+"""Singularities in closed form: where the platform escapes the actuators, and how far that is.
+
+Type 2 (parallel): det = 0 exactly where cos theta = R_pl / R_b, or where the platform centre lies
+on the circle x^2 + y^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. Type 1 (serial): joint 5 on its leg
+axis, or a pantograph fully stretched or folded; there the reach margins vanish (see `reach`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model import backend
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import wrap
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.reach import MARGINS, Limit, reach
+
+
+def singular_radius(geometry: Geometry, theta: ArrayLike) -> Array:
+    """Return the radius of the circle of type-2 singular positions at theta [rad], (...) [m]."""
+    rb, rp = geometry.base_radius, geometry.platform_radius
+    theta = as_numbers(theta, "theta")
+    return np.sqrt(np.maximum(rb**2 + rp**2 - 2 * rb * rp * np.cos(theta), 0.0))
+
+
+def singular_rotation(geometry: Geometry) -> float:
+    """Return the |theta| at which every position is singular [rad]; NaN if R_pl > R_b."""
+    ratio = geometry.platform_radius / geometry.base_radius
+    return float(np.arccos(ratio)) if ratio <= 1 else float("nan")
+
+
+@dataclass(frozen=True)
+class Singularity:
+    """How far poses of batch shape (...) are from singular ones.
+
+    Attributes:
+        determinant: det of the rows (w_k, p_k x w_k), w_k the tangential direction of leg k [m];
+            zero at type-2 singularities.
+        condition: 2-norm condition number of the map from (x', y', R_pl theta') to the rotary
+            actuators' speeds; R_pl is the characteristic length. Infinite at type 2.
+        position_distance: Signed distance from (x, y) to the singular circle at this theta,
+            positive inside [m].
+        rotation_distance: Signed turn from theta to the nearest theta at which this (x, y) is
+            singular, positive between the two that enclose theta = 0 [rad].
+        serial_distance: Smallest of X_1 and the margins of the pantographs to fully stretched and
+            fully folded, negative beyond them [m]: distance to type 1.
+    """
+
+    determinant: Array
+    condition: Array
+    position_distance: Array
+    rotation_distance: Array
+    serial_distance: Array
+
+
+def singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
+    """Measure poses (..., 4) [m, m, rad, m] against every singularity; both assembly modes alike.
+
+    Determinant and condition are NaN where the pose can not be taken.
+    """
+    pose = as_vectors(pose, "pose")
+    flat = pose.reshape(-1, 4)
+    det, condition = backend.over_list("dexterity", mechanism(geometry), flat).T
+    radius = np.hypot(pose[..., 0], pose[..., 1])
+    position = singular_radius(geometry, pose[..., 2]) - radius
+
+    rb, rp = geometry.base_radius, geometry.platform_radius
+    turn = np.abs(wrap(pose[..., 2]))
+    with np.errstate(all="ignore"):
+        on_circle = np.arccos((rb**2 + rp**2 - radius**2) / (2 * rb * rp))
+        everywhere = singular_rotation(geometry) - turn
+        circle = turn - on_circle
+    both = np.stack(np.broadcast_arrays(everywhere, circle))
+    nearest = np.where(np.isfinite(both), np.abs(both), np.inf)
+    index = np.argmin(nearest, axis=0)[None]
+    rotation = np.where(
+        np.isfinite(nearest).any(axis=0),
+        np.take_along_axis(nearest, index, axis=0)[0],
+        np.inf,
+    ) * np.where(
+        (np.isnan(everywhere) | (everywhere >= 0)) & (position >= 0), 1.0, -1.0
+    )
+
+    margins = reach(geometry, pose).margins
+    kinds = [MARGINS.index(kind) for kind in (Limit.STRETCHED, Limit.FOLDED, Limit.AXIS)]
+    serial = margins[..., kinds]
+    serial[..., 2] += geometry.axis_clearance
+    shape = pose.shape[:-1]
+    return Singularity(
+        determinant=det.reshape(shape),
+        condition=condition.reshape(shape),
+        position_distance=position,
+        rotation_distance=rotation,
+        serial_distance=serial.min(axis=(-1, -2)),
+    )

@@ -1,0 +1,159 @@
+"""Torques that hold the robot's weight (Eqs. 1-8, Appendix 2), and the energy behind them.
+
+Sign: a torque is what the actuator has to deliver, Q_j = dV/dq_j; positive along theta_k and up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model import backend
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Assembly, Design, Geometry
+from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.lumped import (
+    MASS_PATHS,
+    lumped_coefficients,
+    lumped_matrix,
+    mass_vector,
+    potential_constant,
+)
+from paminsa_viz.model.parameters import PARAMETER
+
+
+def unit_torques(
+    geometry: Geometry, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+) -> Array:
+    """Return Gamma, (..., 4): static torques [m] and force [1] of M1..M4 for M_p2 = 1 N.
+
+    It depends on the geometry alone: Q_j = M_p2 Gamma_j for j = 1, 2, 3. For M4 the constant
+    `lift_constant` comes on top. NaN where the pose can not be taken, not finite at singularities.
+    """
+    pose = as_vectors(pose, "pose")
+    gamma = backend.over_list("unit_torques", mechanism(geometry, assembly), pose.reshape(-1, 4))
+    return gamma.reshape(pose.shape)
+
+
+def lift_constant(design: Design) -> float:
+    """Return the part of F_4 that does not depend on the pose [N].
+
+    It is dV/dZ of everything but the knees: k (m_pl g + 3 M_p1) + 3 M_p3.
+    """
+    c = lumped_coefficients(design)
+    k = design.geometry.magnification
+    return float(k * (c[16] * design.gravity + 3 * c[0]) + 3 * c[2])
+
+
+def static_torques(
+    design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+) -> Array:
+    """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the weight.
+
+    Eqs. 1-6 with Appendix 2; (..., 4). NaN where the pose can not be taken.
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m].
+        assembly: Root of the knee.
+    """
+    balance_moment = lumped_coefficients(design)[1]
+    torque = balance_moment * unit_torques(design.geometry, pose, assembly)
+    torque[..., 3] += lift_constant(design)
+    return torque
+
+
+def balance_distance(design: Design) -> float:
+    """Return M_p2 [N]: zero means that gravity asks nothing of M1..M3, anywhere (Eq. 8)."""
+    return float(lumped_coefficients(design)[1])
+
+
+@dataclass(frozen=True)
+class StaticBreakdown:
+    """Static torques, body by body; batch shape (...).
+
+    Attributes:
+        names: Paths of the bodies' masses in the design, such as ``"links.b3"``.
+        per_leg: (..., 4 actuators, 3 legs, bodies) Q_ikj of Eq. 1 [N m, N].
+        platform: (..., 4) torque for the platform's own weight; zero on M1..M3 (Eq. 4) [N m, N].
+        payload: (..., 4) the same for the payload [N m, N].
+    """
+
+    names: tuple[str, ...]
+    per_leg: Array
+    platform: Array
+    payload: Array
+
+    @property
+    def total(self) -> Array:
+        """Sum of all parts, (..., 4) [N m, N]."""
+        return self.per_leg.sum(axis=(-1, -2)) + self.platform + self.payload
+
+
+BODIES: tuple[str, ...] = tuple(
+    path for path in MASS_PATHS if PARAMETER[path].group in ("joints", "links")
+)
+"""Bodies of a leg that have weight."""
+
+
+def static_breakdown(
+    design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+) -> StaticBreakdown:
+    """Split the static torques by body and leg (Eq. 1); arguments as in `static_torques`."""
+    pose = as_vectors(pose, "pose")
+    geometry = design.geometry
+    reachable = np.where(solve_posture(geometry, pose).reach.ok, 0.0, np.nan)
+    share = lumped_matrix(geometry, design.gravity) * mass_vector(design)
+    index = [MASS_PATHS.index(path) for path in BODIES]
+    mp1, mp2, mp3 = share[:3, index]
+    gamma = _unit_torques_by_leg(geometry, pose, assembly)
+    per_leg = gamma[..., None] * mp2
+    k = geometry.magnification
+    per_leg[..., 3, :, :] += k * mp1 + mp3
+    weight = k * design.gravity
+    lift = np.array([0.0, 0.0, 0.0, 1.0])
+    return StaticBreakdown(
+        BODIES,
+        per_leg,
+        lift * weight * design.platform.mass + reachable[..., None],
+        lift * weight * design.payload.mass + reachable[..., None],
+    )
+
+
+def _unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: Assembly) -> Array:
+    """Return (..., 4 actuators, 3 legs): Gamma, the knee of one leg at a time."""
+    from paminsa_viz.model.jacobian import jacobian
+    from paminsa_viz.model.kinematics import leg_states
+
+    still = np.zeros_like(pose)
+    g, _ = leg_states(geometry, pose, still, still, assembly)
+    j = jacobian(geometry, pose)[..., :3, :3]
+    with np.errstate(all="ignore"):
+        turn = g.px * g.uy - g.py * g.ux
+        gradient = g.z9_rho[..., None] * np.stack([g.ux, g.uy, turn], axis=-1)
+        rotary = np.einsum("...ij,...ki->...jk", j, gradient)
+        lift = geometry.magnification * g.z9_zeta
+    return np.concatenate([rotary, lift[..., None, :]], axis=-2)
+
+
+def potential_energy(
+    design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+) -> Array:
+    """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
+
+    As in the paper the joints 8 and the guide links, which never change height, do not count, and
+    the platform's mass centre is at height z.
+    """
+    posture = solve_posture(design.geometry, pose, assembly)
+    c = lumped_coefficients(design)
+    z5, z9 = posture.points[5][..., 2], posture.points[9][..., 2]
+    legs = c[0] * z5 + c[1] * z9 + c[2] * posture.actuators[..., 3:] + potential_constant(design)
+    return c[16] * design.gravity * posture.pose[..., 3] + legs.sum(axis=-1)
+
+
+def finite_mask(torque: Array) -> NDArray[np.bool_]:
+    """Return where all entries of the last axis are finite, (...)."""
+    return np.isfinite(torque).all(axis=-1)
