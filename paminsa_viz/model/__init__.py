@@ -1,0 +1,156 @@
+"""The mechanics of the PAMINSA: design, kinematics, singularities, statics, dynamics, grids.
+
+Poses are (..., 4) arrays (x, y, theta, z), actuator positions (theta_1, theta_2, theta_3, Z),
+torques (tau_1, tau_2, tau_3, F_4), in SI units in the base frame; z is up. See the modules for
+what each function says of the paper's equations.
+"""
+
+from __future__ import annotations
+
+from paminsa_viz.model.design import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Friction,
+    Geometry,
+    Inertias,
+    JointMasses,
+    LinkMasses,
+    Payload,
+    Platform,
+)
+from paminsa_viz.model.dynamics import (
+    InverseDynamics,
+    TorqueBreakdown,
+    actuator_power,
+    actuator_velocity,
+    forward_dynamics,
+    friction_torque,
+    inverse_dynamics,
+    kinetic_energy,
+    mass_matrix,
+    torque_breakdown,
+)
+from paminsa_viz.model.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
+from paminsa_viz.model.grids import (
+    Field,
+    Grid,
+    Quantity,
+    rotary_torques,
+    solve_field,
+    xy_grid,
+)
+from paminsa_viz.model.jacobian import (
+    closure,
+    closure_matrix,
+    inverse_jacobian,
+    inverse_jacobian_rate,
+    jacobian,
+)
+from paminsa_viz.model.kinematics import (
+    Assemblies,
+    Motion,
+    Posture,
+    continue_pose,
+    forward_kinematics,
+    solve_motion,
+    solve_posture,
+)
+from paminsa_viz.model.lumped import (
+    COEFFICIENTS,
+    Misprint,
+    lumped_coefficients,
+    lumped_matrix,
+    mass_vector,
+)
+from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
+from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
+from paminsa_viz.model.regressor import torque_regressor
+from paminsa_viz.model.singularity import (
+    Singularity,
+    measure_singularity,
+    singular_radius,
+    singular_rotation,
+)
+from paminsa_viz.model.statics import (
+    StaticBreakdown,
+    balance_distance,
+    lift_constant,
+    potential_energy,
+    static_breakdown,
+    static_torques,
+    unit_torques,
+)
+from paminsa_viz.model.sweeps import SweepSummary, sweep, sweep_blocks
+
+__all__ = [
+    "APPENDIX_4",
+    "COEFFICIENTS",
+    "PARAMETER",
+    "PARAMETERS",
+    "Assemblies",
+    "Assembly",
+    "Design",
+    "Field",
+    "Friction",
+    "Geometry",
+    "Grid",
+    "Inertias",
+    "InvalidDesign",
+    "InvalidInput",
+    "InverseDynamics",
+    "JointMasses",
+    "Limit",
+    "LinkMasses",
+    "Misprint",
+    "Motion",
+    "PaminsaError",
+    "Parameter",
+    "Payload",
+    "Platform",
+    "Posture",
+    "Quantity",
+    "Reach",
+    "Singularity",
+    "StaticBreakdown",
+    "SweepSummary",
+    "TorqueBreakdown",
+    "UnreachablePose",
+    "actuator_power",
+    "actuator_velocity",
+    "balance_distance",
+    "check_reach",
+    "closure",
+    "closure_matrix",
+    "continue_pose",
+    "forward_dynamics",
+    "forward_kinematics",
+    "friction_torque",
+    "inverse_dynamics",
+    "inverse_jacobian",
+    "inverse_jacobian_rate",
+    "jacobian",
+    "kinetic_energy",
+    "lift_constant",
+    "lumped_coefficients",
+    "lumped_matrix",
+    "mass_matrix",
+    "mass_vector",
+    "measure_singularity",
+    "potential_energy",
+    "require_reachable",
+    "rotary_torques",
+    "singular_radius",
+    "singular_rotation",
+    "solve_field",
+    "solve_motion",
+    "solve_posture",
+    "static_breakdown",
+    "static_torques",
+    "sweep",
+    "sweep_blocks",
+    "torque_breakdown",
+    "torque_regressor",
+    "unit_torques",
+    "xy_grid",
+]

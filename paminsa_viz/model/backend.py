@@ -1,4 +1,4 @@
-"""Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise; same source, same API.
+"""Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
 
 The first compilation takes seconds (later runs load it from disk). A script waits for it once; a
 page calls `compile_in_background` and works on NumPy until the kernels are there.
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model import leg, robot
+from paminsa_viz.model import leg, measures, robot
 from paminsa_viz.model.lumped import EnergyTerms
 
 Array = NDArray[np.float64]
@@ -22,8 +22,8 @@ Array = NDArray[np.float64]
 FORMULAE = {
     "rotary_torques": lambda *args: robot.unit_torques(*args)[:3],
     "unit_torques": robot.unit_torques,
-    "least_margin": robot.least_margin,
-    "dexterity": robot.dexterity,
+    "least_margin": measures.least_margin,
+    "dexterity": measures.dexterity,
 }
 """Formulae of a pose, by the name under which they are compiled."""
 
@@ -122,9 +122,7 @@ def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array) -> Array:
         return out
     sums = outer[:, None, :] + inner[None, :, :]
     with np.errstate(all="ignore"):
-        values = FORMULAE[name](
-            m, sums[..., 0], sums[..., 1], c[:, None], s[:, None], sums[..., 3]
-        )
+        values = FORMULAE[name](m, sums[..., 0], sums[..., 1], c[:, None], s[:, None], sums[..., 3])
     return np.stack(np.broadcast_arrays(*values))
 
 
@@ -160,7 +158,5 @@ def mass_matrix(m: leg.Mechanism, e: EnergyTerms, pose: Array) -> Array:
         kernels.mass_matrix(m, e, pose, c, s, out)
         return out
     with np.errstate(all="ignore"):
-        values: tuple[Any, ...] = robot.mass_matrix(
-            m, e, pose[:, 0], pose[:, 1], c, s, pose[:, 3]
-        )
+        values: tuple[Any, ...] = robot.mass_matrix(m, e, pose[:, 0], pose[:, 1], c, s, pose[:, 3])
     return np.stack(np.broadcast_arrays(*values), axis=-1)

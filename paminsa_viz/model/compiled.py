@@ -18,7 +18,7 @@ import numpy as np
 from numba import njit
 from numba.extending import overload, register_jitable
 
-from paminsa_viz.model import leg, leg_forces, robot
+from paminsa_viz.model import leg, leg_forces, measures, robot
 
 _FORMULAE = (
     leg.pantograph,
@@ -38,12 +38,12 @@ _FORMULAE = (
     robot.drive,
     robot._leg_mass,
     robot.mass_matrix,
-    robot.leg_margins,
-    robot._lesser,
-    robot.least_margin,
-    robot._largest_eigenvalue,
-    robot._lever,
-    robot.dexterity,
+    measures.leg_margins,
+    measures._lesser,
+    measures.least_margin,
+    measures._largest_eigenvalue,
+    measures._lever,
+    measures.dexterity,
 )
 
 # LLVM vectorises a loop only if the whole formula is inlined into it.
@@ -61,7 +61,7 @@ def _choose(condition: Any, yes: Any, no: Any) -> Any:
 
 def _digest() -> int:
     """Return a number that changes with the source of the formulae."""
-    files = (leg.__file__, leg_forces.__file__, robot.__file__)
+    files = (leg.__file__, leg_forces.__file__, measures.__file__, robot.__file__)
     text = b"".join(Path(name).read_bytes() for name in files)
     return int.from_bytes(hashlib.sha256(text).digest()[:7], "big")
 
@@ -168,14 +168,13 @@ _DIGEST = _digest()
 _POSE_FORMULAE: dict[str, tuple[Callable[..., Any], int]] = {
     "rotary_torques": (robot.unit_torques, 3),
     "unit_torques": (robot.unit_torques, 4),
-    "least_margin": (robot.least_margin, 2),
-    "dexterity": (robot.dexterity, 2),
+    "least_margin": (measures.least_margin, 2),
+    "dexterity": (measures.dexterity, 2),
 }
 COUNTS = {name: count for name, (_, count) in _POSE_FORMULAE.items()}
 """How many results each formula of a pose has."""
 OVER_POSES = {
-    name: _over_poses(formula, count, _DIGEST)
-    for name, (formula, count) in _POSE_FORMULAE.items()
+    name: _over_poses(formula, count, _DIGEST) for name, (formula, count) in _POSE_FORMULAE.items()
 }
 """Kernels over grids and over lists of poses: ``(over_grid, over_list)``."""
 

@@ -274,7 +274,9 @@ class Design:
         for path, value in changes.items():
             group, _, name = path.rpartition(".")
             owner = getattr(self, group, None) if group else self
-            known = {item.name for item in fields(owner) if "unit" in item.metadata} if owner else ()
+            known = (
+                {item.name for item in fields(owner) if "unit" in item.metadata} if owner else ()
+            )
             if name not in known:
                 raise InvalidDesign(path, value, "there is no design value of this name")
             grouped.setdefault(group, {})[name] = value

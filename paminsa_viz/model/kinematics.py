@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.model.arrays import Array, as_vectors, together
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.leg import LegMotion, LegPosition, leg_motion, leg_position, mechanism
-from paminsa_viz.model.reach import Reach, reach
+from paminsa_viz.model.reach import Reach, check_reach
 from paminsa_viz.model.robot import AXIS_X, AXIS_Y
 
 LEG_AXES: Array = np.stack([AXIS_X, AXIS_Y], axis=-1)
@@ -132,7 +132,7 @@ def solve_posture(
     lift = (pose[..., 3:] + geometry.platform_joint_height) / geometry.magnification
     actuators = np.concatenate([wrap(beta - HEADINGS), lift + geometry.shaft_length], axis=-1)
     return Posture(
-        geometry, assembly, pose, reach(geometry, pose), actuators, beta, psi, phi, points
+        geometry, assembly, pose, check_reach(geometry, pose), actuators, beta, psi, phi, points
     )
 
 

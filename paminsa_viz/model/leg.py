@@ -281,7 +281,9 @@ def leg_motion(
     psi_rate = g.psi_rho * rho_rate + g.psi_zeta * vz
     phi_rate = g.phi_rho * rho_rate + g.phi_zeta * vz
     psi_acc = (g.cos_psi * (az - z9_acc) - g.sin_psi * (rho_acc - r9_acc)) * m.inverse_coupler
-    phi_acc = (g.cos_phi * z9_acc - g.sin_phi * (r9_acc + m.guide_ratio * rho_acc)) * m.inverse_crank
+    phi_acc = (
+        g.cos_phi * z9_acc - g.sin_phi * (r9_acc + m.guide_ratio * rho_acc)
+    ) * m.inverse_crank
     return LegMotion(
         rho_rate, vz, beta_rate, r9_rate, z9_rate, psi_rate, phi_rate,
         rho_acc, az, beta_acc, r9_acc, z9_acc, psi_acc, phi_acc,

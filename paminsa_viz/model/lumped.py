@@ -53,9 +53,7 @@ COEFFICIENTS: tuple[str, ...] = (
 """Names of the entries of c."""
 
 MASS_PATHS: tuple[str, ...] = tuple(
-    p.path
-    for p in PARAMETERS
-    if p.group in ("joints", "links", "inertias", "platform", "payload")
+    p.path for p in PARAMETERS if p.group in ("joints", "links", "inertias", "platform", "payload")
 )
 """Design values in which c is linear."""
 
@@ -134,9 +132,7 @@ def _lumped(
         + m.B7 * (k + 1) / (2 * k**2 * (k - 1))
         - m.B8 / (2 * (k - 1))
     )
-    mc5 = 0.5 * (
-        (4 * ((k - 1) * m.m4 - m.m7) - m.B7 + 2 * m.B3 * (k - 2)) / (2 * k**2) + m.B4 / 2
-    )
+    mc5 = 0.5 * ((4 * ((k - 1) * m.m4 - m.m7) - m.B7 + 2 * m.B3 * (k - 2)) / (2 * k**2) + m.B4 / 2)
     mc6 = m.B1 / 8
     mc7 = m.B1 / (4 * k)
     mc8 = m.B10 * geometry.guide_link_length**2 / 8
@@ -149,10 +145,14 @@ def _lumped(
     return [mp1, mp2, mp3, *inertial, m.mpl + m.mload, m.Ipl + m.Iload], e3
 
 
+# fmt: off
 _SYMBOLS = (
-    "m2 m3 m4 m5 m7 m8 m9 B1 B2 B3 B4 B7 B8 B10 "
-    "Ixx3 Iyy3 Ixx4 Iyy4 Ixx7 Iyy7 Ixx8 Iyy8 I2 I10 mpl Ipl mload Iload"
-).split()
+    "m2", "m3", "m4", "m5", "m7", "m8", "m9",
+    "B1", "B2", "B3", "B4", "B7", "B8", "B10",
+    "Ixx3", "Iyy3", "Ixx4", "Iyy4", "Ixx7", "Iyy7", "Ixx8", "Iyy8", "I2", "I10",
+    "mpl", "Ipl", "mload", "Iload",
+)
+# fmt: on
 
 
 def _masses(values: Any) -> SimpleNamespace:

@@ -37,9 +37,13 @@ def _parameters() -> tuple[Parameter, ...]:
     found = []
     for group in fields(APPENDIX_4):
         owner = getattr(APPENDIX_4, group.name)
-        items = [group] if "unit" in group.metadata else fields(owner) if group.metadata == {} and (
-            hasattr(owner, "__dataclass_fields__")
-        ) else []
+        items = (
+            [group]
+            if "unit" in group.metadata
+            else fields(owner)
+            if group.metadata == {} and (hasattr(owner, "__dataclass_fields__"))
+            else []
+        )
         for item in items:
             path = item.name if item is group else f"{group.name}.{item.name}"
             found.append(

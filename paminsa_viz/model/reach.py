@@ -8,7 +8,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.model import backend, robot
+from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.errors import UnreachablePose
@@ -86,7 +86,7 @@ def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
     return np.char.add(words, legs)
 
 
-def reach(geometry: Geometry, pose: ArrayLike) -> Reach:
+def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
     """Say for each pose whether the robot can take it, in either assembly mode.
 
     Args:
@@ -96,7 +96,7 @@ def reach(geometry: Geometry, pose: ArrayLike) -> Reach:
     pose = as_vectors(pose, "pose")
     x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]
     with np.errstate(all="ignore"):
-        legs = robot.leg_margins(
+        legs = measures.leg_margins(
             mechanism(geometry),
             np.array(robot.AXIS_X), np.array(robot.AXIS_Y),
             x, y, np.cos(theta), np.sin(theta), z,
@@ -105,20 +105,24 @@ def reach(geometry: Geometry, pose: ArrayLike) -> Reach:
     flat = margins.reshape(*pose.shape[:-1], 12)
     which = np.argmin(flat, axis=-1)
     worst = np.take_along_axis(flat, which[..., None], axis=-1)[..., 0]
-    status, leg = decode(worst, which)
+    status, leg = decode(np.asarray(worst), which)
     return Reach(status, leg, np.where(leg >= 0, -worst, 0.0), margins)
 
 
 def decode(worst: Array, which: ArrayLike) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:
-    """Turn the least margin and its tag (see `robot.least_margin`) into status and leg."""
-    tag = np.asarray(which, dtype=np.int64)
-    limits = np.array(MARGINS, dtype=np.uint8)
+    """Turn the least margin and its tag (see `measures.least_margin`) into status and leg."""
+    tag = np.asarray(which).astype(np.uint8)
     # A guide may be used to its end; on the other limits the mechanism is singular.
     bad = (worst < 0) | ((worst == 0) & (tag % 4 != 2))
-    status = np.where(bad, limits[tag % 4], np.uint8(Limit.OK))
-    status = np.where(np.isfinite(worst), status, np.uint8(Limit.NOT_FINITE)).astype(np.uint8)
-    leg = np.where(bad & np.isfinite(worst), tag // 4, -1).astype(np.int8)
+    finite = np.isfinite(worst)
+    status = np.where(bad, _TAG_LIMIT[tag], np.uint8(Limit.OK))
+    leg = np.where(bad & finite, _TAG_LEG[tag], np.int8(-1))
+    status[~finite] = Limit.NOT_FINITE
     return status, leg
+
+
+_TAG_LIMIT = np.array(MARGINS * 3, dtype=np.uint8)
+_TAG_LEG = np.repeat(np.arange(3, dtype=np.int8), 4)
 
 
 def reach_status(geometry: Geometry, pose: Array) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:
@@ -133,7 +137,7 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     Raises:
         UnreachablePose: If the robot can not take it; says which leg, which limit, by how much.
     """
-    result = reach(geometry, pose)
+    result = check_reach(geometry, pose)
     if result.ok.all():
         return
     first = tuple(np.argwhere(~result.ok)[0])
@@ -141,7 +145,9 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     limit = Limit(int(result.status[first]))
     leg, excess = int(result.leg[first]) + 1, float(result.excess[first])
     x, y, theta, z = where
-    text = f"pose ({1e3 * x:.1f} mm, {1e3 * y:.1f} mm, {np.degrees(theta):.1f} deg, {1e3 * z:.1f} mm)"
+    text = (
+        f"pose ({1e3 * x:.1f} mm, {1e3 * y:.1f} mm, {np.degrees(theta):.1f} deg, {1e3 * z:.1f} mm)"
+    )
     text += f" can not be taken: {limit.explanation}"
     if leg:
         text += f" (leg {leg}, by {1e3 * excess:.2f} mm)"

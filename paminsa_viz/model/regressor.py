@@ -22,7 +22,7 @@ BLOCK = 4096
 """States worked on at a time; bounds the memory of the intermediate terms to some 20 MB."""
 
 
-def regressor(
+def torque_regressor(
     geometry: Geometry,
     pose: ArrayLike,
     velocity: ArrayLike,

@@ -17,7 +17,7 @@ from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.reach import MARGINS, Limit, reach
+from paminsa_viz.model.reach import MARGINS, Limit, check_reach
 
 
 def singular_radius(geometry: Geometry, theta: ArrayLike) -> Array:
@@ -57,7 +57,7 @@ class Singularity:
     serial_distance: Array
 
 
-def singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
+def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     """Measure poses (..., 4) [m, m, rad, m] against every singularity; both assembly modes alike.
 
     Determinant and condition are NaN where the pose can not be taken.
@@ -81,11 +81,9 @@ def singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
         np.isfinite(nearest).any(axis=0),
         np.take_along_axis(nearest, index, axis=0)[0],
         np.inf,
-    ) * np.where(
-        (np.isnan(everywhere) | (everywhere >= 0)) & (position >= 0), 1.0, -1.0
-    )
+    ) * np.where((np.isnan(everywhere) | (everywhere >= 0)) & (position >= 0), 1.0, -1.0)
 
-    margins = reach(geometry, pose).margins
+    margins = check_reach(geometry, pose).margins
     kinds = [MARGINS.index(kind) for kind in (Limit.STRETCHED, Limit.FOLDED, Limit.AXIS)]
     serial = margins[..., kinds]
     serial[..., 2] += geometry.axis_clearance

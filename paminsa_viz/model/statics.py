@@ -48,9 +48,7 @@ def lift_constant(design: Design) -> float:
     return float(k * (c[16] * design.gravity + 3 * c[0]) + 3 * c[2])
 
 
-def static_torques(
-    design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
-) -> Array:
+def static_torques(design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED) -> Array:
     """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the weight.
 
     Eqs. 1-6 with Appendix 2; (..., 4). NaN where the pose can not be taken.

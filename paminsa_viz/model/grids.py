@@ -1,0 +1,286 @@
+"""Maps and sweeps: a quantity over a grid of any of the four coordinates.
+
+What depends on the geometry alone is solved once (`solve_field`); the masses come in afterwards as
+one factor, so that a mass slider rescales a map and solves nothing.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model import backend
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Assembly, Design, Geometry
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.leg import Mechanism, mechanism
+from paminsa_viz.model.reach import Limit, decode
+from paminsa_viz.model.statics import balance_distance, lift_constant
+
+COORDINATES = ("x", "y", "theta", "z")
+
+BLOCK = 2**15
+"""Poses worked on at a time: results of a block stay in the cache, and memory stays bounded."""
+
+
+WORTH_THREADS = 4
+"""Number of blocks from which the work is shared between cores."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Poses on a regular grid.
+
+    Attributes:
+        axes: Coordinates that vary, in the order of the result's axes, with their values, each
+            (n,) [m or rad].
+        fixed: (4,) pose that the other coordinates are taken from [m, m, rad, m].
+    """
+
+    axes: tuple[tuple[str, Array], ...]
+    fixed: Array
+
+    @classmethod
+    def over(cls, fixed: ArrayLike, **axes: ArrayLike) -> Grid:
+        """Make a grid over named coordinates; the first one named is the result's first axis.
+
+        Raises:
+            InvalidInput: If a coordinate is unknown, has no values, or is not one-dimensional.
+        """
+        made = []
+        for name, values in axes.items():
+            if name not in COORDINATES:
+                raise InvalidInput(name, f"a grid varies {', '.join(COORDINATES)}")
+            array = np.asarray(values, dtype=np.float64)
+            if array.ndim != 1 or array.size == 0:
+                raise InvalidInput(name, f"one axis of values is needed; got {array.shape}")
+            made.append((name, array))
+        pose = as_vectors(fixed, "fixed")
+        if pose.shape != (4,):
+            raise InvalidInput("fixed", f"one pose (4,) is needed; got {pose.shape}")
+        return cls(tuple(made), pose)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the result."""
+        return tuple(values.size for _, values in self.axes)
+
+    @property
+    def size(self) -> int:
+        """Number of poses."""
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    def poses(self) -> Array:
+        """Return every pose, (*shape, 4) [m, m, rad, m]; as large as it sounds."""
+        pose = np.broadcast_to(self.fixed, (*self.shape, 4)).copy()
+        mesh = np.meshgrid(*(values for _, values in self.axes), indexing="ij")
+        for (name, _), values in zip(self.axes, mesh, strict=True):
+            pose[..., COORDINATES.index(name)] = values
+        return pose
+
+    def split(self, rows: int) -> Iterator[tuple[slice, Grid]]:
+        """Cut the first axis into pieces of at most ``rows`` values."""
+        name, values = self.axes[0]
+        for start in range(0, values.size, rows):
+            part = slice(start, min(start + rows, values.size))
+            yield part, Grid(((name, values[part]), *self.axes[1:]), self.fixed)
+
+
+def xy_grid(x: ArrayLike, y: ArrayLike, theta: float, z: float) -> Grid:
+    """Return the grid of Fig. 3: rows along y, columns along x, at one theta [rad] and z [m]."""
+    return Grid.over((0.0, 0.0, theta, z), y=y, x=x)
+
+
+class Quantity(Enum):
+    """What can be mapped."""
+
+    TAU_1 = "tau_1"
+    TAU_2 = "tau_2"
+    TAU_3 = "tau_3"
+    F_4 = "f_4"
+    MAX_TORQUE = "max_torque"
+    RMS_TORQUE = "rms_torque"
+    CONDITION = "condition"
+    DETERMINANT = "determinant"
+    REACH_MARGIN = "reach_margin"
+
+    @property
+    def unit(self) -> str:
+        """SI unit."""
+        units = {"f_4": "N", "condition": "1", "determinant": "m", "reach_margin": "m"}
+        return units.get(self.value, "N m")
+
+    @property
+    def needs_dexterity(self) -> bool:
+        """Whether it needs the singularity measures."""
+        return self in (Quantity.CONDITION, Quantity.DETERMINANT)
+
+
+@dataclass(frozen=True)
+class Field:
+    """What the geometry says about every pose of a grid; arrays have the grid's shape.
+
+    Attributes:
+        grid, geometry, assembly: What it was solved for.
+        gamma: (4, ...) unit torques, see `statics.unit_torques`; NaN where status is not OK.
+        status: (...) values of `Limit`.
+        leg: (...) index of the leg that stands in the way, -1 for none.
+        margin: (...) least distance to a limit, negative beyond it [m].
+        determinant, condition: (...) as in `Singularity`, or None if they were not asked for.
+    """
+
+    grid: Grid
+    geometry: Geometry
+    assembly: Assembly
+    gamma: Array
+    status: NDArray[np.uint8]
+    leg: NDArray[np.int8]
+    margin: Array
+    determinant: Array | None
+    condition: Array | None
+
+    def torques(self, design: Design) -> Array:
+        """Return the static torques for the masses of a design, (4, ...) [N m, N]."""
+        torque = balance_distance(design) * self.gamma
+        torque[3] += lift_constant(design)
+        return torque
+
+    def values(self, design: Design, quantity: Quantity) -> Array:
+        """Return one quantity for the masses of a design, (...); NaN where it has no value."""
+        if quantity is Quantity.REACH_MARGIN:
+            return self.margin
+        if quantity.needs_dexterity:
+            chosen = self.condition if quantity is Quantity.CONDITION else self.determinant
+            if chosen is None:
+                raise InvalidInput("quantity", f"solve the field with dexterity for {quantity}")
+            return chosen
+        factor = balance_distance(design)
+        if quantity is Quantity.MAX_TORQUE:
+            return abs(factor) * np.abs(self.gamma[:3]).max(axis=0)
+        if quantity is Quantity.RMS_TORQUE:
+            return abs(factor) * np.sqrt((self.gamma[:3] ** 2).mean(axis=0))
+        if quantity is Quantity.F_4:
+            return factor * self.gamma[3] + lift_constant(design)
+        index = (Quantity.TAU_1, Quantity.TAU_2, Quantity.TAU_3).index(quantity)
+        return factor * self.gamma[index]
+
+
+def solve_field(
+    geometry: Geometry,
+    grid: Grid,
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    dexterity: bool = False,
+    threads: int | None = None,
+) -> Field:
+    """Solve everything that the geometry alone decides on a grid.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        grid: The poses.
+        assembly: Root of the knee.
+        dexterity: Whether determinant and condition number are wanted as well.
+        threads: Threads to share the work; None for all cores where the grid is large enough.
+    """
+    m = mechanism(geometry, assembly)
+    names = ["unit_torques", "least_margin"] + (["dexterity"] if dexterity else [])
+    parts = _evaluate(names, m, grid, threads)
+    gamma, (margin, which) = parts[0], parts[1]
+    status, leg = decode(margin, which)
+    finite = np.isfinite(gamma).all(axis=0)
+    status[(status == Limit.OK) & ~finite] = Limit.SINGULAR
+    gamma[:, status != Limit.OK] = np.nan
+    determinant, condition = parts[2] if dexterity else (None, None)
+    return Field(grid, geometry, assembly, gamma, status, leg, margin, determinant, condition)
+
+
+def rotary_torques(
+    design: Design,
+    grid: Grid,
+    assembly: Assembly = Assembly.PRINTED,
+    threads: int | None = None,
+) -> Array:
+    """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
+
+    NaN where the pose can not be taken, and no reason for it; `solve_field` gives that.
+    """
+    gamma = _evaluate(["rotary_torques"], mechanism(design.geometry, assembly), grid, threads)[0]
+    gamma *= balance_distance(design)
+    return gamma
+
+
+def _evaluate(names: list[str], m: Mechanism, grid: Grid, threads: int | None) -> list[Array]:
+    """Evaluate formulae over a grid, in blocks, on as many cores as pay."""
+    # theta has to be in the outer part, where its sine and cosine are taken once a row
+    order = sorted(range(len(grid.axes)), key=lambda i: grid.axes[i][0] != "theta")
+    axes = [grid.axes[i] for i in order]
+    last_theta = not axes or axes[-1][0] == "theta"
+    inner = _parts([] if last_theta else axes[-1:], np.zeros(4))
+    outer_axes = axes if last_theta else axes[:-1]
+    outer_shape = tuple(values.size for _, values in outer_axes)
+    rows, columns = int(np.prod(outer_shape, dtype=np.int64)), len(inner)
+    moving = {name for name, _ in axes}
+    base = np.where([name in moving for name in COORDINATES], 0.0, grid.fixed)
+    row_step = max(1, BLOCK // columns)
+    pieces = [
+        (slice(r, min(r + row_step, rows)), slice(c, min(c + BLOCK, columns)))
+        for r in range(0, rows, row_step)
+        for c in range(0, columns, BLOCK)
+    ]
+    sizes = [len(_formula_results(name)) for name in names]
+    results = [np.empty((size, rows, columns)) for size in sizes]
+
+    def work(piece: tuple[slice, slice]) -> None:
+        r, c = piece
+        outer = _rows(outer_axes, outer_shape, base, r)
+        for name, result in zip(names, results, strict=True):
+            result[:, r, c] = backend.over_grid(name, m, outer, inner[c])
+
+    count = threads or (os.cpu_count() or 1 if len(pieces) >= WORTH_THREADS else 1)
+    if count > 1:
+        with ThreadPoolExecutor(count) as pool:
+            list(pool.map(work, pieces))
+    else:
+        for piece in pieces:
+            work(piece)
+    # back to the order of the grid's axes
+    shape = (*outer_shape, *(() if last_theta else (columns,)))
+    inverse = np.argsort(order) if order else np.zeros(0, dtype=int)
+    return [
+        np.moveaxis(
+            result.reshape(result.shape[0], *shape), 1 + np.arange(len(order)), 1 + np.array(order)
+        )
+        if len(inverse)
+        else result.reshape(result.shape[0])
+        for result in results
+    ]
+
+
+def _formula_results(name: str) -> range:
+    return range({"rotary_torques": 3, "unit_torques": 4}.get(name, 2))
+
+
+def _parts(axes: list[tuple[str, Array]], base: Array) -> Array:
+    """Return the pose parts of one axis, (n, 4), or of none, (1, 4)."""
+    if not axes:
+        return base[None].copy()
+    name, values = axes[0]
+    parts = np.tile(base, (values.size, 1))
+    parts[:, COORDINATES.index(name)] = values
+    return parts
+
+
+def _rows(axes: list[tuple[str, Array]], shape: tuple[int, ...], base: Array, rows: slice) -> Array:
+    """Return rows of the outer pose parts, (n, 4), without building all of them."""
+    parts = np.tile(base, (rows.stop - rows.start, 1))
+    if axes:
+        index = np.unravel_index(np.arange(rows.start, rows.stop), shape)
+        for (name, values), i in zip(axes, index, strict=True):
+            parts[:, COORDINATES.index(name)] = values[i]
+    return parts

@@ -1,0 +1,129 @@
+"""How far a pose is from the robot's limits and from its singularities, as plain formulae.
+
+The same source serves NumPy and the compiler; see `leg.py` for notation and conventions.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from paminsa_viz.model.leg import LegVector, Mechanism, leg_vector
+from paminsa_viz.model.robot import AXIS_X, AXIS_Y, balance, choose, platform_determinant
+
+THIRD = 1.0 / 3.0
+INVERSE_SQRT_6 = 0.408248290463863
+
+
+class LegMargins(NamedTuple):
+    """How far a leg is from each of its limits; negative: by how much it is exceeded [m]."""
+
+    stretch: Any  # l_B4 + l_B8 - |85|
+    fold: Any  # |85| - |l_B4 - l_B8|
+    guide: Any  # stroke - |X_4|
+    axis: Any  # X_1 - clearance
+
+
+def leg_margins(
+    m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any, z: Any
+) -> LegMargins:
+    """Return the margins of one leg; arguments as in `leg_position`."""
+    v = leg_vector(m, ax, ay, x, y, c, s)
+    rho = np.sqrt(v.rho2)
+    zeta = z + m.joint_height
+    distance = np.sqrt(m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta)
+    return LegMargins(
+        m.crank + m.coupler - distance,
+        distance - np.abs(m.coupler - m.crank),
+        m.stroke - m.guide_ratio * rho,
+        rho - m.clearance,
+    )
+
+
+def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any]:
+    """Return the smallest margin of all legs and limits [m], and which one it is.
+
+    The second value is 4 * leg + limit, legs from 0, limits in the order of `LegMargins`.
+    """
+    a = leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)
+    worst, which = _lesser(a.stretch, 0.0, a.fold, 1.0)
+    worst, which = _lesser(worst, which, a.guide, 2.0)
+    worst, which = _lesser(worst, which, a.axis, 3.0)
+    b = leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z)
+    worst, which = _lesser(worst, which, b.stretch, 4.0)
+    worst, which = _lesser(worst, which, b.fold, 5.0)
+    worst, which = _lesser(worst, which, b.guide, 6.0)
+    worst, which = _lesser(worst, which, b.axis, 7.0)
+    d = leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z)
+    worst, which = _lesser(worst, which, d.stretch, 8.0)
+    worst, which = _lesser(worst, which, d.fold, 9.0)
+    worst, which = _lesser(worst, which, d.guide, 10.0)
+    return _lesser(worst, which, d.axis, 11.0)
+
+
+def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> tuple[Any, Any]:
+    """Return the lesser of two values and its tag."""
+    first = value <= other
+    return choose(first, value, other), choose(first, tag, other_tag)
+
+
+def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) -> Any:
+    """Return the largest eigenvalue of a symmetric 3x3 matrix, by the trigonometric formula."""
+    mean = (xx + yy + zz) * THIRD
+    dx, dy, dz = xx - mean, yy - mean, zz - mean
+    spread = (
+        np.sqrt(dx * dx + dy * dy + dz * dz + 2.0 * (xy * xy + yz * yz + xz * xz)) * INVERSE_SQRT_6
+    )
+    det = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
+    cube = spread * spread * spread
+    ratio = choose(cube > 0.0, 0.5 * det / choose(cube > 0.0, cube, 1.0), 1.0)
+    ratio = choose(ratio > 1.0, 1.0, choose(ratio < -1.0, -1.0, ratio))
+    return mean + 2.0 * spread * np.cos(np.arccos(ratio) * THIRD)
+
+
+def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any]:
+    """Return the determinant of the rows (w_k, p_k x w_k) [m], and the condition number of J.
+
+    The condition number is that of the 2-norm of the map from (x', y', R_pl theta') to
+    (theta_1', theta_2', theta_3'): R_pl is the characteristic length. Neither depends on z, but
+    both are NaN where the pose can not be reached.
+    """
+    v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
+    v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
+    v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
+    det = platform_determinant(m, x, y, c)
+    # rows of the inverse Jacobian over R_pl, and columns of its inverse
+    i1, i2, i3 = 1.0 / v1.rho2, 1.0 / v2.rho2, 1.0 / v3.rho2
+    l1, l2, l3 = (_lever(m, v1), _lever(m, v2), _lever(m, v3))
+    forward = _largest_eigenvalue(
+        i1 * i1 * v1.dy * v1.dy + i2 * i2 * v2.dy * v2.dy + i3 * i3 * v3.dy * v3.dy,
+        i1 * i1 * v1.dx * v1.dx + i2 * i2 * v2.dx * v2.dx + i3 * i3 * v3.dx * v3.dx,
+        i1 * i1 * l1 * l1 + i2 * i2 * l2 * l2 + i3 * i3 * l3 * l3,
+        -(i1 * i1 * v1.dx * v1.dy + i2 * i2 * v2.dx * v2.dy + i3 * i3 * v3.dx * v3.dy),
+        i1 * i1 * v1.dx * l1 + i2 * i2 * v2.dx * l2 + i3 * i3 * v3.dx * l3,
+        -(i1 * i1 * v1.dy * l1 + i2 * i2 * v2.dy * l2 + i3 * i3 * v3.dy * l3),
+    )
+    jx = balance(det, v1, v2, v3, 1.0, 0.0, 0.0)
+    jy = balance(det, v1, v2, v3, 0.0, 1.0, 0.0)
+    jt = balance(det, v1, v2, v3, 0.0, 0.0, m.platform_radius)
+    r1, r2, r3 = v1.rho2, v2.rho2, v3.rho2
+    backward = _largest_eigenvalue(
+        r1 * r1 * jx.t1 * jx.t1 + r2 * r2 * jx.t2 * jx.t2 + r3 * r3 * jx.t3 * jx.t3,
+        r1 * r1 * jy.t1 * jy.t1 + r2 * r2 * jy.t2 * jy.t2 + r3 * r3 * jy.t3 * jy.t3,
+        r1 * r1 * jt.t1 * jt.t1 + r2 * r2 * jt.t2 * jt.t2 + r3 * r3 * jt.t3 * jt.t3,
+        r1 * r1 * jx.t1 * jy.t1 + r2 * r2 * jx.t2 * jy.t2 + r3 * r3 * jx.t3 * jy.t3,
+        r1 * r1 * jy.t1 * jt.t1 + r2 * r2 * jy.t2 * jt.t2 + r3 * r3 * jy.t3 * jt.t3,
+        r1 * r1 * jx.t1 * jt.t1 + r2 * r2 * jx.t2 * jt.t2 + r3 * r3 * jx.t3 * jt.t3,
+    )
+    worst, _ = least_margin(m, x, y, c, s, z)
+    reachable = worst > 0.0
+    return (
+        choose(reachable, det / np.sqrt(r1 * r2 * r3), np.nan),
+        choose(reachable, np.sqrt(forward * backward), np.nan),
+    )
+
+
+def _lever(m: Mechanism, v: LegVector) -> Any:
+    """Return rho_k^2 d theta_k / d theta over the characteristic length."""
+    return (v.px * v.dx + v.py * v.dy) / m.platform_radius

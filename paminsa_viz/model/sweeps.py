@@ -1,0 +1,120 @@
+"""Sweeps over grids of any size, piece by piece, in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.grids import COORDINATES, Field, Grid, Quantity, solve_field
+from paminsa_viz.model.reach import Limit
+
+
+@dataclass(frozen=True)
+class SweepSummary:
+    """What a sweep found, for each quantity; only poses that can be taken count.
+
+    Attributes:
+        poses: Number of poses.
+        counts: Number of poses by status.
+        largest, smallest, mean, rms: By quantity.
+        largest_at: By quantity, the pose (4,) of the largest value.
+    """
+
+    poses: int
+    counts: dict[Limit, int]
+    largest: dict[Quantity, float]
+    smallest: dict[Quantity, float]
+    mean: dict[Quantity, float]
+    rms: dict[Quantity, float]
+    largest_at: dict[Quantity, tuple[float, ...]]
+
+
+def sweep_blocks(
+    design: Design,
+    grid: Grid,
+    quantities: tuple[Quantity, ...],
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    block: int = 2**20,
+    threads: int | None = None,
+) -> Iterator[tuple[slice, Field, dict[Quantity, Array]]]:
+    """Go through a grid of any size piece by piece, cut along its first axis.
+
+    Yields:
+        The piece's part of the first axis, its field, and the values of each quantity.
+    """
+    rows = max(1, block // max(1, grid.size // max(1, grid.shape[0])))
+    dexterity = any(quantity.needs_dexterity for quantity in quantities)
+    for part, piece in grid.split(rows):
+        field = solve_field(design.geometry, piece, assembly, dexterity=dexterity, threads=threads)
+        yield part, field, {q: field.values(design, q) for q in quantities}
+
+
+def sweep(
+    design: Design,
+    grid: Grid,
+    quantities: tuple[Quantity, ...] = (Quantity.MAX_TORQUE,),
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    block: int = 2**20,
+    threads: int | None = None,
+) -> SweepSummary:
+    """Summarise quantities over a grid of any size in bounded memory.
+
+    Args:
+        design: The robot.
+        grid: The poses; put a fine axis first if the others are large.
+        quantities: What to look at.
+        assembly: Root of the knee.
+        block: Poses held at a time.
+        threads: Threads to share the work; None for all cores.
+    """
+    counts: dict[Limit, int] = dict.fromkeys(Limit, 0)
+    state: dict[Quantity, dict[str, Any]] = {
+        q: {"n": 0, "max": -np.inf, "min": np.inf, "sum": 0.0, "squares": 0.0, "at": (np.nan,) * 4}
+        for q in quantities
+    }
+    for _, field, values in sweep_blocks(
+        design, grid, quantities, assembly, block=block, threads=threads
+    ):
+        for limit, number in enumerate(np.bincount(field.status.ravel(), minlength=len(Limit))):
+            counts[Limit(limit)] += int(number)
+        ok = field.status == Limit.OK
+        for quantity, array in values.items():
+            _take_in(state[quantity], array, ok, field.grid)
+    return SweepSummary(
+        poses=grid.size,
+        counts=counts,
+        largest={q: s["max"] if s["n"] else np.nan for q, s in state.items()},
+        smallest={q: s["min"] if s["n"] else np.nan for q, s in state.items()},
+        mean={q: s["sum"] / s["n"] if s["n"] else np.nan for q, s in state.items()},
+        rms={
+            q: float(np.sqrt(s["squares"] / s["n"])) if s["n"] else np.nan for q, s in state.items()
+        },
+        largest_at={q: s["at"] for q, s in state.items()},
+    )
+
+
+def _take_in(state: dict[str, Any], values: Array, ok: NDArray[np.bool_], grid: Grid) -> None:
+    """Add one piece to the running figures of a quantity."""
+    usable = ok & np.isfinite(values)
+    chosen = values[usable]
+    if chosen.size == 0:
+        return
+    state["n"] += chosen.size
+    state["sum"] += float(chosen.sum())
+    state["squares"] += float(np.vdot(chosen, chosen))
+    state["min"] = min(state["min"], float(chosen.min()))
+    top = float(chosen.max())
+    if top > state["max"]:
+        where = np.unravel_index(np.argmax(np.where(usable, values, -np.inf)), values.shape)
+        pose = grid.fixed.copy()
+        for (name, axis), i in zip(grid.axes, where, strict=True):
+            pose[COORDINATES.index(name)] = axis[i]
+        state["max"], state["at"] = top, tuple(map(float, pose))
