@@ -18,13 +18,7 @@ def as_vectors(values: ArrayLike, argument: str, size: int = 4) -> Array:
     Raises:
         InvalidInput: If the values are no real numbers, or the last axis has another length.
     """
-    try:
-        array = np.asarray(values)
-        if np.iscomplexobj(array):
-            raise TypeError
-        array = array.astype(np.float64, copy=False)
-    except (TypeError, ValueError):
-        raise InvalidInput(argument, "real numbers are needed") from None
+    array = as_numbers(values, argument)
     if array.ndim == 0 or array.shape[-1] != size:
         raise InvalidInput(
             argument, f"the last axis has to have {size} entries; the shape is {array.shape}"
@@ -38,14 +32,17 @@ def as_numbers(values: ArrayLike, argument: str) -> Array:
     Raises:
         InvalidInput: If the values are no real numbers.
     """
-    return as_vectors(np.asarray(values)[..., None], argument, 1)[..., 0]
+    try:
+        array = np.asarray(values)
+    except ValueError:
+        raise InvalidInput(argument, "the rows have different lengths") from None
+    if array.dtype.kind not in "buif":
+        raise InvalidInput(argument, "real numbers are needed")
+    return array.astype(np.float64, copy=False)
 
 
-def together(**vectors: Any) -> tuple[tuple[int, ...], list[Array]]:
-    """Broadcast vectors of four against each other and flatten their batch axes.
-
-    Returns:
-        The batch shape, and each vector as (n, 4).
+def aligned(**vectors: Any) -> list[Array]:
+    """Broadcast vectors of four against each other, each (..., 4).
 
     Raises:
         InvalidInput: If a vector is unusable or the batch shapes do not fit each other.
@@ -58,5 +55,17 @@ def together(**vectors: Any) -> tuple[tuple[int, ...], list[Array]]:
         raise InvalidInput(
             next(iter(arrays)), f"the batch shapes do not fit each other: {shapes}"
         ) from None
-    flat = [np.broadcast_to(array, shape).reshape(-1, 4) for array in arrays.values()]
-    return shape[:-1], flat
+    return [np.broadcast_to(array, shape) for array in arrays.values()]
+
+
+def together(**vectors: Any) -> tuple[tuple[int, ...], list[Array]]:
+    """Broadcast vectors of four against each other and flatten their batch axes.
+
+    Returns:
+        The batch shape, and each vector as (n, 4).
+
+    Raises:
+        InvalidInput: If a vector is unusable or the batch shapes do not fit each other.
+    """
+    arrays = aligned(**vectors)
+    return arrays[0].shape[:-1], [array.reshape(-1, 4) for array in arrays]

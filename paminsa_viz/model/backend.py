@@ -77,6 +77,12 @@ class use_numpy:
         _kernels.module, _kernels.deferred = self._saved
 
 
+def _cos_sin(angle: Array) -> tuple[Array, Array]:
+    """Return cosine and sine; NaN for an infinite angle."""
+    with np.errstate(invalid="ignore"):
+        return np.cos(angle), np.sin(angle)
+
+
 def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
     """Evaluate a formula of a pose on a list.
 
@@ -89,7 +95,7 @@ def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
         (n, results of the formula).
     """
     pose = np.ascontiguousarray(pose)
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    c, s = _cos_sin(pose[:, 2])
     kernels = _kernels.get()
     if kernels is not None:
         out = np.empty((len(pose), kernels.COUNTS[name]))
@@ -112,7 +118,7 @@ def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array) -> Array:
     Returns:
         (results of the formula, rows, columns).
     """
-    c, s = np.cos(outer[:, 2]), np.sin(outer[:, 2])
+    c, s = _cos_sin(outer[:, 2])
     kernels = _kernels.get()
     if kernels is not None:
         rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
@@ -136,7 +142,7 @@ def drive(
 ) -> Array:
     """Evaluate `robot.drive` on lists (n, 4); returns torques and multipliers, (n, 8)."""
     pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    c, s = _cos_sin(pose[:, 2])
     kernels = _kernels.get()
     if kernels is not None:
         out = np.empty((len(pose), 8))
@@ -151,7 +157,7 @@ def drive(
 def mass_matrix(m: leg.Mechanism, e: EnergyTerms, pose: Array) -> Array:
     """Evaluate `robot.mass_matrix` on a list (n, 4); returns the upper triangles, (n, 10)."""
     pose = np.ascontiguousarray(pose)
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+    c, s = _cos_sin(pose[:, 2])
     kernels = _kernels.get()
     if kernels is not None:
         out = np.empty((len(pose), 10))

@@ -27,7 +27,10 @@ def quantity(
 
 
 def check_numbers(group: object, path: str) -> None:
-    """Raise `InvalidDesign` unless every quantity of ``group`` is a finite, allowed number."""
+    """Raise `InvalidDesign` unless every quantity of ``group`` is a finite, allowed number.
+
+    Whole numbers are stored as floats, or each of them would have the formulae compiled anew.
+    """
     for item in fields(group):  # type: ignore[arg-type]
         if "unit" not in item.metadata:
             continue
@@ -41,8 +44,13 @@ def check_numbers(group: object, path: str) -> None:
             allowed += f" [{item.metadata['unit']}]"
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise InvalidDesign(name, value, allowed)
-        if not math.isfinite(value) or value < 0 or (positive and value == 0):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if not math.isfinite(number) or number < 0 or (positive and number == 0):
             raise InvalidDesign(name, value, allowed)
+        object.__setattr__(group, item.name, number)
 
 
 class Assembly(Enum):

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
-from paminsa_viz.model.arrays import Array, as_vectors, together
+from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Assembly, Design, Friction
 from paminsa_viz.model.jacobian import inverse_jacobian
 from paminsa_viz.model.kinematics import leg_states
@@ -132,13 +132,11 @@ def torque_breakdown(
     )
 
 
+@np.errstate(all="ignore")
 def actuator_velocity(design: Design, pose: ArrayLike, velocity: ArrayLike) -> Array:
     """Return the actuators' speeds for a platform velocity, (..., 4) [rad/s, m/s]."""
-    return np.einsum(
-        "...ij,...j->...i",
-        inverse_jacobian(design.geometry, pose),
-        as_vectors(velocity, "velocity"),
-    )
+    p, v = aligned(pose=pose, velocity=velocity)
+    return np.einsum("...ij,...j->...i", inverse_jacobian(design.geometry, p), v)
 
 
 def frictionless(friction: Friction) -> bool:
@@ -153,6 +151,7 @@ def frictionless(friction: Friction) -> bool:
     )
 
 
+@np.errstate(all="ignore")
 def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
     """Return what the actuators need against friction at their speeds (..., 4) [rad/s, m/s]."""
     speed = as_vectors(speed, "speed")
@@ -182,6 +181,7 @@ def mass_matrix(
     return matrix.reshape(*pose.shape[:-1], 4, 4)
 
 
+@np.errstate(all="ignore")
 def forward_dynamics(
     design: Design,
     pose: ArrayLike,
@@ -212,6 +212,7 @@ def forward_dynamics(
     return acceleration.reshape(*shape, 4)
 
 
+@np.errstate(all="ignore")
 def kinetic_energy(
     design: Design,
     pose: ArrayLike,
@@ -251,8 +252,10 @@ def kinetic_energy(
     return (0.5 * platform + (translation + rotation).sum(axis=-1)).reshape(shape)
 
 
+@np.errstate(all="ignore")
 def actuator_power(
     design: Design, pose: ArrayLike, velocity: ArrayLike, torque: ArrayLike
 ) -> Array:
     """Return the power of each actuator, Q_j q_j', (..., 4) [W]."""
-    return as_vectors(torque, "torque") * actuator_velocity(design, pose, velocity)
+    p, v, q = aligned(pose=pose, velocity=velocity, torque=torque)
+    return q * actuator_velocity(design, p, v)

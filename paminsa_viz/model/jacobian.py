@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model.arrays import Array, as_vectors, together
+from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from paminsa_viz.model.leg import leg_vector, mechanism
 
 
+@np.errstate(all="ignore")
 def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     """Return s_1..s_4 of Eqs. 16 and 17, (..., 4) [m]; zero where pose and actuators agree.
 
@@ -19,7 +20,7 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
         pose: (..., 4) [m, m, rad, m].
         actuators: (..., 4) [rad, rad, rad, m].
     """
-    p, q = as_vectors(pose, "pose"), as_vectors(actuators, "actuators")
+    p, q = aligned(pose=pose, actuators=actuators)
     d = _vectors(geometry, p)
     beta = q[..., :3] + HEADINGS
     s = d.dx * np.sin(beta) - d.dy * np.cos(beta)
@@ -27,14 +28,14 @@ def closure(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     return np.concatenate([s, (lift - q[..., 3] + geometry.shaft_length)[..., None]], axis=-1)
 
 
+@np.errstate(all="ignore")
 def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) -> Array:
     """Return A_ij, the derivatives of s_i by (x, y, theta, z, theta_1..3, Z), (..., 4, 8)."""
-    p, q = as_vectors(pose, "pose"), as_vectors(actuators, "actuators")
+    p, q = aligned(pose=pose, actuators=actuators)
     d = _vectors(geometry, p)
     beta = q[..., :3] + HEADINGS
     sin_b, cos_b = np.sin(beta), np.cos(beta)
-    shape = np.broadcast_shapes(p.shape[:-1], q.shape[:-1])
-    a = np.zeros((*shape, 4, 8))
+    a = np.zeros((*p.shape[:-1], 4, 8))
     a[..., :3, 0] = sin_b
     a[..., :3, 1] = -cos_b
     a[..., :3, 2] = -d.py * sin_b - d.px * cos_b
@@ -45,19 +46,20 @@ def closure_matrix(geometry: Geometry, pose: ArrayLike, actuators: ArrayLike) ->
     return a
 
 
+@np.errstate(all="ignore")
 def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return G with (theta_1', theta_2', theta_3', Z') = G (x', y', theta', z'), (..., 4, 4)."""
     pose = as_vectors(pose, "pose")
     d = _vectors(geometry, pose)
     g = np.zeros((*pose.shape[:-1], 4, 4))
-    with np.errstate(all="ignore"):
-        g[..., :3, 0] = -d.dy / d.rho2
-        g[..., :3, 1] = d.dx / d.rho2
-        g[..., :3, 2] = (d.px * d.dx + d.py * d.dy) / d.rho2
+    g[..., :3, 0] = -d.dy / d.rho2
+    g[..., :3, 1] = d.dx / d.rho2
+    g[..., :3, 2] = (d.px * d.dx + d.py * d.dy) / d.rho2
     g[..., 3, 3] = 1 / geometry.magnification
     return g
 
 
+@np.errstate(all="ignore")
 def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return J, the inverse of `inverse_jacobian`, (..., 4, 4); not finite where it is singular.
 
@@ -66,15 +68,15 @@ def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     g = inverse_jacobian(geometry, pose)
     columns = g[..., :3, :3]
     a, b, c = columns[..., 0, :], columns[..., 1, :], columns[..., 2, :]
-    with np.errstate(all="ignore"):
-        cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
-        det = np.sum(a * cofactors[..., 0], axis=-1)[..., None, None]
-        j = np.zeros_like(g)
-        j[..., :3, :3] = cofactors / det
+    cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
+    det = np.sum(a * cofactors[..., 0], axis=-1)[..., None, None]
+    j = np.zeros_like(g)
+    j[..., :3, :3] = cofactors / det
     j[..., 3, 3] = geometry.magnification
     return j
 
 
+@np.errstate(all="ignore")
 def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLike) -> Array:
     """Return dG/dt along a platform velocity, (..., 4, 4).
 
@@ -89,13 +91,13 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
     moment = d.px * d.dx + d.py * d.dy
     moment_rate = px_rate * d.dx + py_rate * d.dy + d.px * dx_rate + d.py * dy_rate
     rate = np.zeros((len(p), 4, 4))
-    with np.errstate(all="ignore"):
-        rate[:, :3, 0] = (-dy_rate + d.dy * rho2_rate / d.rho2) / d.rho2
-        rate[:, :3, 1] = (dx_rate - d.dx * rho2_rate / d.rho2) / d.rho2
-        rate[:, :3, 2] = (moment_rate - moment * rho2_rate / d.rho2) / d.rho2
+    rate[:, :3, 0] = (-dy_rate + d.dy * rho2_rate / d.rho2) / d.rho2
+    rate[:, :3, 1] = (dx_rate - d.dx * rho2_rate / d.rho2) / d.rho2
+    rate[:, :3, 2] = (moment_rate - moment * rho2_rate / d.rho2) / d.rho2
     return rate.reshape(*shape, 4, 4)
 
 
+@np.errstate(all="ignore")
 def _vectors(geometry: Geometry, pose: Array):  # type: ignore[no-untyped-def]
     x, y, theta, _ = np.moveaxis(pose, -1, 0)[..., None]
     return leg_vector(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.model.arrays import Array, as_vectors, together
+from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.leg import LegMotion, LegPosition, leg_motion, leg_position, mechanism
 from paminsa_viz.model.reach import Reach, check_reach
@@ -30,7 +30,8 @@ HEADINGS.setflags(write=False)
 def wrap(angle: ArrayLike) -> Array:
     """Return angles in (-pi, pi] [rad]."""
     angle = np.asarray(angle, dtype=np.float64)
-    return np.pi - np.mod(np.pi - angle, 2 * np.pi)
+    with np.errstate(invalid="ignore"):
+        return np.pi - np.mod(np.pi - angle, 2 * np.pi)
 
 
 @dataclass(frozen=True)
@@ -88,14 +89,14 @@ class Posture:
     points: Mapping[int, Array]
 
 
+@np.errstate(all="ignore")
 def _leg_positions(geometry: Geometry, pose: Array, assembly: Assembly) -> LegPosition:
     """Solve all three legs; every field (..., 3)."""
     x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]
-    with np.errstate(all="ignore"):
-        return leg_position(
-            mechanism(geometry, assembly), LEG_AXES[:, 0], LEG_AXES[:, 1],
-            x, y, np.cos(theta), np.sin(theta), z,
-        )  # fmt: skip
+    return leg_position(
+        mechanism(geometry, assembly), LEG_AXES[:, 0], LEG_AXES[:, 1],
+        x, y, np.cos(theta), np.sin(theta), z,
+    )  # fmt: skip
 
 
 def solve_posture(
@@ -237,6 +238,7 @@ class Assemblies:
     valid: NDArray[np.bool_]
 
 
+@np.errstate(all="ignore")
 def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> Assemblies:
     """Return all poses for given actuator positions, in closed form.
 
@@ -259,9 +261,8 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> Assemblies:
     a = np.sum(n * np.sin(gamma), axis=-1)
     b = np.sum(n * np.cos(gamma), axis=-1)
     size = np.hypot(a, b)
-    with np.errstate(all="ignore"):
-        size = np.where(size > 1e-12, size, np.nan)
-        half = np.arccos(geometry.base_radius / geometry.platform_radius * a / size)
+    size = np.where(size > 1e-12, size, np.nan)
+    half = np.arccos(geometry.base_radius / geometry.platform_radius * a / size)
     middle = np.arctan2(b, a)
     theta = wrap(np.stack([-middle + half, -middle - half], axis=-1))
     # s_k = sin b (x + p_x - e_x) - cos b (y + p_y - e_y) = 0 for all three legs, as least squares
@@ -272,10 +273,9 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> Assemblies:
     right = cos_b * py - sin_b * px
     ss, cc, sc = (np.sum(v, axis=-1) for v in (sin_b**2, cos_b**2, sin_b * cos_b))
     rs, rc = np.sum(sin_b * right, axis=-1), np.sum(cos_b * right, axis=-1)
-    with np.errstate(all="ignore"):
-        det = ss * cc - sc**2
-        x = (cc * rs - sc * rc) / det
-        y = (sc * rs - ss * rc) / det
+    det = ss * cc - sc**2
+    x = (cc * rs - sc * rc) / det
+    y = (sc * rs - ss * rc) / det
     z = geometry.magnification * (q[..., 3] - geometry.shaft_length)
     z = np.broadcast_to((z - geometry.platform_joint_height)[..., None], x.shape)
     pose = np.stack([x, y, theta, z], axis=-1)
@@ -284,13 +284,15 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> Assemblies:
     return Assemblies(np.where(np.isfinite(x)[..., None], pose, np.nan), valid)
 
 
+@np.errstate(all="ignore")
 def continue_pose(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) -> Array:
     """Return the valid platform assembly that lies nearest to a given pose, (..., 4).
 
     Distance is taken in x, y and R_pl times theta. NaN where there is no valid assembly.
     """
-    found = forward_kinematics(geometry, actuators)
-    near = as_vectors(near, "near")[..., None, :]
+    q, near = aligned(actuators=actuators, near=near)
+    found = forward_kinematics(geometry, q)
+    near = near[..., None, :]
     turn = geometry.platform_radius * wrap(found.pose[..., 2] - near[..., 2])
     distance = np.hypot(np.hypot(*np.moveaxis(found.pose - near, -1, 0)[:2]), turn)
     distance = np.where(found.valid, distance, np.inf)

@@ -63,9 +63,9 @@ def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[
 
 
 def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> tuple[Any, Any]:
-    """Return the lesser of two values and its tag."""
-    first = value <= other
-    return choose(first, value, other), choose(first, tag, other_tag)
+    """Return the lesser of two values and its tag; a first value that is NaN stays."""
+    second = other < value
+    return choose(second, other, value), choose(second, other_tag, tag)
 
 
 def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) -> Any:

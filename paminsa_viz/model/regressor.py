@@ -22,6 +22,7 @@ BLOCK = 4096
 """States worked on at a time; bounds the memory of the intermediate terms to some 20 MB."""
 
 
+@np.errstate(invalid="ignore")
 def torque_regressor(
     geometry: Geometry,
     pose: ArrayLike,
@@ -55,24 +56,23 @@ def torque_regressor(
     return y.reshape(*shape, 4, terms.shape[1])
 
 
+@np.errstate(all="ignore")
 def _unit_terms(
     geometry: Geometry, p: Array, v: Array, a: Array, assembly: Assembly, gravity: float
 ) -> Array:
     """Return the torques of unit energy terms, (n, 4, 21), in the order of `EnergyTerms`."""
     g, q = leg_states(geometry, p, v, a, assembly)
-    with np.errstate(all="ignore"):
-        kinds = leg_regressor(mechanism(geometry, assembly), g, q)
-        on_rho, on_zeta, on_beta, on_lift = (
-            np.stack(np.broadcast_arrays(*kind)) for kind in kinds
-        )  # each (19, n, 3)
-        j = jacobian(geometry, p)[:, :3, :3]
-        # rho_k' for theta_j' = 1
-        turn = g.px * g.uy - g.py * g.ux
-        radial = (
-            g.ux[:, :, None] * j[:, None, 0]
-            + g.uy[:, :, None] * j[:, None, 1]
-            + turn[:, :, None] * j[:, None, 2]
-        )  # (n, leg, actuator)
+    kinds = leg_regressor(mechanism(geometry, assembly), g, q)
+    # each (19, n, 3)
+    on_rho, on_zeta, on_beta, on_lift = (np.stack(np.broadcast_arrays(*kind)) for kind in kinds)
+    j = jacobian(geometry, p)[:, :3, :3]
+    # rho_k' for theta_j' = 1
+    turn = g.px * g.uy - g.py * g.ux
+    radial = (
+        g.ux[:, :, None] * j[:, None, 0]
+        + g.uy[:, :, None] * j[:, None, 1]
+        + turn[:, :, None] * j[:, None, 2]
+    )  # (n, leg, actuator)
     y = np.zeros((len(p), 4, 21))
     k = geometry.magnification
     y[:, :3, :19] = np.einsum("tnk,nkj->njt", on_rho, radial) + np.moveaxis(on_beta, 0, -1)

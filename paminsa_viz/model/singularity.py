@@ -20,6 +20,7 @@ from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import MARGINS, Limit, check_reach
 
 
+@np.errstate(invalid="ignore")
 def singular_radius(geometry: Geometry, theta: ArrayLike) -> Array:
     """Return the radius of the circle of type-2 singular positions at theta [rad], (...) [m]."""
     rb, rp = geometry.base_radius, geometry.platform_radius
@@ -82,6 +83,7 @@ def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
         np.take_along_axis(nearest, index, axis=0)[0],
         np.inf,
     ) * np.where((np.isnan(everywhere) | (everywhere >= 0)) & (position >= 0), 1.0, -1.0)
+    rotation = np.where(np.isnan(radius + turn), np.nan, rotation)
 
     margins = check_reach(geometry, pose).margins
     kinds = [MARGINS.index(kind) for kind in (Limit.STRETCHED, Limit.FOLDED, Limit.AXIS)]

@@ -48,6 +48,7 @@ def lift_constant(design: Design) -> float:
     return float(k * (c[16] * design.gravity + 3 * c[0]) + 3 * c[2])
 
 
+@np.errstate(invalid="ignore")
 def static_torques(design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED) -> Array:
     """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the weight.
 
@@ -97,6 +98,7 @@ BODIES: tuple[str, ...] = tuple(
 """Bodies of a leg that have weight."""
 
 
+@np.errstate(invalid="ignore")
 def static_breakdown(
     design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
 ) -> StaticBreakdown:
@@ -108,7 +110,7 @@ def static_breakdown(
     index = [MASS_PATHS.index(path) for path in BODIES]
     mp1, mp2, mp3 = share[:3, index]
     gamma = _unit_torques_by_leg(geometry, pose, assembly)
-    per_leg = gamma[..., None] * mp2
+    per_leg = gamma[..., None] * mp2 + reachable[..., None, None, None]
     k = geometry.magnification
     per_leg[..., 3, :, :] += k * mp1 + mp3
     weight = k * design.gravity
