@@ -65,7 +65,7 @@ from paminsa_viz.model.lumped import (
 )
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
-from paminsa_viz.model.regressor import torque_regressor
+from paminsa_viz.model.regressor import regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (
     Singularity,
     measure_singularity,
@@ -138,6 +138,7 @@ __all__ = [
     "mass_vector",
     "measure_singularity",
     "potential_energy",
+    "regressor_torques",
     "require_reachable",
     "rotary_torques",
     "singular_radius",

@@ -106,7 +106,7 @@ def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
     return np.stack(np.broadcast_arrays(*values), axis=-1)
 
 
-def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array) -> Array:
+def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array, out: Array) -> None:
     """Evaluate a formula on all sums of an outer and an inner pose; theta is the outer's alone.
 
     Args:
@@ -114,22 +114,20 @@ def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array) -> Array:
         m: The mechanism.
         outer: (rows, 4) parts of poses [m, m, rad, m].
         inner: (columns, 4) parts of poses; the third column is not used.
-
-    Returns:
-        (results of the formula, rows, columns).
+        out: (rows, results of the formula, columns), contiguous; filled.
     """
-    c, s = _cos_sin(outer[:, 2])
+    c, s = np.cos(outer[:, 2]), np.sin(outer[:, 2])
     kernels = _kernels.get()
     if kernels is not None:
         rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
         columns = np.ascontiguousarray(inner[:, [0, 1, 3]].T)
-        out = np.empty((kernels.COUNTS[name], len(rows), columns.shape[1]))
-        kernels.OVER_POSES[name][0](m, rows, columns, out)
-        return out
+        along_x = not columns[1:].any()
+        kernels.OVER_POSES[name][0](m, rows, columns, along_x, out)
+        return
     sums = outer[:, None, :] + inner[None, :, :]
     with np.errstate(all="ignore"):
         values = FORMULAE[name](m, sums[..., 0], sums[..., 1], c[:, None], s[:, None], sums[..., 3])
-    return np.stack(np.broadcast_arrays(*values))
+    out[:] = np.stack(np.broadcast_arrays(*values), axis=1)
 
 
 def drive(

@@ -82,17 +82,27 @@ def _over_poses(formula: Callable[..., Any], count: int, digest: int) -> tuple[A
     """
 
     @njit(**_OPTIONS)
-    def over_grid(m, outer, inner, out):  # type: ignore[no-untyped-def]
-        """Poses outer[i] + inner[:, j]; theta is the outer's alone, so its part is hoisted."""
+    def over_grid(m, outer, inner, along_x, out):  # type: ignore[no-untyped-def]
+        """Poses outer[i] + inner[:, j]; theta is the outer's alone, so its part is hoisted.
+
+        ``along_x`` says that x alone varies in the inner part: then most of the formula's parts in
+        y and z are the same for a whole row as well.
+        """
         if digest < 0:
             return
         x, y, z = inner[0], inner[1], inner[2]
         for i in range(outer.shape[0]):
             ox, oy, oz, c, s = outer[i, 0], outer[i, 1], outer[i, 2], outer[i, 3], outer[i, 4]
-            for j in range(x.size):
-                values = formula(m, ox + x[j], oy + y[j], c, s, oz + z[j])
-                for n in range(count):
-                    out[n, i, j] = values[n]
+            if along_x:
+                for j in range(x.size):
+                    values = formula(m, ox + x[j], oy, c, s, oz)
+                    for n in range(count):
+                        out[i, n, j] = values[n]
+            else:
+                for j in range(x.size):
+                    values = formula(m, ox + x[j], oy + y[j], c, s, oz + z[j])
+                    for n in range(count):
+                        out[i, n, j] = values[n]
 
     @njit(**_OPTIONS)
     def over_list(m, pose, c, s, out):  # type: ignore[no-untyped-def]
@@ -188,7 +198,7 @@ def warm_up() -> None:
     none, pose = np.zeros(0), np.zeros((0, 4))
     for name, (over_grid, over_list) in OVER_POSES.items():
         count = COUNTS[name]
-        over_grid(m, np.zeros((0, 5)), np.zeros((3, 0)), np.zeros((count, 0, 0)))
+        over_grid(m, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
         over_list(m, pose, none, none, np.zeros((0, count)))
     drive(m, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
     mass_matrix(m, e, pose, none, none, np.zeros((0, 10)))

@@ -234,13 +234,17 @@ def _evaluate(names: list[str], m: Mechanism, grid: Grid, threads: int | None) -
         for c in range(0, columns, BLOCK)
     ]
     sizes = [len(_formula_results(name)) for name in names]
-    results = [np.empty((size, rows, columns)) for size in sizes]
+    results = [np.empty((rows, size, columns)) for size in sizes]
 
     def work(piece: tuple[slice, slice]) -> None:
         r, c = piece
         outer = _rows(outer_axes, outer_shape, base, r)
         for name, result in zip(names, results, strict=True):
-            result[:, r, c] = backend.over_grid(name, m, outer, inner[c])
+            part = result[r, :, c]
+            filled = part if part.flags.c_contiguous else np.empty(part.shape)
+            backend.over_grid(name, m, outer, inner[c], filled)
+            if filled is not part:
+                part[:] = filled
 
     count = threads or (os.cpu_count() or 1 if len(pieces) >= WORTH_THREADS else 1)
     if count > 1:
@@ -249,15 +253,14 @@ def _evaluate(names: list[str], m: Mechanism, grid: Grid, threads: int | None) -
     else:
         for piece in pieces:
             work(piece)
-    # back to the order of the grid's axes
+    # back to the order of the grid's axes, the results of the formula first
     shape = (*outer_shape, *(() if last_theta else (columns,)))
-    inverse = np.argsort(order) if order else np.zeros(0, dtype=int)
     return [
         np.moveaxis(
-            result.reshape(result.shape[0], *shape), 1 + np.arange(len(order)), 1 + np.array(order)
+            np.moveaxis(result, 1, 0).reshape(result.shape[1], *shape),
+            1 + np.arange(len(order)),
+            1 + np.array(order, dtype=int),
         )
-        if len(inverse)
-        else result.reshape(result.shape[0])
         for result in results
     ]
 

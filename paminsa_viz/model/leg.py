@@ -156,8 +156,8 @@ def leg_vector(m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any) -
     """
     px = m.platform_radius * (ax * c - ay * s)
     py = m.platform_radius * (ay * c + ax * s)
-    dx = x + px - m.base_radius * ax
-    dy = y + py - m.base_radius * ay
+    dx = x + (px - m.base_radius * ax)
+    dy = y + (py - m.base_radius * ay)
     return LegVector(px, py, dx, dy, dx * dx + dy * dy)
 
 

@@ -13,6 +13,7 @@ them moves a coefficient to a wrong place; see `Misprint`.
 from __future__ import annotations
 
 from enum import Flag, auto
+from operator import attrgetter
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -56,6 +57,8 @@ MASS_PATHS: tuple[str, ...] = tuple(
     p.path for p in PARAMETERS if p.group in ("joints", "links", "inertias", "platform", "payload")
 )
 """Design values in which c is linear."""
+
+_MASS_VALUES = attrgetter(*MASS_PATHS)
 
 
 class EnergyTerms(NamedTuple):
@@ -162,7 +165,7 @@ def _masses(values: Any) -> SimpleNamespace:
 
 def mass_vector(design: Design) -> Array:
     """Return the masses and inertias in the order of `MASS_PATHS`, (28,) [kg, kg m^2]."""
-    return np.array([design.value(path) for path in MASS_PATHS])
+    return np.array(_MASS_VALUES(design), dtype=np.float64)
 
 
 def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> Array:

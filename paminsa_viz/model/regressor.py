@@ -57,6 +57,11 @@ def torque_regressor(
 
 
 @np.errstate(all="ignore")
+def regressor_torques(y: Array, c: Array) -> Array:
+    """Return Q = Y c, (..., 4) [N m, N], for Y of `torque_regressor` and c (18,)."""
+    return (y.reshape(-1, y.shape[-1]) @ c).reshape(y.shape[:-1])
+
+
 def _unit_terms(
     geometry: Geometry, p: Array, v: Array, a: Array, assembly: Assembly, gravity: float
 ) -> Array:

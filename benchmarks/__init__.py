@@ -1,0 +1,1 @@
+"""Measurements, run by command; the README of this folder lists them."""
