@@ -1,0 +1,1 @@
+"""The web page: state, actions, session, 3D scene, panels."""

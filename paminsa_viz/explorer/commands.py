@@ -1,0 +1,70 @@
+"""What a person does often: in the command palette, and on keys."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.scene.cameras import CAMERAS, look
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import Layers
+
+
+class Command(NamedTuple):
+    """A line of the command palette."""
+
+    label: str
+    key: str | None
+    modifier: str | None
+    run: Callable[[], None]
+
+
+def _toggle(session: Session, name: str) -> Callable[[], None]:
+    return lambda: session.ask(
+        f"layers.{name}",
+        lambda s: actions.set_layers(s, **{name: not getattr(s.layers, name)}),
+    )
+
+
+def commands(session: Session) -> list[Command]:
+    """Return every command of a session."""
+
+    def camera(name: str) -> Callable[[], None]:
+        return lambda: session.do(lambda: look(session.client, name, session.state))
+
+    layer_keys = {"skeleton": "K", "floor_map": "F", "gizmo": "G", "mass_centres": "C"}
+    assert layer_keys.keys() <= Layers.__dataclass_fields__.keys()
+    return [
+        Command("Home pose", "H", None, lambda: session.ask("home", actions.go_home)),
+        Command("Undo", "Z", "cmd/ctrl", session.undo),
+        Command("Redo", "Z", "cmd/ctrl+shift", session.redo),
+        Command(
+            "Pin the design as reference",
+            "P",
+            None,
+            lambda: session.ask("reference", actions.pin_reference),
+        ),
+        Command(
+            "Unpin the reference",
+            "P",
+            "shift",
+            lambda: session.ask("reference", actions.unpin_reference),
+        ),
+        *(
+            Command(f"Camera: {name}", str(number), None, camera(name))
+            for number, name in enumerate(CAMERAS, start=1)
+        ),
+        *(
+            Command(f"Show or hide: {name.replace('_', ' ')}", key, None, _toggle(session, name))
+            for name, key in layer_keys.items()
+        ),
+    ]
+
+
+def register(session: Session) -> None:
+    """Put the commands on the page."""
+    for command in commands(session):
+        keys: dict[str, Any] = {"hotkey": command.key, "modifier": command.modifier}
+        handle = session.client.gui.add_command(command.label, **keys)
+        handle.on_trigger(lambda _, run=command.run: run())

@@ -1,0 +1,76 @@
+"""Inputs of the page bound to the state: what a person sets is asked for, what holds is shown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import InvalidInput
+
+Apply = Callable[[State, Any], State]
+Show = Callable[[State], Any]
+
+
+class Control:
+    """One input, its way into the state and its way back.
+
+    The value is read when the worker gets to it, not when the callback ran: callbacks may overtake
+    each other, the input's own value does not.
+    """
+
+    def __init__(self, session: Session, handle: Any, name: str, apply: Apply, show: Show) -> None:
+        self.session, self.handle, self.name = session, handle, name
+        self._apply, self._show = apply, show
+        self._read: Any = None
+        self._touched = False
+        handle.on_update(self._on_update)
+
+    def _on_update(self, event: Any) -> None:
+        if event.client is None:  # set by this program
+            return
+        self._touched = True
+        self.session.ask(self.name, self._intent)
+
+    def _intent(self, state: State) -> State:
+        self._touched = False
+        value = self.handle.value
+        self._read = value
+        check_value(self.name, value)
+        return self._apply(state, value)
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Show what holds, unless the person's hand is on this input right now."""
+        del moving
+        value = self._show(frame.state)
+        if self._touched:
+            return
+        if self._read is not None and same(self._read, value):
+            # The person's own entry holds; it may have moved on since, so it is not written over.
+            self._read = None
+            return
+        self._read = None
+        if not same(self.handle.value, value):
+            self.handle.value = value
+
+
+def check_value(name: str, value: Any) -> None:
+    """Refuse numbers that are none.
+
+    Raises:
+        InvalidInput: If a number is not finite.
+    """
+    numbers = value if isinstance(value, tuple) else (value,)
+    for number in numbers:
+        if isinstance(number, float) and not math.isfinite(number):
+            raise InvalidInput(name, "a finite number is needed")
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two input values are the same to the eye of the state."""
+    if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+        return math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-9)
+    return a == b

@@ -1,0 +1,117 @@
+"""What one state shows: everything the page draws, computed by a pure function."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+from functools import cached_property
+
+import numpy as np
+
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import (
+    Limit,
+    Posture,
+    Reach,
+    Singularity,
+    balance_distance,
+    check_reach,
+    measure_singularity,
+    solve_posture,
+    static_torques,
+)
+from paminsa_viz.model.arrays import Array
+
+NEAR_POSITION = 0.02
+"""Closer than this to the singular circle, the pose counts as near a singularity [m]."""
+NEAR_ROTATION = np.radians(5.0)
+"""Closer than this to a singular rotation, the pose counts as near a singularity [rad]."""
+NEAR_SERIAL = 0.01
+"""Less room than this to a stretched or folded pantograph counts as near a singularity [m]."""
+
+
+class Health(Enum):
+    """The plain status of a request."""
+
+    FINE = "fine"
+    NEAR = "near a singularity"
+    UNREACHABLE = "unreachable"
+
+
+@dataclass(frozen=True)
+class Frame:
+    """What a state means, for the views.
+
+    Attributes:
+        state: The state.
+        posture: The standing posture (last good one), one pose.
+        requested: Reach of the pose asked for.
+        singularity: Distances of the standing pose.
+        torques: Static torques of the standing pose with the present masses, (4,) [N m, N].
+        reference_torques: The same for the reference design, or None without one or if it can not
+            stand there.
+        balance: M_p2 of the present design [N].
+    """
+
+    state: State
+    posture: Posture
+    requested: Reach
+    singularity: Singularity
+    torques: Array
+    reference_torques: Array | None
+    balance: float
+
+    @cached_property
+    def health(self) -> Health:
+        """Status of the request."""
+        if not self.requested.ok.all():
+            return Health.UNREACHABLE
+        s = self.singularity
+        rotation, position = float(s.rotation_distance), float(s.position_distance)
+        near = (
+            abs(position) < NEAR_POSITION
+            or abs(rotation) < NEAR_ROTATION
+            or float(s.serial_distance) < NEAR_SERIAL
+        )
+        return Health.NEAR if near else Health.FINE
+
+    @cached_property
+    def explanation(self) -> str:
+        """One sentence that says why, in millimetres."""
+        if self.health is Health.UNREACHABLE:
+            limit, leg = Limit(int(self.requested.status)), int(self.requested.leg)
+            text = limit.explanation
+            if leg >= 0:
+                text += f" (leg {leg + 1}, by {1e3 * float(self.requested.excess):.1f} mm)"
+            return text
+        s = self.singularity
+        if self.health is Health.NEAR:
+            return (
+                f"{1e3 * abs(float(s.position_distance)):.0f} mm from the singular circle, "
+                f"{np.degrees(abs(float(s.rotation_distance))):.1f}° from a singular rotation, "
+                f"{1e3 * float(s.serial_distance):.0f} mm from a pantograph's limit"
+            )
+        return "all legs within their limits"
+
+
+def compute(state: State) -> Frame:
+    """Work out what a state shows."""
+    document, standing = state.document, state.standing
+    posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
+    here = document.design
+    if standing.geometry != here.geometry:
+        # the present geometry can not stand; the masses are shown on the last one that could
+        here = replace(here, geometry=standing.geometry)
+    reference = None
+    if document.reference is not None:
+        held = static_torques(document.reference, standing.pose, standing.assembly)
+        reference = held if np.isfinite(held).all() else None
+    return Frame(
+        state=state,
+        posture=posture,
+        requested=check_reach(document.design.geometry, document.pose),
+        singularity=measure_singularity(standing.geometry, standing.pose),
+        torques=static_torques(here, standing.pose, standing.assembly),
+        reference_torques=reference,
+        balance=balance_distance(document.design),
+    )

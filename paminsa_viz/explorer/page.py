@@ -1,0 +1,96 @@
+"""Puts one tab together: its session, its scene, its panels."""
+
+from __future__ import annotations
+
+import logging
+
+import viser
+
+from paminsa_viz.explorer import actions, commands, saving
+from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels.compare_panel import ComparePanel
+from paminsa_viz.explorer.panels.design_panel import DesignPanel
+from paminsa_viz.explorer.panels.file_panel import FilePanel
+from paminsa_viz.explorer.panels.maps_panel import MapsPanel
+from paminsa_viz.explorer.panels.pose_panel import PosePanel
+from paminsa_viz.explorer.panels.readout import Readout
+from paminsa_viz.explorer.panels.view_panel import ViewPanel
+from paminsa_viz.explorer.scene.cameras import look
+from paminsa_viz.explorer.scene.floor import FloorMap
+from paminsa_viz.explorer.scene.gizmo import Gizmo
+from paminsa_viz.explorer.scene.view import RobotView
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.palette import rgb
+
+log = logging.getLogger(__name__)
+
+PANEL_WIDTH = 380
+"""Width of the control panel [px]; fits labels and numbers at a laptop's 1280 px."""
+
+BRAND = "#0b6e99"
+
+
+class TabStore:
+    """Keeps the document in the tab's own store, once the hand rests."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._kept = ""
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Save what has changed."""
+        if moving:
+            return
+        text = saving.dump(frame.state.document)
+        if text != self._kept:
+            self._kept = text
+            self._bridge.save(text)
+
+
+def build(client: viser.ClientHandle, design: Design) -> Session:
+    """Build the page of a tab that has just connected, and start its worker."""
+    session = Session(client, initial_state(design))
+    bridge = Bridge(client)
+    gui = client.gui
+    gui.configure_theme(
+        control_width="large", show_logo=False, show_share_button=False, brand_color=rgb(BRAND)
+    )
+    gui.set_panel_label("PAMINSA")
+    gui.main_panel.dock_right()
+    gui.main_panel.set_width(PANEL_WIDTH)
+    look(client, "3D", session.state)
+
+    tabs = gui.add_tab_group()
+    with tabs.add_tab("Pose", viser.Icon.ARROWS_MOVE):
+        readout = Readout(session)
+        pose = PosePanel(session)
+    with tabs.add_tab("Design", viser.Icon.WEIGHT):
+        design_panel = DesignPanel(session)
+    with tabs.add_tab("Compare", viser.Icon.PIN):
+        compare = ComparePanel(session)
+    with tabs.add_tab("View", viser.Icon.EYE):
+        view = ViewPanel(session)
+    with tabs.add_tab("File", viser.Icon.FILE):
+        files = FilePanel(session)
+    maps = MapsPanel(session, bridge)
+    session.first += [RobotView(session), Gizmo(session), readout, pose, design_panel, view]
+    session.later += [FloorMap(session), maps, compare, files, TabStore(bridge)]
+    commands.register(session)
+
+    def restore(saved: object) -> None:
+        if not isinstance(saved, str):
+            return
+        try:
+            document = saving.load(saved)
+        except PaminsaError as error:
+            log.info("a tab's saved state was not taken: %s", error)
+            return
+        session.ask("restore", lambda state: actions.restore(state, document))
+
+    bridge.on("hello", restore)
+    bridge.open()
+    session.start()
+    return session

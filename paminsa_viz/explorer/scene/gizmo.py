@@ -1,0 +1,63 @@
+"""A handle on the platform: drag it, and the robot follows."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.controls import check_value
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+
+
+class Gizmo:
+    """Arrows for x, y, z and an arc for theta, at the platform's centre."""
+
+    def __init__(self, session: Session) -> None:
+        self.session = session
+        free, locked = (-1000.0, 1000.0), (0.0, 0.0)
+        self.handle = session.client.scene.add_transform_controls(
+            "/gizmo",
+            scale=0.22,
+            line_width=3.0,
+            rotation_limits=(locked, locked, free),
+            depth_test=False,
+            opacity=0.85,
+            visible=session.state.layers.gizmo,
+        )
+        self._held = False
+        self.handle.on_drag_start(self._hold)
+        self.handle.on_drag_end(self._release)
+        self.handle.on_update(lambda _: session.ask("gizmo", self._intent))
+
+    def _hold(self, _: object) -> None:
+        self._held = True
+
+    def _release(self, _: object) -> None:
+        self._held = False
+
+    def _intent(self, state: State) -> State:
+        x, y, z = (float(v) for v in self.handle.position)
+        w, _, _, k = (float(v) for v in self.handle.wxyz)
+        check_value("handle", (x, y, z, w, k))
+        turn = 2 * np.arctan2(k, w)
+        # the quaternion knows the angle but for whole turns
+        before = state.document.pose[2]
+        theta = before + float(np.remainder(turn - before + np.pi, 2 * np.pi) - np.pi)
+        return actions.move(state, x=x, y=y, theta=theta, z=z)
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Stand at the platform, unless it is being dragged."""
+        visible = frame.state.layers.gizmo
+        if self.handle.visible != visible:
+            self.handle.visible = visible
+        if self._held and moving:
+            return
+        x, y, theta, z = frame.state.standing.pose
+        place = np.array([x, y, z])
+        turn = np.array([np.cos(theta / 2), 0.0, 0.0, np.sin(theta / 2)])
+        if not np.allclose(self.handle.position, place, atol=1e-9):
+            self.handle.position = place
+        if not np.allclose(self.handle.wxyz, turn, atol=1e-9):
+            self.handle.wxyz = turn

@@ -1,0 +1,188 @@
+"""One browser tab: its state, its worker, its views.
+
+Callbacks of the page only say that something was touched. One worker a session reads what was
+touched, makes the next state, and draws the newest one; a value that has been overtaken is never
+drawn, and the last one always is.
+"""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Protocol
+
+import viser
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.frame import Frame, compute
+from paminsa_viz.explorer.history import History
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import PaminsaError
+
+log = logging.getLogger(__name__)
+
+Intent = Callable[[State], State]
+
+REST = 0.25
+"""Time without a change after which the hand counts as resting [s]."""
+
+BREATH = 0.02
+"""Least time between two drawings, so that one tab can not take a core for itself [s]."""
+
+
+class View(Protocol):
+    """Something on the page that shows a frame.
+
+    ``draw`` is called on the session's worker, with ``moving`` True while the hand moves and once
+    more with False when it rests. It draws what has changed since it last drew, and nothing else.
+    """
+
+    def draw(self, frame: Frame, moving: bool) -> None: ...
+
+
+class Session:
+    """The state of a tab and the worker that draws it.
+
+    Attributes:
+        client: The tab.
+        first: Views drawn at once, before anything slower: the robot and the numbers.
+        later: Views drawn after that: maps and other figures.
+    """
+
+    def __init__(self, client: viser.ClientHandle, state: State) -> None:
+        self.client = client
+        self.first: list[View] = []
+        self.later: list[View] = []
+        self._state = state
+        self._history = History()
+        self._intents: dict[str, Intent] = {}
+        self._jobs: list[Callable[[], None]] = []
+        self._lock = threading.Lock()
+        self._wake = threading.Event()
+        self._closed = False
+        self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
+
+    @property
+    def state(self) -> State:
+        """The newest state."""
+        return self._state
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a step to undo."""
+        return bool(self._history.past)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a step to redo."""
+        return bool(self._history.future)
+
+    def start(self) -> None:
+        """Draw the first frame and begin to answer."""
+        self._thread.start()
+        self._wake.set()
+
+    def close(self) -> None:
+        """Stop the worker; the tab has gone."""
+        self._closed = True
+        self._wake.set()
+
+    def ask(self, source: str, intent: Intent) -> None:
+        """Ask for a change of state; a newer request of the same source replaces an older one.
+
+        Args:
+            source: Which control asks; its unfinished earlier request is forgotten.
+            intent: Pure function from state to state. It may raise `PaminsaError`, which is shown
+                to the person and changes nothing.
+        """
+        with self._lock:
+            self._intents.pop(source, None)
+            self._intents[source] = intent
+        self._wake.set()
+
+    def do(self, job: Callable[[], None]) -> None:
+        """Run something on the worker that is no change of state, such as an export."""
+        with self._lock:
+            self._jobs.append(job)
+        self._wake.set()
+
+    def undo(self) -> None:
+        """Take the last step back."""
+        self.do(lambda: self._travel(self._history.undo))
+
+    def redo(self) -> None:
+        """Take the last undo back."""
+        self.do(lambda: self._travel(self._history.redo))
+
+    def tell(self, title: str, body: str, *, bad: bool = False) -> None:
+        """Show a notice on the page."""
+        self.client.add_notification(
+            title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
+        )
+
+    def _travel(self, step: Callable[..., object]) -> None:
+        document = step(self._state.document)
+        if document is not None:
+            self._state = actions.restore(self._state, document)  # type: ignore[arg-type]
+
+    def _run(self) -> None:
+        resting_due: float | None = None
+        drawn: State | None = None
+        while not self._closed:
+            timeout = None if resting_due is None else max(0.0, resting_due - time.monotonic())
+            self._wake.wait(timeout)
+            self._wake.clear()
+            if self._closed:
+                return
+            try:
+                self._take_requests()
+                if self._state is not drawn:
+                    drawn = self._state
+                    self._draw(drawn, moving=True)
+                    resting_due = time.monotonic() + REST
+                    time.sleep(BREATH)
+                elif resting_due is not None and time.monotonic() >= resting_due:
+                    resting_due = None
+                    self._draw(drawn, moving=False)
+            except Exception:
+                if self._closed:
+                    return
+                log.exception("a session could not draw")
+                self.tell("Something went wrong", "Details are in the program's log.", bad=True)
+                resting_due = None
+
+    def _take_requests(self) -> None:
+        with self._lock:
+            intents, self._intents = self._intents, {}
+            jobs, self._jobs = self._jobs, []
+        for source, intent in intents.items():
+            before = self._state
+            try:
+                after = intent(before)
+            except PaminsaError as error:
+                self.tell("Not possible", str(error), bad=True)
+                # a new object, so that the controls are set back to what holds
+                self._state = replace(before)
+                continue
+            self._state = after
+            self._history.record(before.document, after.document, source, time.monotonic())
+        for job in jobs:
+            try:
+                job()
+            except PaminsaError as error:
+                self.tell("Not possible", str(error), bad=True)
+
+    def _draw(self, state: State, *, moving: bool) -> None:
+        frame = compute(state)
+        with self.client.atomic():
+            for view in self.first:
+                view.draw(frame, moving)
+        self.client.flush()
+        for view in self.later:
+            view.draw(frame, moving)
+            if moving and self._intents:  # the hand is already further; keep the scene quick
+                break
+        self.client.flush()

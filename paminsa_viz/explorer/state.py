@@ -1,0 +1,135 @@
+"""The frozen state of one session, and nothing else: what the page shows follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from enum import Enum
+
+import numpy as np
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Geometry,
+    Quantity,
+    check_reach,
+)
+
+Pose = tuple[float, float, float, float]
+"""(x, y, theta, z) [m, m, rad, m]."""
+
+HOME_DROP = 0.5
+"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
+
+
+@dataclass(frozen=True)
+class Standing:
+    """The last posture the robot could take; it stays in the scene while a request can not be met.
+
+    Attributes:
+        geometry, assembly: The lengths and the knee's root it was solved with.
+        pose: Platform pose [m, m, rad, m].
+    """
+
+    geometry: Geometry
+    assembly: Assembly
+    pose: Pose
+
+
+class RangeMode(Enum):
+    """How a map's colour range is found."""
+
+    AUTO = "robust"
+    FULL = "full"
+    MANUAL = "manual"
+
+
+@dataclass(frozen=True)
+class MapView:
+    """How the torque maps are drawn.
+
+    Attributes:
+        quantity: What the single map and the floor show; the three-panel figure shows torques.
+        range_mode: How the colour range is found.
+        low, high: The manual range, in the quantity's SI unit.
+        shared: Whether the three torque maps have one range.
+        logarithmic: Whether colours follow a symmetric logarithm.
+        difference: Whether the maps show the difference from the reference design.
+    """
+
+    quantity: Quantity = Quantity.MAX_TORQUE
+    range_mode: RangeMode = RangeMode.AUTO
+    low: float = -10.0
+    high: float = 10.0
+    shared: bool = True
+    logarithmic: bool = False
+    difference: bool = False
+
+
+@dataclass(frozen=True)
+class Layers:
+    """What is visible in the 3D scene; names match the switches of the page."""
+
+    mesh: bool = True
+    skeleton: bool = False
+    mass_centres: bool = False
+    gravity: bool = False
+    torques: bool = True
+    labels: bool = True
+    workspace: bool = True
+    singularity: bool = True
+    floor_map: bool = True
+    gizmo: bool = False
+    floor_opacity: float = 0.85
+
+
+@dataclass(frozen=True)
+class Document:
+    """What a person works on: undo, saving and share codes are about this.
+
+    Attributes:
+        design: The robot.
+        assembly: Root of the knee.
+        pose: The pose asked for; it may be out of reach.
+        reference: A pinned design to compare with, or None.
+    """
+
+    design: Design = APPENDIX_4
+    assembly: Assembly = Assembly.PRINTED
+    pose: Pose = (0.0, 0.0, 0.0, 0.0)
+    reference: Design | None = None
+
+
+@dataclass(frozen=True)
+class State:
+    """Everything one browser tab shows."""
+
+    document: Document
+    standing: Standing
+    map_view: MapView = field(default_factory=MapView)
+    layers: Layers = field(default_factory=Layers)
+
+
+def home_pose(geometry: Geometry, assembly: Assembly) -> Pose:
+    """Return a pose at the centre with plenty of room to all limits."""
+    reach = geometry.crank_length + geometry.coupler_length
+    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
+    drop = min(HOME_DROP * reach, 0.75 * float(height))
+    z5 = -drop if assembly is Assembly.PRINTED else drop
+    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
+
+
+def initial_state(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRINTED) -> State:
+    """Return the state a new session starts with."""
+    pose = home_pose(design.geometry, assembly)
+    document = Document(design, assembly, pose)
+    return State(document, Standing(design.geometry, assembly, pose))
+
+
+def settle(state: State, document: Document) -> State:
+    """Return the state with another document; the robot follows it if the pose can be taken."""
+    standing = state.standing
+    if check_reach(document.design.geometry, document.pose).ok.all():
+        standing = Standing(document.design.geometry, document.assembly, document.pose)
+    return replace(state, document=document, standing=standing)
