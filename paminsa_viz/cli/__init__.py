@@ -1,0 +1,63 @@
+"""The command line ``paminsa-viz``.
+
+Each command is a module with ``main(arguments) -> exit code``, imported only when it is asked for,
+so that a small command does not wait for the page's libraries.
+
+Exit codes: 0 done; 2 a wrong argument or file, with one line on stderr that names the place; 130
+stopped with Ctrl-C.
+"""
+
+from __future__ import annotations
+
+import difflib
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import PROGRAM, UsageError, complain
+from paminsa_viz.model.errors import PaminsaError
+
+COMMANDS: dict[str, str] = {
+    "start": "open the explorer in the browser (also without any command)",
+    "evaluate": "compute actuator positions, torques and status for a table of poses",
+    "design": "check, show, compare design files; write Appendix 4's",
+}
+"""Commands and what they do; ``paminsa_viz.cli.<name>`` is the module."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command and return its exit code.
+
+    Args:
+        arguments: Words after the program's name; None takes them from ``sys.argv``.
+    """
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        return _run(words)
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        # Whoever read the output has gone (`| head`). Python would complain once more at its exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except (PaminsaError, OSError) as error:
+        complain(error)
+        return 2
+
+
+def _run(words: list[str]) -> int:
+    if words[:1] in (["--version"], ["-V"]):
+        print(f"{PROGRAM} {__version__}")
+        return 0
+    name = "start"
+    if words and not words[0].startswith("-"):
+        name = words.pop(0)
+    if name not in COMMANDS:
+        near = difflib.get_close_matches(name, COMMANDS, 1)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
+        raise UsageError(f"there is no command {name[:40]!r}; {hint}")
+    code = importlib.import_module(f"paminsa_viz.cli.{name}").main(words)
+    sys.stdout.flush()
+    return code

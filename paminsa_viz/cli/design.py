@@ -1,0 +1,165 @@
+"""``paminsa-viz design``: check, show and compare design files, write Appendix 4's."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.files.design_file import load_design, save_design
+from paminsa_viz.files.design_schema import KEYS, Key
+from paminsa_viz.files.design_writer import differences, write_design
+from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.errors import PaminsaError
+
+DESCRIPTION = """\
+Work with design files: a robot's lengths, masses and inertias as readable TOML.
+
+  paminsa-viz design default --out robot.toml   a file to start from: the paper's Appendix 4
+  paminsa-viz design check robot.toml           is it a possible robot?
+  paminsa-viz design diff robot.toml            what differs from Appendix 4?
+  paminsa-viz design diff a.toml b.toml         what differs between two designs?
+  paminsa-viz design show robot.toml            every value with the paper's symbol
+
+A file may leave values out; they are then Appendix 4's."""
+
+
+@dataclass(frozen=True)
+class Check:
+    """Say whether design files can be used; exit code 2 if one can not."""
+
+    files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
+    """Design files."""
+
+    def run(self) -> int:
+        """Check every file, also those after a bad one."""
+        if not self.files:
+            raise UsageError("a file is needed; see paminsa-viz design check --help")
+        code = 0
+        for file in self.files:
+            try:
+                design = load_design(file)
+            except PaminsaError as error:
+                complain(error)
+                code = 2
+                continue
+            count = len(differences(APPENDIX_4, design))
+            changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
+            print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
+        return code
+
+
+@dataclass(frozen=True)
+class Show:
+    """Print every value of a design with its symbol and unit."""
+
+    file: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
+    """Design file; Appendix 4 if left out."""
+    json: bool = False
+    """Print JSON for other programs."""
+
+    def run(self) -> int:
+        """Print the table."""
+        design = _load(self.file)
+        if self.json:
+            _print_json({"name": design.name, "values": _values(design)})
+            return 0
+        print(design.name)
+        rows = [
+            (key.table, key.name, f"{design.value(key.parameter.path):.10g}", _meaning(key))
+            for key in KEYS
+        ]
+        _print_table(rows)
+        return 0
+
+
+@dataclass(frozen=True)
+class Default:
+    """Write Appendix 4's design file, to the screen or to a file."""
+
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """File to write; one that exists is replaced."""
+
+    def run(self) -> int:
+        """Write it."""
+        comment = f"Written by paminsa_viz {__version__}."
+        if self.out is None:
+            print(write_design(APPENDIX_4, comment=comment), end="")
+        else:
+            print(f"{save_design(APPENDIX_4, self.out, comment=comment)}: written")
+        return 0
+
+
+@dataclass(frozen=True)
+class Diff:
+    """Print the values in which two designs differ."""
+
+    file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
+    """Design file."""
+    other: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
+    """Design file to compare with it; if left out, the first one is compared with Appendix 4."""
+    json: bool = False
+    """Print JSON for other programs."""
+
+    def run(self) -> int:
+        """Print the table."""
+        files = (None, self.file) if self.other is None else (self.file, self.other)
+        first, second = map(_load, files)
+        found = differences(first, second)
+        if self.json:
+            changes = {key.path: {"first": a, "second": b} for key, a, b in found}
+            _print_json({"first": first.name, "second": second.name, "differences": changes})
+        elif not found:
+            print("the designs have the same values")
+        else:
+            rows = [
+                (key.table, key.name, f"{a:.10g}", f"{b:.10g}", _change(a, b), _meaning(key))
+                for key, a, b in found
+            ]
+            names = [str(file or APPENDIX_4.name) for file in files]
+            _print_table([("", "", *names, "change", ""), *rows])
+        return 0
+
+
+def main(words: list[str]) -> int:
+    """Run one of the command's parts."""
+    kinds: Any = (
+        Annotated[Check, tyro.conf.subcommand("check")]
+        | Annotated[Show, tyro.conf.subcommand("show")]
+        | Annotated[Default, tyro.conf.subcommand("default")]
+        | Annotated[Diff, tyro.conf.subcommand("diff")]
+    )
+    return parse(kinds, words, "design", DESCRIPTION).run()
+
+
+def _load(file: Path | None) -> Design:
+    return APPENDIX_4 if file is None else load_design(file)
+
+
+def _values(design: Design) -> dict[str, float]:
+    return {key.path: design.value(key.parameter.path) for key in KEYS}
+
+
+def _meaning(key: Key) -> str:
+    return f"{key.parameter.symbol}, {key.parameter.label}"
+
+
+def _change(first: float, second: float) -> str:
+    return f"{100 * (second / first - 1):+.3g} %" if first else ""
+
+
+def _print_json(value: object) -> None:
+    print(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+def _print_table(rows: list[tuple[str, ...]]) -> None:
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    for row in rows:
+        print(
+            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        )

@@ -1,0 +1,131 @@
+"""``paminsa-viz evaluate``: actuator positions and torques for a table of poses."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import tyro
+
+from paminsa_viz.cli.arguments import parse
+from paminsa_viz.files.atomic import written_whole
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.files.pose_table import (
+    PoseRows,
+    PoseTable,
+    open_lines,
+    write_header,
+    write_rows,
+)
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.reach import Limit, status_words
+
+DESCRIPTION = """\
+Compute the actuators' positions and torques for every row of a table of poses.
+
+Columns of IN.csv, in any order, SI units:
+  pose           x_m,y_m,theta_rad,z_m
+  velocity       vx_m_s,vy_m_s,omega_rad_s,vz_m_s          (optional; 0 if left out)
+  acceleration   ax_m_s2,ay_m_s2,alpha_rad_s2,az_m_s2      (optional; 0 if left out)
+
+OUT.csv repeats them, row by row, and adds
+  theta1_rad,theta2_rad,theta3_rad,Z_m,tau1_Nm,tau2_Nm,tau3_Nm,f4_N,status
+
+The status is ok, or the reason why a row has no numbers: stretched, folded, guide or axis with the
+leg (stretched:leg2), singular, or not-finite for numbers too large to compute with. OUT.csv is
+written completely or, when IN.csv is refused, not at all."""
+
+
+@dataclass(frozen=True)
+class Evaluate:
+    """Flags of the command."""
+
+    table: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="IN.csv")]
+    """Table of poses."""
+    out: Annotated[Path, tyro.conf.arg(metavar="OUT.csv")]
+    """Table to write; may be IN.csv itself."""
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4."""
+    assembly: Literal["printed", "mirror"] = "printed"
+    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+
+
+@dataclass
+class Tally:
+    """What became of a table.
+
+    Attributes:
+        rows: How many rows it has.
+        reasons: How many rows have no numbers, by reason.
+    """
+
+    rows: int = 0
+    reasons: Counter[str] = field(default_factory=Counter)
+
+    def __str__(self) -> str:
+        text = f"{self.rows} row{'' if self.rows == 1 else 's'}"
+        count = self.reasons.total()
+        if not count:
+            return text
+        reasons = ", ".join(f"{number} {word}" for word, number in self.reasons.most_common())
+        return f"{text}, {count} without numbers ({reasons})"
+
+
+def main(words: list[str]) -> int:
+    """Run the command."""
+    flags = parse(Evaluate, words, "evaluate", DESCRIPTION)
+    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    tally = evaluate_table(flags.table, flags.out, design, Assembly(flags.assembly))
+    print(f"{flags.out}: {tally}")
+    return 0
+
+
+def evaluate_table(
+    source: str | os.PathLike[str],
+    target: str | os.PathLike[str],
+    design: Design = APPENDIX_4,
+    assembly: Assembly = Assembly.PRINTED,
+) -> Tally:
+    """Evaluate a CSV table of poses into another one, of any length in bounded memory.
+
+    Args:
+        source: Table to read.
+        target: Table to write; it may be the same file, and appears only when it is complete.
+        design: The robot.
+        assembly: The assembly mode.
+
+    Raises:
+        FileError: If a file can not be read or written, or holds something else than poses.
+    """
+    tally = Tally()
+    with open_lines(source) as lines:
+        table = PoseTable(lines, os.fspath(source))
+        with written_whole(target) as file:
+            write_header(file, table.columns)
+            for rows in table.pieces():
+                results, words = evaluate_rows(rows, design, assembly)
+                write_rows(file, rows.cells, results, words)
+                tally.rows += len(words)
+                tally.reasons.update(word for word in words if word != "ok")
+            # Some systems do not let an open file be replaced, and it may be this one.
+            lines.close()
+    return tally
+
+
+def evaluate_rows(
+    rows: PoseRows, design: Design, assembly: Assembly
+) -> tuple[np.ndarray, list[str]]:
+    """Return (n, 8) actuator positions and torques, in `RESULTS`' order, and each row's status."""
+    posture = solve_posture(design.geometry, rows.pose, assembly)
+    dynamics = inverse_dynamics(design, rows.pose, rows.velocity, rows.acceleration, assembly)
+    results = np.concatenate([posture.actuators, dynamics.torque], axis=-1)
+    # A finite motion can still be too large for its torque to be a finite number.
+    overflow = (dynamics.status == Limit.OK) & ~np.isfinite(results).all(axis=-1)
+    status = np.where(overflow, Limit.NOT_FINITE, dynamics.status)
+    return results, status_words(status, dynamics.leg).tolist()

@@ -1,0 +1,63 @@
+"""Writing a file completely or not at all."""
+
+from __future__ import annotations
+
+import os
+import secrets
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import TextIO
+
+from paminsa_viz.files.errors import FileError
+
+
+@contextmanager
+def written_whole(path: str | os.PathLike[str]) -> Iterator[TextIO]:
+    """Open a text file (UTF-8, no newline translation) that appears only when it is complete.
+
+    The text goes into a new file beside ``path`` that takes its place when the block ends well.
+    When the block ends with an error, also by Ctrl-C, ``path`` stays as it was and the new file is
+    removed. A symbolic link keeps pointing at the file it names; an existing file keeps its mode.
+
+    Raises:
+        FileError: If the file can not be created, written or put in place.
+    """
+    name = os.fspath(path)
+    mode = None
+    try:
+        target = Path(os.path.realpath(path))
+        beside = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
+        with suppress(FileNotFoundError):
+            found = target.stat().st_mode
+            if not stat.S_ISREG(found):
+                kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
+                raise FileError(name, f"can not be written: it is {kind}")
+            mode = stat.S_IMODE(found)
+        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+    except (OSError, ValueError) as error:
+        raise as_file_error(name, error, "written") from error
+    try:
+        with open(descriptor, "w", encoding="utf-8", newline="") as file:
+            yield file
+            file.flush()
+            os.fsync(file.fileno())
+        if mode is not None:
+            os.chmod(beside, mode)
+        os.replace(beside, target)
+    except OSError as error:
+        raise as_file_error(name, error, "written") from error
+    finally:
+        with suppress(FileNotFoundError):
+            beside.unlink()
+
+
+def as_file_error(name: str, error: OSError | ValueError, action: str) -> FileError:
+    """Return an operating system's error as one line that names the file as the person wrote it."""
+    if isinstance(error, FileError):
+        return error
+    reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
+    if isinstance(error, FileNotFoundError) and action == "written":
+        reason = "its folder does not exist"
+    return FileError(name, f"can not be {action}: {reason[:1].lower()}{reason[1:]}")

@@ -1,0 +1,111 @@
+"""Names of a design file's tables and keys, made from the model's own list of parameters.
+
+A key is the field's name followed by its unit, so ``Geometry.base_radius`` [m] is ``base_radius_m``
+in the table ``[geometry]``. A new field of the design gets its key without a change here.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from dataclasses import dataclass
+
+from paminsa_viz.model.parameters import PARAMETERS, Parameter
+
+SCHEMA_VERSION = 1
+"""Version of the layout; raised when a key changes its name, place or meaning, not when one is
+added."""
+
+FILE_KEYS = ("schema_version", "name", "value_count")
+"""Keys that describe the file and not the robot."""
+
+
+def unit_suffix(unit: str) -> str:
+    """Return a unit as it ends a key: ``"kg m^2"`` gives ``"_kg_m2"``, ``""`` gives ``""``."""
+    text = unit.replace(", ", " or ").replace("/", " per ").replace("N m", "Nm").replace("^", "")
+    text = re.sub(r"[^A-Za-z0-9]+", "_", text).strip("_")
+    return f"_{text}" if text else ""
+
+
+@dataclass(frozen=True)
+class Key:
+    """One number of a design file.
+
+    Attributes:
+        table: Name of its table, empty for a number at the top of the file.
+        name: Name of the key, with its unit.
+        parameter: The design's number.
+    """
+
+    table: str
+    name: str
+    parameter: Parameter
+
+    @property
+    def path(self) -> str:
+        """Dotted name in the file, for example ``"links.b3_kg"``."""
+        return f"{self.table}.{self.name}" if self.table else self.name
+
+
+def _key(parameter: Parameter) -> Key:
+    table, _, field = parameter.path.rpartition(".")
+    return Key(table, field + unit_suffix(parameter.unit), parameter)
+
+
+KEYS: tuple[Key, ...] = tuple(_key(parameter) for parameter in PARAMETERS)
+"""Every number that a design file can hold, in the design's order."""
+
+KEY_OF: dict[str, Key] = {key.parameter.path: key for key in KEYS}
+"""Keys by the dotted path of the design's number."""
+
+TABLES: dict[str, dict[str, Key]] = {
+    table: {key.name: key for key in KEYS if key.table == table}
+    for table in dict.fromkeys(["", *(key.table for key in KEYS)])
+}
+"""Keys by table and name. Numbers that stand in no table, under ``""``, come first: below a table's
+heading they would belong to it."""
+
+
+def table_hint(name: str) -> str:
+    """Return advice for an unknown table: the nearest one, or all there are."""
+    tables = [table for table in TABLES if table]
+    near = difflib.get_close_matches(name.lower(), tables, 1)
+    if near:
+        return f"did you mean [{near[0]}]?"
+    return "there are " + ", ".join(f"[{table}]" for table in tables)
+
+
+def key_hint(table: str, name: str) -> str:
+    """Return advice for an unknown key: the nearest key, here or in another table."""
+    name = name[:100]
+    by_symbol = [key for key in KEYS if _names_symbol(name, key.parameter.symbol)]
+    if by_symbol:
+        return _did_you_mean(table, by_symbol[0])
+    here = dict(TABLES[table])
+    if not table:
+        here |= dict.fromkeys(FILE_KEYS)  # type: ignore[arg-type]
+    if name in here:
+        return ""
+    elsewhere = [key for key in KEYS if key.name == name]
+    if elsewhere:
+        return _did_you_mean(table, elsewhere[0])
+    near = difflib.get_close_matches(name, here, 1, 0.6)
+    if near:
+        key = here[near[0]]
+        return f"did you mean {near[0]}?" if key is None else _did_you_mean(table, key)
+    near = difflib.get_close_matches(name, [key.name for key in KEYS], 1, 0.7)
+    if near:
+        return _did_you_mean(table, next(key for key in KEYS if key.name == near[0]))
+    place = f"[{table}] has" if table else "there are"
+    return f"{place} {', '.join(here)}"
+
+
+def _names_symbol(name: str, symbol: str) -> bool:
+    """Whether an unknown key is the paper's symbol, with or without a unit: l_B7, R_b_m."""
+    words = [word for word in re.findall(r"[A-Za-z_0-9]+", symbol) if len(word) > 2]
+    return any(name == word or name.startswith(f"{word}_") for word in words)
+
+
+def _did_you_mean(table: str, key: Key) -> str:
+    where = "" if key.table == table else f" in [{key.table}]" if key.table else " at the top"
+    return f"did you mean {key.name}{where} ({key.parameter.symbol}, {key.parameter.label})?"

@@ -1,0 +1,65 @@
+"""A file is replaced completely or stays as it was."""
+
+from __future__ import annotations
+
+import os
+
+import pytest
+
+from paminsa_viz.files.atomic import written_whole
+from paminsa_viz.files.errors import FileError
+
+
+def test_new_text_appears_when_the_block_ends(tmp_path) -> None:
+    path = tmp_path / "a.txt"
+    with written_whole(path) as file:
+        file.write("θ\r\n")
+        assert not path.exists()
+    assert path.read_bytes() == "θ\r\n".encode()
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, OSError])
+def test_an_error_leaves_the_old_text_and_nothing_else(tmp_path, error) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def write() -> None:
+        with written_whole(path) as file:
+            file.write("new")
+            raise error("stop")
+
+    with pytest.raises(FileError if error is OSError else error):
+        write()
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_links_and_modes_are_kept(tmp_path) -> None:
+    path, link = tmp_path / "a.txt", tmp_path / "link"
+    path.write_text("old")
+    path.chmod(0o640)
+    link.symlink_to(path)
+    with written_whole(link) as file:
+        file.write("new")
+    assert link.is_symlink()
+    assert path.read_text() == "new"
+    assert path.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_new_file_has_the_usual_mode(tmp_path) -> None:
+    (tmp_path / "usual").touch()
+    with written_whole(tmp_path / "a.txt"):
+        pass
+    assert (tmp_path / "a.txt").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+def test_what_is_no_file_is_refused(tmp_path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for name, words in [("", "a folder"), ("pipe", "not a regular file"), ("no/a", "its folder")]:
+        with pytest.raises(FileError, match=words), written_whole(tmp_path / name):
+            pass
+    with pytest.raises(FileError), written_whole("nul\0byte"):
+        pass
+    with pytest.raises(FileError, match="too long"), written_whole(tmp_path / ("a" * 300)):
+        pass

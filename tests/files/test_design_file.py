@@ -1,0 +1,159 @@
+"""Design files give back the design that was written, and every value has its place in them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from paminsa_viz.files.design_file import load_design, read_design, save_design
+from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
+from paminsa_viz.files.design_writer import differences, write_design
+from paminsa_viz.files.errors import DesignFileError, FileError
+from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.errors import InvalidDesign
+from paminsa_viz.model.parameters import PARAMETERS
+
+VERSION = "schema_version = 1\n"
+NAMES = st.text(max_size=60).filter(str.isprintable)
+
+
+@st.composite
+def designs(draw: st.DrawFn) -> Design:
+    """Any possible design: a few of its numbers are drawn from all that are allowed."""
+    chosen = draw(st.lists(st.sampled_from(PARAMETERS), unique_by=lambda item: item.path))
+    changes = {}
+    for item in chosen:
+        least = item.positive or item.path == "geometry.magnification"
+        low = 1.0 if item.path == "geometry.magnification" else 0.0
+        changes[item.path] = draw(st.floats(low, 1e300, exclude_min=least))
+    try:
+        return replace(APPENDIX_4.vary(changes), name=draw(NAMES))
+    except InvalidDesign:
+        assume(False)
+        raise
+
+
+@given(designs())
+def test_what_is_written_reads_back_to_the_last_digit(design: Design) -> None:
+    again = read_design(write_design(design), "a.toml")
+    assert again == design
+    assert again.name == design.name
+
+
+@given(designs(), st.text(max_size=200))
+def test_a_comment_changes_nothing_whatever_it_holds(design: Design, comment: str) -> None:
+    assert read_design(write_design(design, comment=comment), "a.toml") == design
+
+
+@given(designs(), st.booleans())
+def test_bytes_read_like_text(design: Design, windows: bool) -> None:
+    text = write_design(design)
+    data = b"\xef\xbb\xbf" + text.replace("\n", "\r\n").encode() if windows else text.encode()
+    assert read_design(data, "a.toml") == design
+    assert read_design(text.encode("utf-16"), "a.toml") == design
+
+
+@pytest.mark.parametrize("key", KEYS, ids=lambda key: key.path)
+def test_every_number_can_be_set_alone(key) -> None:
+    path = key.parameter.path
+    value = key.parameter.default * 1.0625 + 0.001
+    heading = f"[{key.table}]\n" if key.table else ""
+    design = read_design(f"{VERSION}{heading}{key.name} = {value!r}", "robot.toml")
+    assert design == APPENDIX_4.vary({path: value})
+    assert design.name == "robot"
+
+
+def test_every_number_stands_in_a_written_file_with_its_symbol() -> None:
+    lines = write_design(APPENDIX_4).splitlines()
+    for parameter in PARAMETERS:
+        key = KEY_OF[parameter.path]
+        found = [line for line in lines if line.removeprefix("# ").startswith(f"{key.name} = ")]
+        assert found, key.path
+        assert any(parameter.symbol in line and parameter.label in line for line in found)
+
+
+def test_changed_values_say_what_appendix_4_has() -> None:
+    text = write_design(APPENDIX_4.vary({"links.b3": 0.5}))
+    line = next(line for line in text.splitlines() if line.startswith("b3_kg"))
+    assert line.endswith("(Appendix 4: 0.406)")
+
+
+def test_a_guide_stroke_that_follows_its_link_stays_so() -> None:
+    text = write_design(APPENDIX_4).replace(
+        "guide_link_length_m = 0.3635", "guide_link_length_m = 0.5"
+    )
+    assert read_design(text, "a.toml").geometry.stroke == 0.5
+    fixed = APPENDIX_4.vary({"geometry.guide_stroke": 0.3635})
+    assert read_design(write_design(fixed), "a.toml").geometry.guide_stroke == 0.3635
+
+
+@pytest.mark.parametrize(
+    ("unit", "suffix"),
+    [
+        ("", ""),
+        ("m", "_m"),
+        ("kg m^2", "_kg_m2"),
+        ("m/s^2", "_m_per_s2"),
+        ("N m s/rad", "_Nm_s_per_rad"),
+        ("rad/s, m/s", "_rad_per_s_or_m_per_s"),
+    ],
+)
+def test_units_end_the_keys(unit: str, suffix: str) -> None:
+    assert unit_suffix(unit) == suffix
+
+
+def test_no_two_numbers_share_a_key() -> None:
+    assert len({key.path for key in KEYS}) == len(KEYS) == len(PARAMETERS)
+
+
+def test_a_file_that_was_cut_short_is_refused_wherever_it_was_cut() -> None:
+    lines = write_design(APPENDIX_4).splitlines(keepends=True)
+    last = max(number for number, line in enumerate(lines) if line[:1].isalpha())
+    for count in range(last):
+        with pytest.raises(DesignFileError):
+            read_design("".join(lines[:count]), "a.toml")
+
+
+def test_values_may_be_left_out_of_a_file_that_does_not_count_them() -> None:
+    design = read_design(VERSION + 'name = "light"\n[links]\nb3_kg = 0.1', "a.toml")
+    assert design == APPENDIX_4.vary({"links.b3": 0.1})
+    assert design.name == "light"
+
+
+def test_save_and_load(tmp_path) -> None:
+    path = tmp_path / "robot.toml"
+    design = APPENDIX_4.vary({"payload.mass": 1 / 3})
+    assert save_design(design, path, comment="made\nin a test") == path
+    assert load_design(path) == design
+    assert "# made\n# in a test\n" in path.read_text()
+    save_design(APPENDIX_4, path)
+    assert load_design(path) == APPENDIX_4
+
+
+@pytest.mark.parametrize("name", ["two\nlines", "\ud800", "a" * 201, "\u202e", 5, None])
+def test_a_name_that_no_file_can_hold_is_refused_before_anything_is_written(tmp_path, name) -> None:
+    path = tmp_path / "robot.toml"
+    with pytest.raises(DesignFileError, match="a name is one line"):
+        save_design(replace(APPENDIX_4, name=name), path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_files_that_can_not_be_reached(tmp_path) -> None:
+    with pytest.raises(DesignFileError, match=r"none\.toml: can not be read: no such file"):
+        load_design(tmp_path / "none.toml")
+    with pytest.raises(DesignFileError, match="can not be read: is a directory"):
+        load_design(tmp_path)
+    with pytest.raises(DesignFileError, match="can not be read"):
+        load_design("nul\0byte")
+    with pytest.raises(FileError, match="its folder does not exist"):
+        save_design(APPENDIX_4, tmp_path / "no" / "robot.toml")
+
+
+def test_differences_names_exactly_what_differs() -> None:
+    other = APPENDIX_4.vary({"links.b3": 0.5, "gravity": 1.62})
+    found = {key.path: (first, second) for key, first, second in differences(APPENDIX_4, other)}
+    assert found == {"links.b3_kg": (0.406, 0.5), "gravity_m_per_s2": (9.81, 1.62)}
+    assert differences(other, other) == []

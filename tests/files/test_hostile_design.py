@@ -1,0 +1,197 @@
+"""Whatever an upload holds, it is read whole or refused with one line that names the place."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.files.design_file import LARGEST_FILE, find_line, load_design, read_design
+from paminsa_viz.files.design_writer import write_design
+from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.model.design import APPENDIX_4, Design
+
+VERSION = "schema_version = 1\n"
+COMPLETE = write_design(APPENDIX_4)
+
+
+def attempt(content: str) -> Design | DesignFileError:
+    """Read a design; a refusal, checked to be one short line, is returned instead of raised."""
+    try:
+        return read_design(content, "up.toml")
+    except DesignFileError:
+        return refusal(content)
+
+
+def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
+    with pytest.raises(DesignFileError) as caught:
+        read_design(content, source)
+    text = str(caught.value)
+    assert text.isprintable()
+    assert len(text) < 1000
+    assert text.startswith(source)
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("content", "line", "key", "words"),
+    [
+        ("", None, "", "schema_version = 1"),
+        ("x = 1", None, "", "is not a design file"),
+        ("schema_version = 2\nnew = 1", 1, "schema_version", "newer"),
+        ("schema_version = 0", 1, "schema_version", "whole number"),
+        ("schema_version = true", 1, "schema_version", "whole number"),
+        ("schema_version = '1'", 1, "schema_version", "whole number"),
+        (VERSION + "[links]\nb3_kg = 'heavy'", 3, "links.b3_kg", "without quotes or unit"),
+        (VERSION + "[links]\nb3_kg = true", 3, "links.b3_kg", "a number is needed"),
+        (VERSION + "[links]\nb3_kg = [1]", 3, "links.b3_kg", "a list: a number is needed"),
+        (VERSION + "[links]\nb3_kg = 1979-05-27", 3, "links.b3_kg", "a number is needed"),
+        (VERSION + "[links]\nb3_kg = {a=1}", 3, "links.b3_kg", "a table: a number is needed"),
+        (VERSION + "[links]\nb3_kg = nan", 3, "links.b3_kg", "nan: a finite number"),
+        (VERSION + "[links]\nb3_kg = -inf", 3, "links.b3_kg", "-inf: a finite number"),
+        (VERSION + "[links]\nb3_kg = 1e999", 3, "links.b3_kg", "a finite number"),
+        (VERSION + "[links]\nb3_kg = 1" + 400 * "0", 3, "links.b3_kg", "a finite number"),
+        (
+            VERSION + "[links]\n\nb3_kg = -1",
+            4,
+            "links.b3_kg",
+            "-1.0: a finite number of at least 0",
+        ),
+        (VERSION + "links.b3_kg = -1", 2, "links.b3_kg", "of at least 0 is needed [kg]"),
+        (VERSION + "links = {b3_kg = -1}", 2, "links.b3_kg", "of at least 0 is needed [kg]"),
+        (VERSION + "[platform]\nmass_kg = 0", 3, "platform.mass_kg", "above 0"),
+        (VERSION + "gravity_m_per_s2 = -9.81", 2, "gravity_m_per_s2", "of at least 0"),
+        (VERSION + "[geometry]\nmagnification = 1", 3, "geometry.magnification", "greater than 1"),
+        (VERSION + "links = 4", 2, "links", "a table [links]"),
+        (VERSION + "[[links]]\nb3_kg = 1", 2, "links", "in single brackets"),
+        (VERSION + "[link]\nb3_kg = 1", 2, "link", "did you mean [links]?"),
+        (VERSION + "[engine]", 2, "engine", "there are [geometry], [joints]"),
+        (VERSION + "[links]\nb3_g = 1", 3, "links.b3_g", "did you mean b3_kg (m_B3"),
+        (VERSION + "[joints]\nb3_kg = 1", 3, "joints.b3_kg", "did you mean b3_kg in [links]"),
+        (VERSION + "b3_kg = 1", 2, "b3_kg", "did you mean b3_kg in [links]"),
+        (VERSION + "[geometry]\nR_b = 1", 3, "geometry.R_b", "did you mean base_radius_m"),
+        (VERSION + "[geometry]\nl_B7_m = 1", 3, "geometry.l_B7_m", "did you mean coupler_length_m"),
+        (VERSION + "nam = 'x'", 2, "nam", "did you mean name?"),
+        (VERSION + "zzz = 'x'", 2, "zzz", "there are gravity_m_per_s2"),
+        (VERSION + 'name = "a\\u0007"', 2, "name", "a name is one line"),
+        (VERSION + "name = 3", 2, "name", "a name is one line"),
+        (VERSION + "value_count = 2\ngravity_m_per_s2 = 1", 2, "value_count", "cut short"),
+        (VERSION + "value_count = 1.5", 2, "value_count", "whole number"),
+        (VERSION + "[links]\nb3_kg = 1\nb3_kg = 2", 4, "", "twice"),
+        (VERSION + "[links]\nb3_kg = 1\n[links]", 4, "", "twice"),
+        (VERSION + "[links]\nb3_kg = 0,5", 3, "", "decimals are written with a point"),
+        (VERSION + "[links]\nb3_kg = .5", 3, "", "digits on both sides"),
+        (VERSION + "[links]\nb3_kg = 0.5 kg", 3, "", "without its unit"),
+        (VERSION + "[links]\nb3_kg = ", 3, "", "is not valid TOML"),
+        (VERSION + "[links\nb3_kg = 1", 2, "", "is not valid TOML"),
+        (VERSION + "x = '''abc", 2, "", "is not valid TOML"),
+        (VERSION + "x = 1" + 5000 * "0", 2, "", "too long"),
+        (VERSION + "x = " + 900 * "[", None, "", "nested too deeply"),
+        (VERSION + "x = " + 50_000 * "[\n", None, "", "nested too deeply"),
+        (b"\xff\xfe\x00", None, "", "is not a text file"),
+        (b"a = 1\n\x80", 2, "", "is not a text file"),
+        (b"\x7fELF\x02\x01\x01\x00", 1, "", "is not valid TOML"),
+        (b"PK\x03\x04", 1, "", "is not valid TOML"),
+        (b"x" * (LARGEST_FILE + 1), None, "", "too large"),
+        ("x" * (LARGEST_FILE + 1), None, "", "too large"),
+    ],
+)
+def test_a_refusal_names_line_key_and_what_is_allowed(content, line, key, words) -> None:
+    error = refusal(content)
+    assert (error.line, error.key) == (line, key)
+    assert words in str(error)
+    assert line is None or f"line {line}" in str(error)
+
+
+def test_lengths_that_contradict_each_other_are_named_where_the_file_sets_them() -> None:
+    error = refusal(VERSION + "[geometry]\ncrank_length_m = 0.01\ncoupler_length_m = 0.02")
+    assert (error.line, error.key) == (4, "geometry.coupler_length_m")
+
+
+def test_text_from_the_file_is_shown_harmless_and_short() -> None:
+    key = '"\\u001b[31m\\n' + "k" * 300 + '"'
+    assert "\x1b" not in str(refusal(f"{VERSION}[links]\n{key} = 1"))
+    refusal(f"{VERSION}[links]\nb3_kg = '{'v' * 800}'")
+    refusal("", "a\nb\x1b.toml".replace("\n", "?").replace("\x1b", "?"))
+    with pytest.raises(DesignFileError) as caught:
+        read_design("", "a\nb.toml")
+    assert str(caught.value).startswith("a?b.toml: ")
+
+
+@given(st.binary(max_size=300))
+def test_any_bytes_are_refused_in_one_line(content: bytes) -> None:
+    refusal(content)
+
+
+@given(st.text(max_size=200))
+def test_any_text_below_a_good_head_is_read_or_refused(text: str) -> None:
+    result = attempt(VERSION + text)
+    assert isinstance(result, DesignFileError) or result == APPENDIX_4 or "=" in text
+
+
+VALUES = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=2),
+    max_leaves=4,
+)
+
+
+@given(
+    st.integers(0, COMPLETE.count("\n")),
+    st.sampled_from(["drop", "double", "cut", "junk"]),
+    st.text(max_size=8),
+)
+def test_a_damaged_file_never_gives_another_robot(number: int, how: str, junk: str) -> None:
+    lines = COMPLETE.split("\n")
+    if how == "drop":
+        del lines[number]
+    elif how == "double":
+        lines.insert(number, lines[number])
+    elif how == "cut":
+        del lines[number:]
+    else:
+        lines.insert(number, junk)
+    result = attempt("\n".join(lines))
+    assert isinstance(result, DesignFileError) or result == APPENDIX_4
+
+
+@given(st.sampled_from(["links.b3_kg", "geometry.base_radius_m", "name", "links"]), VALUES)
+def test_values_of_any_type(key: str, value: object) -> None:
+    text = f"{VERSION}{key} = {_toml(value)}"
+    try:
+        tomllib.loads(text)
+    except ValueError:
+        return
+    result = attempt(text)
+    if isinstance(result, DesignFileError):
+        assert result.line == 2
+    else:
+        assert isinstance(value, str if key == "name" else (int, float))
+
+
+def _toml(value: object) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_toml, value))}]"
+    if value is None or isinstance(value, bool):
+        return "true" if value else "false"
+    return repr(value)
+
+
+def test_a_file_that_never_ends_is_not_read_to_its_end(tmp_path) -> None:
+    path = tmp_path / "huge.toml"
+    with open(path, "wb") as file:
+        file.truncate(1 << 40)  # a sparse terabyte
+    with pytest.raises(DesignFileError, match="too large"):
+        load_design(path)
+
+
+def test_lines_are_found_through_headings_quotes_and_dots() -> None:
+    text = 'a = 1\n[t]\n"b" = 2\n[ u . v ]\nc.d = 3\n'
+    assert find_line(text, "a") == 1
+    assert find_line(text, "t") == 2
+    assert find_line(text, "t.b") == 3
+    assert find_line(text, "u.v.c.d") == 5
+    assert find_line(text, "u.v.c") == 5
+    assert find_line(text, "b") is None
