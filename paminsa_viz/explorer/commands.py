@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.scene.cameras import CAMERAS, look
+from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Layers
 

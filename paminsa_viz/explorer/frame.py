@@ -10,6 +10,7 @@ import numpy as np
 
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
+    Design,
     Limit,
     Posture,
     Reach,
@@ -45,6 +46,7 @@ class Frame:
     Attributes:
         state: The state.
         posture: The standing posture (last good one), one pose.
+        standing_design: The present masses on the geometry that stands.
         requested: Reach of the pose asked for.
         singularity: Distances of the standing pose.
         torques: Static torques of the standing pose with the present masses, (4,) [N m, N].
@@ -55,6 +57,7 @@ class Frame:
 
     state: State
     posture: Posture
+    standing_design: Design
     requested: Reach
     singularity: Singularity
     torques: Array
@@ -98,9 +101,9 @@ def compute(state: State) -> Frame:
     """Work out what a state shows."""
     document, standing = state.document, state.standing
     posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
+    # If the present geometry can not stand, its masses are shown on the last one that could.
     here = document.design
     if standing.geometry != here.geometry:
-        # the present geometry can not stand; the masses are shown on the last one that could
         here = replace(here, geometry=standing.geometry)
     reference = None
     if document.reference is not None:
@@ -109,6 +112,7 @@ def compute(state: State) -> Frame:
     return Frame(
         state=state,
         posture=posture,
+        standing_design=here,
         requested=check_reach(document.design.geometry, document.pose),
         singularity=measure_singularity(standing.geometry, standing.pose),
         torques=static_torques(here, standing.pose, standing.assembly),

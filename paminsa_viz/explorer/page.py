@@ -16,10 +16,9 @@ from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
 from paminsa_viz.explorer.panels.readout import Readout
 from paminsa_viz.explorer.panels.view_panel import ViewPanel
-from paminsa_viz.explorer.scene.cameras import look
 from paminsa_viz.explorer.scene.floor import FloorMap
 from paminsa_viz.explorer.scene.gizmo import Gizmo
-from paminsa_viz.explorer.scene.view import RobotView
+from paminsa_viz.explorer.scene.view import RobotView, look
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import Design, PaminsaError

@@ -34,11 +34,13 @@ def status_html(frame: Frame) -> str:
     colour = _STYLE[frame.health]
     name = frame.health.value.capitalize()
     return (
-        f'<div data-testid="status" style="border-left:5px solid {colour};padding:5px 9px;'
+        f'<div data-testid="status" style="border-left:5px solid {colour};padding:5px 9px;margin:2px 10px 4px 10px;'
         f'background:{colour}18;border-radius:4px;font-size:13px;line-height:1.35">'
         f'<b style="color:{colour}">{name}</b><br>{escape(frame.explanation)}</div>'
     )
 
+
+_PAD = "padding:2px 12px 4px 12px"
 
 _CELL = "padding:1px 0 1px 6px;text-align:right;white-space:nowrap"
 
@@ -90,7 +92,7 @@ def actuators_html(frame: Frame) -> str:
         elif pinned:
             cells += ["–", "–"]
         rows.append(_row(cells))
-    return f'<div data-testid="actuators">{_table(rows)}</div>'
+    return f'<div data-testid="actuators" style="{_PAD}">{_table(rows)}</div>'
 
 
 def quality_html(frame: Frame) -> str:
@@ -116,7 +118,8 @@ def quality_html(frame: Frame) -> str:
             number(1e3 * float(values[leg, MARGINS.index(limit)]), 1) for limit in LIMIT_NAMES
         ]
         margins.append(_row([dot(LEG_COLOURS[leg]) + f"leg {leg + 1}", *cells]))
-    return f'<div data-testid="quality">{_table(rows)}<div style="height:6px"></div>{_table(margins)}</div>'
+    tables = f'{_table(rows)}<div style="height:6px"></div>{_table(margins)}'
+    return f'<div data-testid="quality" style="{_PAD}">{tables}</div>'
 
 
 class Readout:

@@ -1,0 +1,82 @@
+"""Starts the explorer: a web server on this machine, one session a browser tab."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import sys
+import threading
+import webbrowser
+
+import viser
+
+from paminsa_viz.explorer.page import build
+from paminsa_viz.explorer.server import exposure_notice, open_server, server_url
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model.backend import compile_in_background
+from paminsa_viz.options import AppOptions
+
+log = logging.getLogger(__name__)
+
+
+class App:
+    """The running server and its sessions.
+
+    Attributes:
+        server: The guarded viser server.
+        sessions: Session of every connected tab, by client number.
+    """
+
+    def __init__(self, options: AppOptions, design: Design) -> None:
+        compile_in_background()
+        self.design = design
+        self.sessions: dict[int, Session] = {}
+        self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
+        self.server.on_client_connect(self._connect)
+        self.server.on_client_disconnect(self._disconnect)
+
+    @property
+    def url(self) -> str:
+        """Address of the page."""
+        return server_url(self.server)
+
+    def _connect(self, client: viser.ClientHandle) -> None:
+        self.sessions[client.client_id] = build(client, self.design)
+
+    def _disconnect(self, client: viser.ClientHandle) -> None:
+        session = self.sessions.pop(client.client_id, None)
+        if session is not None:
+            session.close()
+
+    def stop(self) -> None:
+        """Close every session and the server."""
+        for session in list(self.sessions.values()):
+            session.close()
+        self.server.stop()
+
+
+def run(options: AppOptions) -> None:
+    """Start the server, open the browser, and serve until interrupted.
+
+    Raises:
+        PaminsaError: If the design file is not usable or the port is taken.
+    """
+    design = APPENDIX_4 if options.design is None else load_design(options.design)
+    app = App(options, design)
+    notice = exposure_notice(options.host)
+    if notice:
+        print(notice, file=sys.stderr)
+    print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
+    if options.browser:
+        threading.Thread(target=webbrowser.open, args=(app.url,), daemon=True).start()
+    with contextlib.suppress(KeyboardInterrupt):
+        threading.Event().wait()
+    app.stop()
+
+
+if __name__ == "__main__":
+    from paminsa_viz.cli import main
+
+    sys.exit(main())
