@@ -63,7 +63,7 @@ def point_weights(geometry: Geometry) -> dict[int, PointWeights]:
 
 @dataclass(frozen=True)
 class Posture:
-    """The robot in poses of batch shape (...); NaN where the bars can not close.
+    """The robot in poses of batch shape (...); what hangs on bars that can not close is NaN.
 
     Attributes:
         geometry: The lengths it was solved for.
@@ -120,7 +120,7 @@ def solve_posture(
         psi = np.arctan2(g.sin_psi, g.cos_psi)
         phi = np.arctan2(g.sin_phi, g.cos_phi)
         for number, w in point_weights(geometry).items():
-            r = w.r5 * g.rho + w.r9 * g.r9
+            r = w.r5 * g.rho + (w.r9 * g.r9 if w.r9 else 0.0)
             z = w.z5 * g.zeta + (w.r9 * g.z9 if w.r9 else 0.0) + w.z0
             points[number] = np.stack(
                 np.broadcast_arrays(
@@ -192,18 +192,22 @@ def solve_motion(
     velocities, accelerations = {}, {}
     with np.errstate(all="ignore"):
         for number, w in point_weights(geometry).items():
-            r = w.r5 * g.rho + w.r9 * g.r9
-            r_rate = w.r5 * q.rho_rate + w.r9 * q.r9_rate
-            r_acc = w.r5 * q.rho_acc + w.r9 * q.r9_acc
-            knee_rate, knee_acc = (w.r9 * q.z9_rate, w.r9 * q.z9_acc) if w.r9 else (0.0, 0.0)
-            velocities[number] = _in_base(
-                g, r_rate, r * q.beta_rate, w.z5 * q.zeta_rate + knee_rate
-            )
+            # The knee may be NaN, so it enters only where a joint hangs on it.
+            r, r_rate, r_acc = w.r5 * g.rho, w.r5 * q.rho_rate, w.r5 * q.rho_acc
+            z_rate, z_acc = w.z5 * q.zeta_rate, w.z5 * q.zeta_acc
+            if w.r9:
+                r, r_rate, r_acc = (
+                    r + w.r9 * g.r9,
+                    r_rate + w.r9 * q.r9_rate,
+                    r_acc + w.r9 * q.r9_acc,
+                )
+                z_rate, z_acc = z_rate + w.r9 * q.z9_rate, z_acc + w.r9 * q.z9_acc
+            velocities[number] = _in_base(g, r_rate, r * q.beta_rate, z_rate)
             accelerations[number] = _in_base(
                 g,
                 r_acc - r * q.beta_rate**2,
                 r * q.beta_acc + 2 * r_rate * q.beta_rate,
-                w.z5 * q.zeta_acc + knee_acc,
+                z_acc,
             )
     k = geometry.magnification
     return Motion(
