@@ -16,6 +16,9 @@ from tests import samples
 BOTH = pytest.mark.parametrize("assembly", list(Assembly))
 """Runs a test in both assembly modes."""
 
+OTHER = {Assembly.PRINTED: Assembly.MIRROR, Assembly.MIRROR: Assembly.PRINTED}
+"""The assembly mode that a robot is not in."""
+
 BY_HAND = np.array([[0.0, 0.0, 0.0, -0.5], [0.05, -0.03, 0.4, -0.6], [-0.04, 0.06, -0.7, -0.45]])
 """Some poses that Appendix 4's robot can take."""
 

@@ -1,0 +1,216 @@
+"""Postures: the mechanism's shape, its symmetries, and what comes out where there is none."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import APPENDIX_4, Assembly, InvalidInput, Limit, solve_posture
+from paminsa_viz.model.kinematics import wrap
+from tests import oracle
+from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
+
+JOINTS = (2, 3, 4, 5, 7, 8, 9)
+
+
+def length(a: Any, b: Any) -> Any:
+    return np.linalg.norm(a - b, axis=-1)
+
+
+@given(case=cases())
+def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
+    g, k = case.geometry, case.geometry.magnification
+    pose = case.poses(32)
+    posture = solve_posture(g, pose, case.assembly)
+    assert sorted(posture.points) == list(JOINTS)
+    p = posture.points
+    rounding = 1e-13 * (g.crank_length + g.coupler_length)
+    for a, b, wanted in (
+        (2, 3, g.shaft_length),
+        (4, 7, g.crank_length),  # B3
+        (8, 9, g.crank_length),  # B8
+        (9, 5, g.coupler_length),  # B4
+        (7, 8, g.coupler_length / k),  # B7
+        (9, 4, g.coupler_length / k),
+        (4, 5, g.coupler_length * (k - 1) / k),
+    ):
+        assert_within(length(p[a], p[b]), np.full((32, 3), wanted), rounding)
+    # 8-9-4-7 is a parallelogram, 8-3-5 one straight line cut at 1/k, and 3 a point of B3
+    assert_within(p[4] - p[9], p[7] - p[8], rounding)
+    assert_within(p[5] - p[8], k * (p[3] - p[8]), rounding)
+    assert_within(length(p[8], p[5]), k * length(p[8], p[3]), rounding)
+    assert_within(p[3], p[4] + (p[7] - p[4]) * (k - 1) / k, rounding)
+    # 9, 4, 5 in one line
+    assert_within(np.cross(p[4] - p[9], p[5] - p[9]), np.zeros((32, 3, 3)), rounding)
+    # 8 is on its guide at z = 0, 3 and 2 on the leg axis, 2 at the height of the lift
+    axis = g.base_radius * np.stack([np.cos(oracle.AXIS_ANGLES), np.sin(oracle.AXIS_ANGLES)], -1)
+    assert_within(p[8][..., 2], np.zeros((32, 3)), 0.0)
+    for number in (2, 3):
+        assert_within(p[number][..., :2], np.broadcast_to(axis, (32, 3, 2)), rounding)
+    assert_within(p[2][..., 2], np.broadcast_to(posture.actuators[:, 3:], (32, 3)), 1e-15)
+    # every joint lies in the leg's plane, whose heading is beta
+    aside = np.stack([-np.sin(posture.beta), np.cos(posture.beta)], axis=-1)
+    for points in p.values():
+        assert_within(np.sum((points[..., :2] - axis) * aside, -1), np.zeros((32, 3)), rounding)
+    ahead = np.stack([np.cos(posture.beta), np.sin(posture.beta)], axis=-1)
+    assert np.all(np.sum((p[5][..., :2] - axis) * ahead, -1) > 0)
+    assert np.all(np.sum((p[8][..., :2] - axis) * ahead, -1) < 0)
+
+
+@given(case=cases())
+def test_joint_5_turns_with_the_platform(case: Case) -> None:
+    pose = case.poses()
+    g = case.geometry
+    p5 = solve_posture(g, pose, case.assembly).points[5]
+    angle = pose[:, 2:3] + oracle.AXIS_ANGLES
+    x = pose[:, 0:1] + g.platform_radius * np.cos(angle)
+    y = pose[:, 1:2] + g.platform_radius * np.sin(angle)
+    z = np.broadcast_to(pose[:, 3:] + g.platform_joint_height, x.shape)
+    assert_within(p5, np.stack([x, y, z], -1), 1e-14)
+
+
+@given(case=cases())
+def test_points_and_actuators_are_those_of_first_principles(case: Case) -> None:
+    pose = case.poses()
+    posture = solve_posture(case.geometry, pose, case.assembly)
+    size = case.geometry.crank_length + case.geometry.coupler_length
+    for index in range(3):
+        leg = oracle.leg(case.design, oracle.split(pose), index, case.assembly)
+        for number, point in leg.points.items():
+            expected = np.stack(np.broadcast_arrays(*point, pose[:, 0])[:3], -1)
+            assert_within(posture.points[number][:, index], expected, 1e-13 * size)
+    turn = posture.actuators - oracle.actuators(case.design, pose)
+    assert_within(wrap(turn[:, :3]), np.zeros((len(pose), 3)), 1e-13)
+    assert_within(turn[:, 3], np.zeros(len(pose)), 1e-15)
+
+
+@given(case=cases())
+def test_angles_are_the_elevations_of_the_bars(case: Case) -> None:
+    posture = solve_posture(case.geometry, case.poses(), case.assembly)
+    p = posture.points
+    for angle, start, end in ((posture.psi, 9, 5), (posture.phi, 8, 9)):
+        bar = p[end] - p[start]
+        along = bar[..., 0] * np.cos(posture.beta) + bar[..., 1] * np.sin(posture.beta)
+        assert_within(wrap(angle - np.arctan2(bar[..., 2], along)), np.zeros((8, 3)), 1e-12)
+    # B7 is parallel to B4, B3 to B8
+    for ours, theirs in (((8, 7), (9, 5)), ((7, 4), (8, 9))):
+        one, other = (p[b] - p[a] for a, b in (ours, theirs))
+        assert_within(np.cross(one, other), np.zeros((8, 3, 3)), 1e-13)
+        assert np.all(np.sum(one * other, -1) > 0)
+
+
+@given(case=cases())
+def test_the_assembly_decides_the_side_of_the_knee(case: Case) -> None:
+    pose = case.poses()
+    for assembly in Assembly:
+        p = solve_posture(case.geometry, pose, assembly).points
+        line = p[5] - p[8]
+        knee = p[9] - p[8]
+        # vertical distance of the knee from the line 8-5, above it positive
+        ahead = np.hypot(knee[..., 0], knee[..., 1]) * np.sign(
+            np.sum(knee[..., :2] * line[..., :2], -1)
+        )
+        above = knee[..., 2] - line[..., 2] * ahead / np.hypot(line[..., 0], line[..., 1])
+        assert np.all(above * assembly.sign < 0)
+
+
+@given(case=cases())
+def test_the_mirror_image_has_the_other_knee(case: Case) -> None:
+    """z_5 -> -z_5 with the other root mirrors every joint in the plane of the guides."""
+    pose = case.poses()
+    mirrored = pose.copy()
+    mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
+    one = solve_posture(case.geometry, pose, case.assembly)
+    two = solve_posture(case.geometry, mirrored, OTHER[case.assembly])
+    for number in (3, 4, 5, 7, 8, 9):
+        assert_within(two.points[number], one.points[number] * [1, 1, -1], 1e-13)
+    assert_within(two.actuators[:, :3], one.actuators[:, :3], 1e-14)
+    for name in ("psi", "phi"):
+        assert_within(wrap(getattr(two, name) + getattr(one, name)), np.zeros((8, 3)), 1e-13)
+    np.testing.assert_array_equal(one.reach.status, two.reach.status)
+
+
+@given(case=cases(), turns=st.integers(1, 2))
+def test_a_third_of_a_turn_renames_the_legs(case: Case, turns: int) -> None:
+    pose = case.poses()
+    angle = 2 * np.pi / 3 * turns
+    c, s = np.cos(angle), np.sin(angle)
+    around = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned = pose.copy()
+    turned[:, :2] = pose[:, :2] @ around[:2, :2].T
+    one = solve_posture(case.geometry, pose, case.assembly)
+    two = solve_posture(case.geometry, turned, case.assembly)
+    # Leg 1 at 210 degrees goes to leg 2 at 330, that to leg 3 at 90.
+    legs = (np.arange(3) + turns) % 3
+    for number in JOINTS:
+        assert_within(two.points[number][:, legs], one.points[number] @ around.T, 1e-13)
+    assert_within(wrap(two.actuators[:, legs] - one.actuators[:, :3]), np.zeros((8, 3)), 1e-13)
+    for name in ("psi", "phi"):
+        assert_within(getattr(two, name)[:, legs], getattr(one, name), 1e-13)
+    assert_within(two.reach.margins[:, legs], one.reach.margins, 1e-14)
+    ok = two.reach.leg < 0
+    np.testing.assert_array_equal(ok, one.reach.leg < 0)
+
+
+@given(case=cases(), turns=st.integers(-3, 3))
+def test_whole_turns_of_the_platform_change_nothing(case: Case, turns: int) -> None:
+    pose = case.poses()
+    turned = pose + np.array([0.0, 0.0, 2 * np.pi * turns, 0.0])
+    one, two = (solve_posture(case.geometry, p, case.assembly) for p in (pose, turned))
+    assert_within(two.actuators, one.actuators, 1e-12)
+
+
+@given(angle=st.floats(-1e6, 1e6))
+def test_wrap_is_half_open_and_keeps_the_direction(angle: float) -> None:
+    wrapped = float(wrap(angle))
+    assert -np.pi < wrapped <= np.pi
+    assert np.cos(wrapped - angle) == pytest.approx(1.0, abs=1e-9)
+    turns = (angle - wrapped) / (2 * np.pi)
+    assert turns == pytest.approx(round(turns), abs=1e-9)
+
+
+def test_wrap_at_its_ends() -> None:
+    np.testing.assert_array_equal(wrap([np.pi, -np.pi, 0.0]), [np.pi, np.pi, 0.0])
+    assert np.isnan(wrap([np.nan, np.inf, -np.inf])).all()
+
+
+def test_actuators_stay_within_half_a_turn_of_home() -> None:
+    """Near a leg axis its actuator can point anywhere; it never leaves (-pi, pi]."""
+    geometry = APPENDIX_4.vary({"geometry.guide_link_length": 2.0}).geometry
+    around = np.linspace(-np.pi, np.pi, 721)
+    e = geometry.base_radius * np.array([np.cos(oracle.AXIS_ANGLES), np.sin(oracle.AXIS_ANGLES)]).T
+    for leg in range(3):
+        x, y = e[leg, :, None] * 1.0
+        angle = oracle.AXIS_ANGLES[leg]
+        x = x - geometry.platform_radius * np.cos(angle) + 0.01 * np.cos(around)
+        y = y - geometry.platform_radius * np.sin(angle) + 0.01 * np.sin(around)
+        pose = np.stack([x, y, 0 * x, 0 * x - 0.4], -1)
+        turn = solve_posture(geometry, pose).actuators[:, leg]
+        assert turn.min() > -np.pi
+        assert turn.max() <= np.pi
+        assert np.ptp(turn) > 2 * np.pi - 0.02
+        assert_within(wrap(turn + oracle.AXIS_ANGLES[leg] + np.pi - around), 0 * around, 1e-11)
+
+
+@BOTH
+def test_outside_its_reach_a_posture_is_nan_and_says_why(assembly: Assembly) -> None:
+    posture = solve_posture(APPENDIX_4.geometry, [[0.0, 0.0, 0.0, -1.2], *BY_HAND], assembly)
+    assert posture.reach.status.tolist() == [Limit.STRETCHED, 0, 0, 0]
+    for number in (4, 7, 9):
+        assert np.isnan(posture.points[number][0]).all()
+    assert np.isnan(posture.psi[0]).all()
+    assert np.isnan(posture.phi[0]).all()
+    # what does not hang on the knee is known all the same
+    for number in (2, 3, 5, 8):
+        assert np.isfinite(posture.points[number][0]).all()
+    assert np.isfinite(posture.actuators).all()
+    assert all(np.isfinite(points[1:]).all() for points in posture.points.values())
+
+
+def test_pose_of_another_shape_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="pose: the last axis has to have 4 entries"):
+        solve_posture(APPENDIX_4.geometry, np.zeros((2, 3)))
