@@ -1,0 +1,113 @@
+"""The robot in MuJoCo (Google DeepMind), loaded from the very MJCF text that is exported."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.engines.closed_loop import ClosedLoopRobot
+from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines.mjcf import Servos, mjcf_text
+from paminsa_viz.engines.placing import start_pose
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Assembly, Design
+
+
+def load_mujoco() -> Any:
+    """Import MuJoCo.
+
+    Raises:
+        EngineMissing: If it is not installed.
+    """
+    try:
+        import mujoco
+    except ImportError as error:
+        raise EngineMissing("MuJoCo") from error
+    return mujoco
+
+
+class MujocoRobot(ClosedLoopRobot):
+    """The robot in MuJoCo.
+
+    Attributes:
+        model: The compiled ``mujoco.MjModel``.
+        data: The ``mujoco.MjData`` that the computations use.
+    """
+
+    def __init__(
+        self, design: Design, assembly: Assembly = Assembly.PRINTED, *, xml: str | None = None
+    ) -> None:
+        """Build the model.
+
+        Args:
+            design: The robot.
+            assembly: How its pantographs are put together.
+            xml: Load this text instead of the design's own: an exported model, possibly changed.
+                Joints and closures are found by their names.
+
+        Raises:
+            EngineMissing: If MuJoCo is not installed.
+            InvalidDesign: If a bar's inertias belong to no rigid body.
+            UnreachablePose: If the design can not stand in its start pose.
+            ValueError: If MuJoCo can not read the text.
+        """
+        super().__init__(design, assembly)
+        self._mujoco = mujoco = load_mujoco()
+        text = mjcf_text(design, assembly) if xml is None else xml
+        self.model = model = mujoco.MjModel.from_xml_string(text)
+        model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
+        self.data = mujoco.MjData(model)
+        self._set_order(model.joint(index).name for index in range(model.njnt))
+
+    def to_xml(self, *, pose: Sequence[float] | None = None, servos: bool = True) -> str:
+        """Return the design's MJCF text; MuJoCo's viewer opens it standing still.
+
+        Args:
+            pose: Start pose [m, m, rad, m]; default `start_pose`.
+            servos: Position servos about the start pose; otherwise plain motors.
+
+        Raises:
+            UnreachablePose: If the robot can not stand in the start pose.
+        """
+        start = start_pose(self.design, self.assembly) if pose is None else np.asarray(pose, float)
+        if not np.isfinite(holding := self.static_torques(start)).all():
+            holding = np.zeros(4)  # no posture or singular: the former is refused below
+        inertia = self.actuator_inertia(start)
+        return mjcf_text(
+            self.design, self.assembly, pose=start.tolist(), holding=holding.tolist(),
+            servos=Servos.critical(inertia) if servos else None,
+        )  # fmt: skip
+
+    def _tree(self, q: Array) -> tuple[Array, Array]:
+        mujoco, model, data = self._mujoco, self.model, self.data
+        data.qpos[:] = q
+        mujoco.mj_fwdPosition(model, data)
+        mass = np.empty((model.nv, model.nv))
+        for row, unit in zip(mass, np.eye(model.nv), strict=True):
+            mujoco.mj_mulM(model, data, row, unit)
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        return data.efc_J.reshape(-1, model.nv)[rows], mass
+
+    def _bias(self, q: Array, v: Array) -> tuple[Array, Array]:
+        mujoco, model, data = self._mujoco, self.model, self.data
+        data.qpos[:] = q
+        data.qvel[:] = v
+        data.qacc[:] = 0.0
+        mujoco.mj_fwdPosition(model, data)
+        mujoco.mj_fwdVelocity(model, data)
+        # What the sites accelerate by when no joint does; gravity stands in both and drops out.
+        mujoco.mj_rnePostConstraint(model, data)
+        drift = [
+            self._acceleration(first) - self._acceleration(second)
+            for first, second in zip(model.eq_obj1id, model.eq_obj2id, strict=True)
+        ]
+        return np.concatenate(drift), data.qfrc_bias.copy()
+
+    def _acceleration(self, site: int) -> Array:
+        """Linear acceleration of a site (3,) in world axes; not `mj_jacDot`, wrong before 3.3.1."""
+        found = np.empty(6)
+        kind = self._mujoco.mjtObj.mjOBJ_SITE
+        self._mujoco.mj_objectAcceleration(self.model, self.data, kind, site, found, 0)
+        return found[3:]

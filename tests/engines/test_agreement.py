@@ -1,0 +1,135 @@
+"""MuJoCo and Pinocchio agree with first principles and with the model."""
+
+from __future__ import annotations
+
+import sys
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from paminsa_viz.engines.closed_loop import ClosedLoopRobot
+from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines.mjcf import mjcf_text
+from paminsa_viz.engines.mujoco_model import MujocoRobot
+from paminsa_viz.engines.pinocchio_model import PinocchioRobot
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.statics import static_torques
+from tests import oracle, samples
+
+Engine = type[ClosedLoopRobot]
+DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in range(5))]
+EACH = pytest.mark.parametrize(
+    "design", DESIGNS, ids=["appendix4", *(f"random{i}" for i in range(5))]
+)
+BOTH = pytest.mark.parametrize("assembly", list(Assembly), ids=lambda a: a.value)
+SHARP = 1e-11
+"""Relative to the largest value of each actuator; a millionth is asked for."""
+
+
+@pytest.fixture(params=["mujoco", "pinocchio"])
+def engine(request: pytest.FixtureRequest) -> Engine:
+    pytest.importorskip(request.param, reason=f"{request.param} comes with the extra 'verify'")
+    return MujocoRobot if request.param == "mujoco" else PinocchioRobot
+
+
+def worst(found: np.ndarray, expected: np.ndarray) -> float:
+    """Largest difference relative to the largest value of the same actuator."""
+    return float((np.abs(found - expected).max(axis=0) / np.abs(expected).max(axis=0)).max())
+
+
+@BOTH
+@EACH
+def test_static_torques(engine: Engine, design: Design, assembly: Assembly) -> None:
+    poses = samples.random_poses(np.random.default_rng(1), design, assembly, 200, natural=False)
+    found = engine(design, assembly).static_torques(poses)
+    assert worst(found, oracle.static_torques(design, poses, assembly)) < SHARP
+    assert worst(static_torques(design, poses, assembly), found) < SHARP
+
+
+@BOTH
+@EACH
+def test_dynamic_torques(engine: Engine, design: Design, assembly: Assembly) -> None:
+    states = samples.random_states(np.random.default_rng(2), design, assembly, 200)
+    found = engine(design, assembly).inverse_dynamics(*states)
+    assert worst(found, oracle.inverse_dynamics(design, *states, assembly)) < SHARP
+    assert worst(inverse_dynamics(design, *states, assembly).torque, found) < SHARP
+
+
+@BOTH
+def test_kinetic_energy_from_the_mass_matrix(engine: Engine, assembly: Assembly) -> None:
+    design = DESIGNS[2]
+    poses, rates, _ = samples.random_states(np.random.default_rng(3), design, assembly, 20)
+    inertia = engine(design, assembly).actuator_inertia(poses)
+    speed = oracle.actuator_rates(design, poses, rates)
+    energy = 0.5 * np.einsum("ni,nij,nj->n", speed, inertia, speed)
+    np.testing.assert_allclose(energy, oracle.kinetic(design, poses, rates, assembly), rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("body", "moving"),
+    [("leg1_joint4", False), ("leg2_B4", False), ("platform", False), ("leg3_joint8", True)],
+)
+def test_a_wrong_mass_in_the_exported_model_is_caught(body: str, moving: bool) -> None:
+    """One per cent on one body; the slider's mass does nothing at rest, so it needs a motion."""
+    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    root = ET.fromstring(mjcf_text(APPENDIX_4))
+    names = {"leg3_joint8": "leg3_slider"}
+    inertial = root.find(f".//body[@name='{names.get(body, body)}']/inertial")
+    assert inertial is not None
+    inertial.set("mass", repr(1.01 * float(inertial.attrib["mass"])))
+    robot = MujocoRobot(APPENDIX_4, xml=ET.tostring(root, encoding="unicode"))
+    poses, rates, seconds = samples.random_states(np.random.default_rng(4), n=20)
+    if not moving:
+        rates, seconds = np.zeros_like(poses), np.zeros_like(poses)
+    found = robot.inverse_dynamics(poses, rates, seconds)
+    expected = oracle.inverse_dynamics(APPENDIX_4, poses, rates, seconds)
+    assert np.abs(found - expected).max() > 1e-5 * np.abs(expected).max()
+
+
+@BOTH
+def test_massless_parts_and_no_gravity(engine: Engine, assembly: Assembly) -> None:
+    """Zeros that a design may have, though an engine may not."""
+    design = APPENDIX_4.vary(
+        {
+            "joints.j7": 0.0, "links.b7": 0.0, "joints.j8": 0.0, "links.b1": 0.0,
+            "inertias.b7_axial": 0.0, "inertias.b7_transverse": 0.0,
+            "inertias.b10_vertical": 0.0, "platform.inertia": 0.0, "links.b10": 0.0,
+        }
+    )  # fmt: skip
+    states = samples.random_states(np.random.default_rng(5), design, assembly, 20)
+    found = engine(design, assembly).inverse_dynamics(*states)
+    assert worst(found, oracle.inverse_dynamics(design, *states, assembly)) < SHARP
+    afloat = design.vary({"gravity": 0.0})
+    assert np.abs(engine(afloat, assembly).static_torques(states[0])).max() < 1e-12
+
+
+def test_batches_and_poses_out_of_reach(engine: Engine) -> None:
+    robot = engine(APPENDIX_4)
+    poses = samples.random_poses(np.random.default_rng(6), n=6)
+    flat = robot.static_torques(poses)
+    np.testing.assert_allclose(robot.static_torques(poses.reshape(2, 3, 4)), flat.reshape(2, 3, 4))
+    np.testing.assert_allclose(robot.static_torques(poses[3]), flat[3])
+    mixed = np.array([poses[0], [0.0, 0.0, 0.0, -3.0], [np.nan, 0.0, 0.0, -0.5], poses[1]])
+    found = robot.static_torques(mixed)
+    np.testing.assert_allclose(found[[0, 3]], flat[:2])
+    assert np.isnan(found[1:3]).all()
+    assert robot.static_torques(np.empty((0, 4))).shape == (0, 4)
+    with pytest.raises(InvalidInput, match="poses"):
+        robot.static_torques(poses[:, :3])
+
+
+@pytest.mark.parametrize(
+    ("module", "robot"), [("mujoco", MujocoRobot), ("pinocchio", PinocchioRobot)]
+)
+def test_a_missing_engine_is_named_with_its_extra(
+    monkeypatch: pytest.MonkeyPatch, module: str, robot: Engine
+) -> None:
+    monkeypatch.setitem(sys.modules, module, None)
+    with pytest.raises(EngineMissing, match=r"paminsa-viz\[verify\]") as caught:
+        robot(APPENDIX_4)
+    assert caught.value.extra == "verify"
+    assert isinstance(caught.value, PaminsaError)
+    assert isinstance(caught.value, ImportError)

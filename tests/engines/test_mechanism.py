@@ -1,0 +1,112 @@
+"""The mechanism given to the engines stands where first principles say, and carries all mass."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from paminsa_viz.engines.mechanism import Link, build_mechanism
+from paminsa_viz.engines.placing import joint_values, posture_of, start_pose
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design, Geometry
+from paminsa_viz.model.errors import InvalidDesign, UnreachablePose
+from tests import oracle, samples
+
+DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in (20, 21))]
+EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
+BOTH = pytest.mark.parametrize("assembly", list(Assembly))
+
+
+def frames(design: Design, pose: Any, assembly: Assembly) -> dict[str, tuple[Any, Rotation]]:
+    """Origin and orientation of every link at one pose, from the joint values alone."""
+    values = joint_values(posture_of(design, pose, assembly))
+    found: dict[str | None, tuple[Any, Rotation]] = {None: (np.zeros(3), Rotation.identity())}
+    for link in build_mechanism(design).links:
+        place, turn = found[link.parent]
+        place = place + turn.apply(link.place)
+        turn = turn * Rotation.from_euler("z", link.heading)
+        for joint in link.joints:
+            value = float(values[joint.name])
+            if joint.kind == "slide":
+                place = place + value * turn.apply(joint.axis)
+            else:
+                turn = turn * Rotation.from_rotvec(value * np.asarray(joint.axis, float))
+        found[link.name] = place, turn
+    return {name: frame for name, frame in found.items() if name is not None}
+
+
+@BOTH
+@EACH
+def test_loops_close(design: Design, assembly: Assembly) -> None:
+    for pose in samples.random_poses(np.random.default_rng(0), design, assembly, 10, natural=False):
+        at = frames(design, pose, assembly)
+        for pin in build_mechanism(design).pins:
+            ends = [
+                at[name][0] + at[name][1].apply(point)
+                for name, point in ((pin.first, pin.first_point), (pin.second, pin.second_point))
+            ]
+            np.testing.assert_allclose(ends[0], ends[1], rtol=0, atol=1e-13, err_msg=pin.name)
+
+
+def part_name(body: oracle.Body) -> str:
+    """The mechanism's name for a body of the oracle."""
+    leg, _, name = body.name.rpartition(": ")
+    return (leg + "_" + name).replace(" ", "") if leg else name
+
+
+@BOTH
+@EACH
+def test_every_mass_is_where_first_principles_put_it(design: Design, assembly: Assembly) -> None:
+    pose = samples.random_poses(np.random.default_rng(1), design, assembly, 1)[0]
+    at = frames(design, pose, assembly)
+    owners: dict[str, tuple[Link, Any]] = {
+        part.name: (link, part) for link in build_mechanism(design).links for part in link.parts
+    }
+    arms = 0.0
+    for body in oracle.bodies(design, oracle.split(pose), assembly):
+        name = part_name(body)
+        if name.endswith("B1"):  # the arms stand in the lift as one: only their height counts
+            arms += body.mass
+            assert at["lift"][0][2] == pytest.approx(body.centre[2], abs=1e-14)
+            continue
+        link, part = owners.pop(name) if name in owners else (None, None)
+        if part is None:
+            assert (name, body.mass, body.inertia[2]) == ("payload", 0.0, 0.0)
+            continue
+        place, turn = at[link.name]
+        assert part.mass == body.mass
+        centre = [float(c) for c in body.centre]
+        np.testing.assert_allclose(place + turn.apply(part.centre), centre, rtol=0, atol=1e-13)
+        if body.axes is not None:
+            assert part.inertia[2] == body.inertia[2]
+            if name[-2:] in ("B3", "B4", "B7", "B8"):
+                assert part.inertia == body.inertia
+                axis = [float(c) for c in body.axes[0]]
+                along = turn.apply([1.0, 0.0, 0.0])
+                np.testing.assert_allclose(along, axis, rtol=0, atol=1e-13)
+    assert owners.pop("arms_3xB1")[1].mass == pytest.approx(arms, rel=1e-15)
+    assert not owners
+
+
+@BOTH
+def test_start_pose_is_regular_and_on_the_natural_side(assembly: Assembly) -> None:
+    rng = np.random.default_rng(2)
+    for design in (APPENDIX_4, *(samples.random_design(rng) for _ in range(10))):
+        pose = start_pose(design, assembly)
+        assert np.isfinite(posture_of(design, pose, assembly).phi).all()
+        assert (pose[3] + design.geometry.platform_joint_height) * assembly.sign < 0
+
+
+def test_a_robot_singular_at_the_centre_has_no_start_pose() -> None:
+    same = Design(Geometry(base_radius=0.2, platform_radius=0.2))
+    with pytest.raises(UnreachablePose, match="can not close"):
+        start_pose(same)
+
+
+def test_inertias_of_no_rigid_body_are_refused() -> None:
+    odd = APPENDIX_4.vary({"inertias.b7_axial": 0.0061, "inertias.b7_transverse": 0.003})
+    with pytest.raises(InvalidDesign) as caught:
+        build_mechanism(odd)
+    assert caught.value.field == "inertias.b7_axial"

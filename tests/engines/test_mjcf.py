@@ -1,0 +1,165 @@
+"""The exported MJCF carries the design exactly, loads, stands, and moves as calculated."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
+from paminsa_viz.engines.mujoco_model import MujocoRobot
+from paminsa_viz.engines.simulation import play
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.errors import InvalidInput, UnreachablePose
+from tests import oracle, samples
+
+DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in (7, 8))]
+EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
+BOTH = pytest.mark.parametrize("assembly", list(Assembly), ids=lambda a: a.value)
+
+
+@pytest.fixture
+def mujoco() -> Any:
+    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+
+
+def run(mujoco: Any, text: str, seconds: float, control: Any = None) -> tuple[Any, Any, float]:
+    """Load a text and step it; return model, data and the largest gap of a loop after the start.
+
+    Any warning fails.
+    """
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    gap = 0.0
+    for _ in range(round(seconds / model.opt.timestep)):
+        if control is not None:
+            data.ctrl[:] = control(data.time)
+        mujoco.mj_step(model, data)
+        gap = max(gap, float(np.abs(data.efc_pos).max()))
+        assert not any(warning.number for warning in data.warning)
+    return model, data, gap
+
+
+def test_masses_are_written_with_all_their_digits() -> None:
+    design = DESIGNS[1]
+    root = ET.fromstring(mjcf_text(design))
+    mass = {
+        body.attrib["name"]: float(body.find("inertial").attrib["mass"])  # type: ignore[union-attr]
+        for body in root.iter("body")
+        if body.find("inertial") is not None
+    }
+    for leg in (1, 2, 3):
+        assert mass[f"leg{leg}_B4"] == design.links.b4
+        assert mass[f"leg{leg}_joint9"] == design.joints.j9
+        assert mass[f"leg{leg}_slider"] == design.joints.j8
+    assert mass["payload"] == design.payload.mass
+    whole = sum(body.mass for body in oracle.bodies(design, oracle.split(np.zeros(4))))
+    assert sum(mass.values()) == pytest.approx(whole, rel=1e-14)
+
+
+@pytest.mark.parametrize("servos", [True, False], ids=["servos", "motors"])
+@BOTH
+@EACH
+def test_it_loads_and_stands_still_for_two_seconds(
+    mujoco: Any, design: Design, assembly: Assembly, servos: bool
+) -> None:
+    pose = samples.random_poses(np.random.default_rng(9), design, assembly, 1)[0]
+    robot = MujocoRobot(design, assembly)
+    text = robot.to_xml(pose=pose.tolist(), servos=servos)
+    # Motors hold by a constant force, and the robot is unstable: what is off grows.
+    model, data, gap = run(mujoco, text, 2.0 if servos else 0.5)
+    start = MujocoRobot(design, assembly, xml=text)
+    assert gap < 1e-6
+    np.testing.assert_allclose(start.pose(data.qpos), pose, rtol=0, atol=1e-4 if servos else 1e-3)
+    np.testing.assert_allclose(start.pose(model.qpos0), pose, rtol=0, atol=1e-14)
+
+
+@BOTH
+def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, assembly: Assembly) -> None:
+    _, _, gap = run(mujoco, MujocoRobot(APPENDIX_4, assembly).to_xml(servos=False), 2.0)
+    assert gap < 1e-6
+
+
+@BOTH
+def test_servos_follow_their_controls(mujoco: Any, assembly: Assembly) -> None:
+    """The viewer's sliders: all at once, smoothly over half a second."""
+    robot = MujocoRobot(APPENDIX_4, assembly)
+    wish = np.array([0.15, -0.1, 0.05, 0.04])
+    text = robot.to_xml()
+    model, data, gap = run(mujoco, text, 1.5, lambda t: wish * min(2 * t, 1.0))
+    joints = [model.joint(name).qposadr[0] for name in robot.mechanism.actuated]
+    reached = (data.qpos - model.qpos0)[joints]
+    np.testing.assert_allclose(reached, wish, rtol=0, atol=2e-3)
+    reference = oracle.actuators(APPENDIX_4, robot.pose(data.qpos))
+    np.testing.assert_allclose(data.qpos[joints], reference, rtol=0, atol=1e-5)
+    assert gap < 1e-5
+
+
+def test_geoms_add_no_mass_and_touch_nothing(mujoco: Any) -> None:
+    model = mujoco.MjModel.from_xml_string(mjcf_text(APPENDIX_4))
+    assert model.ngeom > 20
+    assert not model.geom_contype.any()
+    assert not model.geom_conaffinity.any()
+    whole = sum(body.mass for body in oracle.bodies(APPENDIX_4, oracle.split(np.zeros(4))))
+    assert model.body_mass.sum() == pytest.approx(whole, rel=1e-14)
+
+
+def test_pinocchio_reads_the_exported_model(tmp_path: Path) -> None:
+    pinocchio = pytest.importorskip("pinocchio", reason="pinocchio comes with the extra 'verify'")
+    if not hasattr(pinocchio, "buildModelFromMJCF"):
+        pytest.skip("this Pinocchio is built without its MJCF reader")
+    file = tmp_path / "robot.xml"
+    file.write_text(mjcf_text(APPENDIX_4), encoding="utf-8")
+    model = pinocchio.buildModelFromMJCF(str(file))
+    whole = sum(body.mass for body in oracle.bodies(APPENDIX_4, oracle.split(np.zeros(4))))
+    assert model.nv == 28
+    assert pinocchio.computeTotalMass(model) == pytest.approx(whole, rel=1e-12)
+
+
+def test_a_start_out_of_reach_is_refused() -> None:
+    with pytest.raises(UnreachablePose, match="can not close"):
+        mjcf_text(APPENDIX_4, pose=(0.0, 0.0, 0.0, -2.0))
+
+
+def quintic(first: Any, last: Any, times: Any) -> tuple[Any, Any, Any]:
+    """Poses, rates and accelerations (n, 4) of a move that starts and ends at rest."""
+    whole = times[-1]
+    s = (times / whole)[:, None]
+    way = np.asarray(last) - np.asarray(first)
+    return (
+        first + way * s**3 * (10 - 15 * s + 6 * s**2),
+        way * 30 * s**2 * (1 - s) ** 2 / whole,
+        way * 60 * s * (1 - s) * (1 - 2 * s) / whole**2,
+    )
+
+
+@BOTH
+def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, assembly: Assembly) -> None:
+    """Feed-forward alone, through an unstable robot: close, and closer with a smaller step."""
+    times = np.linspace(0.0, 0.5, 126)
+    motion = quintic(
+        [-0.05, -0.03, -0.2, -0.5 * assembly.sign], [0.05, 0.04, 0.3, -0.6 * assembly.sign], times
+    )
+    torque = oracle.inverse_dynamics(APPENDIX_4, *motion, assembly)
+    coarse = play(APPENDIX_4, assembly, times, *motion[:2], torque, step=4 * TIME_STEP)
+    fine = play(APPENDIX_4, assembly, times, *motion[:2], torque, step=TIME_STEP / 2)
+    assert np.abs(fine.drift).max() < 1e-3
+    assert np.abs(fine.drift[:, [0, 1, 3]]).max() < 0.5 * np.abs(coarse.drift[:, [0, 1, 3]]).max()
+    assert fine.gap.max() < 1e-6
+    np.testing.assert_allclose(fine.poses - motion[0], fine.drift)
+    wrong = play(APPENDIX_4, assembly, times, *motion[:2], 1.01 * torque, step=TIME_STEP)
+    assert np.abs(wrong.drift).max() > 10 * np.abs(fine.drift).max()
+
+
+def test_play_names_what_is_wrong_with_its_input() -> None:
+    pose = np.array([[0.0, 0.0, 0.0, -0.5]])
+    with pytest.raises(InvalidInput, match="torques"):
+        play(APPENDIX_4, Assembly.PRINTED, [0.0], pose, 0 * pose, pose[:, :3])
+    two = np.repeat(pose, 2, axis=0)
+    with pytest.raises(InvalidInput, match="times"):
+        play(APPENDIX_4, Assembly.PRINTED, [0.0, 0.0], two, 0 * two, 0 * two)
