@@ -1,0 +1,174 @@
+"""From actuators to poses: all of them, only them, and the one that continues a motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Geometry,
+    InvalidInput,
+    closure,
+    continue_pose,
+    forward_kinematics,
+    solve_posture,
+)
+from paminsa_viz.model.kinematics import HEADINGS, wrap
+from tests import oracle
+from tests.model.cases import BY_HAND, Case, assert_within, cases
+
+
+def apart(a: Any, b: Any) -> Any:
+    """Largest difference of poses (..., 4), angles taken on the circle."""
+    difference = np.asarray(a) - b
+    difference[..., 2] = wrap(difference[..., 2])
+    return np.abs(difference).max(axis=-1)
+
+
+@given(case=cases())
+def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
+    pose = case.poses(32)
+    actuators = solve_posture(case.geometry, pose, case.assembly).actuators
+    found = forward_kinematics(case.geometry, actuators)
+    assert found.pose.shape == (32, 2, 4)
+    distance = np.where(found.valid, apart(found.pose, pose[:, None]), np.inf)
+    assert distance.min(axis=-1).max() < 1e-11
+
+
+@given(case=cases())
+def test_every_assembly_found_has_these_actuators(case: Case) -> None:
+    """Also for actuators that were not made from a pose: both closure and inverse agree."""
+    rng = np.random.default_rng(case.seed)
+    chosen = solve_posture(case.geometry, case.poses(32)).actuators + rng.normal(0, 0.4, (32, 4))
+    found = forward_kinematics(case.geometry, chosen)
+    exists = np.isfinite(found.pose).all(axis=-1)
+    assert exists.any()
+    assert np.all(exists | ~found.valid)
+    assert np.isnan(found.pose[~exists]).all()
+    # A pose can lie very far away, where leg lines are nearly parallel.
+    size = 1 + np.hypot(found.pose[..., 0], found.pose[..., 1])
+    residual = np.abs(closure(case.geometry, found.pose, chosen[:, None])).max(axis=-1) / size
+    assert residual[exists].max() < 1e-12
+    back = solve_posture(case.geometry, found.pose[found.valid]).actuators
+    wanted = np.broadcast_to(chosen[:, None], found.pose.shape)[found.valid]
+    assert_within(wrap(back[:, :3] - wanted[:, :3]), np.zeros((len(back), 3)), 1e-9)
+    assert_within(back[:, 3], wanted[:, 3], 1e-12)
+
+
+@given(case=cases())
+def test_an_assembly_is_valid_where_all_legs_point_at_the_platform(case: Case) -> None:
+    """The other solutions of Eq. 16 have a leg turned round, with joint 5 behind its axis."""
+    rng = np.random.default_rng(case.seed)
+    chosen = rng.uniform(-1.5, 1.5, (64, 4))
+    found = forward_kinematics(case.geometry, chosen)
+    exists = np.isfinite(found.pose).all(axis=-1)
+    p5 = solve_posture(case.geometry, found.pose).points[5][..., :2]
+    axes = np.stack([np.cos(oracle.AXIS_ANGLES), np.sin(oracle.AXIS_ANGLES)], -1)
+    heading = chosen[:, None, :3] + HEADINGS
+    ahead = np.stack([np.cos(heading), np.sin(heading)], -1)
+    along = np.sum((p5 - case.geometry.base_radius * axes) * ahead, -1)
+    np.testing.assert_array_equal(found.valid, exists & (along > 0).all(axis=-1))
+    assert (exists & ~found.valid).any()
+
+
+def meetings(geometry: Geometry, actuators: Any) -> int:
+    """How often in a turn of the platform its three leg lines meet in one point."""
+    theta = np.linspace(-np.pi, np.pi, 20000, endpoint=False)
+    beta = actuators[:3] + HEADINGS
+    angle = theta[:, None] + oracle.AXIS_ANGLES
+    across = (
+        geometry.platform_radius * np.cos(angle) - geometry.base_radius * np.cos(oracle.AXIS_ANGLES)
+    ) * np.sin(beta) - (
+        geometry.platform_radius * np.sin(angle) - geometry.base_radius * np.sin(oracle.AXIS_ANGLES)
+    ) * np.cos(beta)
+    rows = np.broadcast_to(np.stack([np.sin(beta), -np.cos(beta)], -1), (len(theta), 3, 2))
+    gap = np.linalg.det(np.concatenate([rows, across[..., None]], axis=-1))
+    return int(np.sum(np.sign(gap) != np.sign(np.roll(gap, 1))))
+
+
+@given(case=cases())
+def test_there_are_no_more_than_those_found(case: Case) -> None:
+    """Counted by turning the platform through all angles."""
+    rng = np.random.default_rng(case.seed)
+    for chosen in rng.uniform(-np.pi, np.pi, (3, 4)):
+        found = forward_kinematics(case.geometry, chosen)
+        assert np.isfinite(found.pose).all(axis=-1).sum() == meetings(case.geometry, chosen)
+
+
+def test_poses_of_appendix_4_by_hand() -> None:
+    actuators = solve_posture(APPENDIX_4.geometry, BY_HAND).actuators
+    found = forward_kinematics(APPENDIX_4.geometry, actuators)
+    assert found.valid.any(axis=-1).all()
+    # At home the legs also point at the platform if it is turned by 180 degrees.
+    z = BY_HAND[0, 3]
+    home = found.pose[0][np.argsort(np.abs(found.pose[0, :, 2]))]
+    assert apart(home, [[0.0, 0.0, 0.0, z], [0.0, 0.0, np.pi, z]]).max() < 1e-14
+    assert found.valid[0].all()
+
+
+def test_parallel_and_concurrent_leg_lines_leave_no_isolated_pose() -> None:
+    geometry = APPENDIX_4.geometry
+    parallel = np.append(wrap(0.3 - HEADINGS), 0.3)
+    found = forward_kinematics(geometry, parallel)
+    assert np.isnan(found.pose).all()
+    assert not found.valid.any()
+    assert np.isnan(continue_pose(geometry, parallel, BY_HAND[0])).all()
+
+
+@given(values=st.lists(st.sampled_from([np.nan, np.inf, -np.inf, 0.1]), min_size=4, max_size=4))
+def test_actuators_that_are_not_finite_give_no_pose(values: list[float]) -> None:
+    found = forward_kinematics(APPENDIX_4.geometry, values)
+    assert found.valid.any() <= bool(np.isfinite(values).all())
+    assert np.isfinite(found.pose).all(axis=-1).any() == np.isfinite(values).all()
+
+
+@given(case=cases(), turns=st.integers(-2, 2))
+def test_the_continued_pose_is_the_one_it_came_from(case: Case, turns: int) -> None:
+    """Also after whole turns of the platform, whose count is kept."""
+    pose = case.poses(16) + np.array([0.0, 0.0, 2 * np.pi * turns, 0.0])
+    rng = np.random.default_rng(case.seed)
+    actuators = solve_posture(case.geometry, pose).actuators
+    near = pose + 1e-3 * rng.normal(size=pose.shape)
+    assert_within(continue_pose(case.geometry, actuators, near), pose, 1e-11)
+
+
+def test_continuing_follows_a_path_around_the_workspace() -> None:
+    """A circle in (x, y) and theta, each pose found from its actuators and the pose before."""
+    t = np.linspace(0, 2 * np.pi, 400)
+    path = np.stack(
+        [0.06 * np.cos(t), 0.05 * np.sin(t), 0.5 * np.sin(2 * t), -0.5 + 0.1 * np.sin(t)], -1
+    )
+    actuators = solve_posture(APPENDIX_4.geometry, path).actuators
+    pose = path[0]
+    for wanted, q in zip(path, actuators, strict=True):
+        pose = continue_pose(APPENDIX_4.geometry, q, pose)
+        assert_within(pose, wanted, 1e-12)
+
+
+def test_the_nearer_of_two_assemblies_is_taken() -> None:
+    geometry = APPENDIX_4.geometry
+    actuators = solve_posture(geometry, BY_HAND).actuators
+    found = forward_kinematics(geometry, actuators)
+    for q, poses, valid in zip(actuators, found.pose, found.valid, strict=True):
+        for pose in poses[valid]:
+            assert apart(continue_pose(geometry, q, pose), pose) < 1e-12
+
+
+def test_batches_broadcast() -> None:
+    geometry = APPENDIX_4.geometry
+    actuators = solve_posture(geometry, BY_HAND).actuators
+    assert forward_kinematics(geometry, actuators[0]).pose.shape == (2, 4)
+    assert forward_kinematics(geometry, np.zeros((0, 4))).valid.shape == (0, 2)
+    assert forward_kinematics(geometry, np.zeros((2, 3, 4))).pose.shape == (2, 3, 2, 4)
+    one_to_many = continue_pose(geometry, actuators[1], np.stack([BY_HAND[1]] * 5))
+    assert_within(one_to_many, np.stack([BY_HAND[1]] * 5), 1e-12)
+    assert continue_pose(geometry, actuators, BY_HAND[0]).shape == (3, 4)
+    with pytest.raises(InvalidInput, match="actuators"):
+        forward_kinematics(geometry, np.zeros(3))
+    with pytest.raises(InvalidInput, match="near"):
+        continue_pose(geometry, np.zeros(4), np.zeros(3))

@@ -1,0 +1,179 @@
+"""Closure equations, their derivatives A_ij, the Jacobian and its change along a motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidInput,
+    actuator_velocity,
+    closure,
+    closure_matrix,
+    continue_pose,
+    inverse_jacobian,
+    inverse_jacobian_rate,
+    jacobian,
+    solve_motion,
+    solve_posture,
+)
+from tests import oracle
+from tests.model import paper
+from tests.model.cases import BY_HAND, Case, assert_within, cases
+
+
+def eight(pose: Any, actuators: Any) -> list[Any]:
+    """The paper's eight coordinates as a list of arrays."""
+    return list(np.moveaxis(np.concatenate([pose, actuators], -1), -1, 0))
+
+
+@given(case=cases())
+def test_closure_is_zero_on_every_posture(case: Case) -> None:
+    pose = case.poses(32)
+    for assembly_pose in (pose, pose + np.array([0.0, 0.0, 2 * np.pi, 0.0])):
+        actuators = solve_posture(case.geometry, assembly_pose, case.assembly).actuators
+        s = closure(case.geometry, assembly_pose, actuators)
+        assert_within(s, np.zeros_like(s), 1e-14)
+
+
+@given(case=cases())
+def test_a_ij_are_the_derivatives_of_the_printed_closure(case: Case) -> None:
+    """Complex steps through Eqs. 16 and 17, also at actuators that do not fit the pose."""
+    pose = case.poses()
+    fitting = solve_posture(case.geometry, pose).actuators
+    rng = np.random.default_rng(case.seed)
+    for actuators in (fitting, fitting + rng.normal(size=fitting.shape)):
+        exact = paper.slopes(
+            lambda q: paper.closure(case.geometry, q), eight(pose, actuators)
+        )  # (n, 4, 8)
+        assert_within(closure_matrix(case.geometry, pose, actuators), exact, 1e-14)
+
+
+@given(case=cases())
+def test_a_ij_are_the_derivatives_of_the_closure_function(case: Case) -> None:
+    pose, h = case.poses(), 1e-5
+    rng = np.random.default_rng(case.seed)
+    actuators = solve_posture(case.geometry, pose).actuators + rng.normal(size=pose.shape)
+    matrix = closure_matrix(case.geometry, pose, actuators)
+    for j in range(8):
+        step = np.zeros(8)
+        step[j] = h
+        ahead = closure(case.geometry, pose + step[:4], actuators + step[4:])
+        behind = closure(case.geometry, pose - step[:4], actuators - step[4:])
+        assert_within(matrix[..., j], (ahead - behind) / (2 * h), 1e-10)
+
+
+@given(case=cases())
+def test_the_closure_stays_closed_along_a_motion(case: Case) -> None:
+    """A (v, q') = 0: the actuators follow the platform."""
+    pose, v, _ = case.states()
+    actuators = solve_posture(case.geometry, pose).actuators
+    rates = np.concatenate([v, actuator_velocity(case.design, pose, v)], -1)
+    gap = np.einsum("nij,nj->ni", closure_matrix(case.geometry, pose, actuators), rates)
+    assert_within(gap, np.zeros_like(gap), 1e-13)
+
+
+@given(case=cases())
+def test_the_inverse_jacobian_is_that_of_first_principles(case: Case) -> None:
+    pose = case.poses()
+    exact = oracle.actuator_jacobian(case.design, pose)
+    got = inverse_jacobian(case.geometry, pose)
+    assert_within(got, exact, 1e-12 * np.abs(exact).max())
+    # decoupled as the paper says: z moves the lift alone, and the lift follows z alone
+    np.testing.assert_array_equal(got[:, :3, 3], 0.0)
+    np.testing.assert_array_equal(got[:, 3, :3], 0.0)
+    assert_within(got[:, 3, 3] * case.geometry.magnification, np.ones(len(pose)), 1e-15)
+
+
+@given(case=cases())
+def test_the_inverse_jacobian_is_the_slope_of_the_postures(case: Case) -> None:
+    pose, h = case.poses(), 1e-5
+    exact = inverse_jacobian(case.geometry, pose)
+    for j in range(4):
+        step = np.zeros(4)
+        step[j] = h
+        ahead, behind = (
+            solve_posture(case.geometry, pose + s * step).actuators for s in (1.0, -1.0)
+        )
+        assert_within(exact[..., j], (ahead - behind) / (2 * h), 1e-6 * np.abs(exact).max())
+
+
+@given(case=cases())
+def test_jacobian_and_inverse_jacobian_undo_each_other(case: Case) -> None:
+    pose = case.poses(32)
+    j, g = jacobian(case.geometry, pose), inverse_jacobian(case.geometry, pose)
+    one = np.broadcast_to(np.eye(4), g.shape)
+    assert_within(j @ g, one, 1e-12)
+    assert_within(g @ j, one, 1e-11)
+    assert_within(j, np.linalg.inv(g), 1e-11 * np.abs(j).max())
+
+
+@given(case=cases())
+def test_the_jacobian_is_the_slope_of_forward_kinematics(case: Case) -> None:
+    pose, h = case.poses(), 1e-5
+    actuators = solve_posture(case.geometry, pose).actuators
+    exact = jacobian(case.geometry, pose)
+    for j in range(4):
+        step = np.zeros(4)
+        step[j] = h
+        ahead, behind = (
+            continue_pose(case.geometry, actuators + s * step, pose) for s in (1.0, -1.0)
+        )
+        assert_within(exact[..., j], (ahead - behind) / (2 * h), 1e-6 * np.abs(exact).max())
+
+
+@given(case=cases())
+def test_the_rate_is_the_change_of_the_inverse_jacobian(case: Case) -> None:
+    pose, v, a = case.states()
+    rate = inverse_jacobian_rate(case.geometry, pose, v)
+    h = 1e-5
+    ahead, behind = (inverse_jacobian(case.geometry, pose + s * h * v) for s in (1.0, -1.0))
+    assert_within(rate, (ahead - behind) / (2 * h), 1e-6 * np.abs(rate).max())
+    # and to rounding: the actuators' accelerations are G a + G' v
+    exact = solve_motion(case.geometry, pose, v, a).actuators_acceleration
+    got = np.einsum("nij,nj->ni", inverse_jacobian(case.geometry, pose), a)
+    got += np.einsum("nij,nj->ni", rate, v)
+    assert_within(got, exact, 1e-12 * np.abs(exact).max())
+
+
+@given(case=cases())
+def test_actuator_velocity_is_that_of_the_motion(case: Case) -> None:
+    pose, v, a = case.states()
+    exact = solve_motion(case.geometry, pose, v, a).actuators_velocity
+    assert_within(actuator_velocity(case.design, pose, v), exact, 1e-12 * np.abs(exact).max())
+
+
+def test_the_jacobian_grows_without_bound_towards_the_singular_circle() -> None:
+    geometry = APPENDIX_4.geometry
+    x = 0.25 - np.array([1e-2, 1e-4, 1e-6])
+    size = np.abs(jacobian(geometry, np.stack([x, 0 * x, 0 * x, 0 * x - 0.5], -1))).max((-1, -2))
+    assert np.all(size[1:] / size[:-1] > 50)
+
+
+def test_joint_5_on_its_axis_has_no_inverse_jacobian() -> None:
+    geometry = APPENDIX_4.geometry
+    on_axis = np.array([0.0, geometry.base_radius - geometry.platform_radius, 0.0, -0.3])
+    g = inverse_jacobian(geometry, on_axis)
+    assert not np.isfinite(g[2, :3]).any()
+    assert np.isfinite(g[[0, 1, 3]]).all()
+
+
+def test_batches_broadcast() -> None:
+    geometry = APPENDIX_4.geometry
+    q = solve_posture(geometry, BY_HAND).actuators
+    assert closure(geometry, BY_HAND[0], q).shape == (3, 4)
+    assert closure_matrix(geometry, BY_HAND, q[0]).shape == (3, 4, 8)
+    assert inverse_jacobian_rate(geometry, BY_HAND, np.zeros(4)).shape == (3, 4, 4)
+    assert jacobian(geometry, np.zeros((0, 4))).shape == (0, 4, 4)
+    for call in (
+        lambda: closure(geometry, BY_HAND, q[:2]),
+        lambda: closure_matrix(geometry, BY_HAND, q[:2]),
+        lambda: inverse_jacobian_rate(geometry, BY_HAND, np.zeros((2, 4))),
+        lambda: actuator_velocity(APPENDIX_4, BY_HAND, np.zeros((2, 4))),
+    ):
+        with pytest.raises(InvalidInput, match=r"pose: .* do not fit"):
+            call()

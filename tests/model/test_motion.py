@@ -1,0 +1,171 @@
+"""Velocities and accelerations of every joint, against differences and exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from hypothesis import given
+
+from paminsa_viz.model import APPENDIX_4, Assembly, Design, solve_motion, solve_posture
+from paminsa_viz.model.kinematics import LEG_AXES, wrap
+from paminsa_viz.model.leg import leg_motion, leg_position, mechanism
+from tests import oracle
+from tests.model.cases import BOTH, BY_HAND, Case, assert_within, cases
+
+JOINTS = (2, 3, 4, 5, 7, 8, 9)
+
+
+def largest(*arrays: Any) -> float:
+    return max(float(np.abs(a).max()) for a in arrays)
+
+
+def joint_jets(design: Design, pose: Any, v: Any, a: Any, assembly: Assembly) -> list[Any]:
+    return [
+        oracle.leg(design, oracle.jets(pose, v, a), index, assembly).points for index in range(3)
+    ]
+
+
+@given(case=cases())
+def test_joints_move_as_first_principles_say(case: Case) -> None:
+    """Exact derivatives of the oracle's joint points along the motion."""
+    pose, v, a = case.states()
+    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
+    legs = joint_jets(case.design, pose, v, a, case.assembly)
+    for number in JOINTS:
+        for index, points in enumerate(legs):
+            for ours, of in ((motion.velocity, oracle.rate), (motion.acceleration, oracle.second)):
+                exact = np.stack(np.broadcast_arrays(*of(points[number]), pose[:, 0])[:3], -1)
+                got = ours[number][:, index]
+                assert_within(got, exact, 1e-11 * largest(v, a, exact))
+
+
+@given(case=cases())
+def test_bars_turn_as_first_principles_say(case: Case) -> None:
+    """psi' and phi' from the directions of B4 and B8; the leg plane from its heading."""
+    pose, v, a = case.states()
+    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
+    q = oracle.jets(pose, v, a)
+    for index in range(3):
+        leg = oracle.leg(case.design, q, index, case.assembly)
+        h = leg.heading
+        spin = oracle.cross(oracle.value(h), oracle.rate(h))[2]
+        growth = oracle.cross(oracle.value(h), oracle.second(h))[2]
+        assert_within(motion.actuators_velocity[:, index], spin, 1e-11 * largest(spin))
+        assert_within(motion.actuators_acceleration[:, index], growth, 1e-11 * largest(growth))
+        for start, end, rate, second in (
+            (9, 5, motion.psi_rate, motion.psi_acceleration),
+            (8, 9, motion.phi_rate, motion.phi_acceleration),
+        ):
+            bar = oracle.unit(oracle.add(leg.points[end], leg.points[start], -1.0))
+            along, up = oracle.dot(bar, h), bar[2]
+            exact = along.a * up.rate - up.a * along.rate
+            assert_within(rate[:, index], exact, 1e-11 * largest(exact))
+            # cos and sin of an angle: c s'' - s c'' = angle''
+            exact = along.a * up.second - up.a * along.second
+            assert_within(second[:, index], exact, 1e-10 * largest(exact, spin * spin))
+    top = oracle.leg(case.design, q, 0, case.assembly).points[2][2]
+    assert_within(motion.actuators_velocity[:, 3], top.rate, 1e-13)
+    assert_within(motion.actuators_acceleration[:, 3], top.second, 1e-12)
+
+
+def differences(f: Callable[[float], Any], h: float = 1e-3) -> tuple[Any, Any]:
+    """First and second derivative of f at 0, from seven values."""
+    v = {n: f(n * h) for n in range(-3, 4)}
+    first = (45 * (v[1] - v[-1]) - 9 * (v[2] - v[-2]) + (v[3] - v[-3])) / (60 * h)
+    second = 270 * (v[1] + v[-1]) - 27 * (v[2] + v[-2]) + 2 * (v[3] + v[-3]) - 490 * v[0]
+    return first, second / (180 * h * h)
+
+
+@given(case=cases())
+def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
+    """Nothing but `solve_posture` itself, a little before and after."""
+    pose, v, a = case.states()
+    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
+    now = solve_posture(case.geometry, pose, case.assembly)
+
+    def at(t: float, of: Callable[[Any], Any]) -> Any:
+        return of(solve_posture(case.geometry, pose + v * t + a * t * t / 2, case.assembly))
+
+    def check(of: Callable[[Any], Any], rate: Any, second: Any) -> None:
+        first, twice = differences(lambda t: at(t, of))
+        assert_within(rate, first, 1e-7 * largest(first))
+        assert_within(second, twice, 1e-5 * largest(twice))
+
+    for number in JOINTS:
+        check(lambda p, i=number: p.points[i], motion.velocity[number], motion.acceleration[number])
+    check(
+        lambda p: np.concatenate(
+            [wrap(p.actuators[:, :3] - now.actuators[:, :3]), p.actuators[:, 3:]], -1
+        ),
+        motion.actuators_velocity,
+        motion.actuators_acceleration,
+    )
+    check(lambda p: wrap(p.psi - now.psi), motion.psi_rate, motion.psi_acceleration)
+    check(lambda p: wrap(p.phi - now.phi), motion.phi_rate, motion.phi_acceleration)
+
+
+@given(case=cases())
+def test_the_formulae_carry_complex_steps(case: Case) -> None:
+    """`leg_position` on complex numbers differentiates itself, to rounding."""
+    pose, v, a = case.states()
+    m, step = mechanism(case.geometry, case.assembly), 1e-30
+
+    def leg(p: Any) -> Any:
+        x, y, theta, z = np.moveaxis(p, -1, 0)[..., None]
+        return leg_position(
+            m, LEG_AXES[:, 0], LEG_AXES[:, 1], x, y, np.cos(theta), np.sin(theta), z
+        )
+
+    position, along = leg(pose), leg(pose + 1j * step * v)
+    columns = [np.moveaxis(array, -1, 0)[..., None] for array in (v, a)]
+    motion = leg_motion(m, position, *columns[0], *columns[1])
+    for name in ("rho", "zeta", "r9", "z9"):
+        exact = getattr(along, name).imag / step
+        got = np.broadcast_to(getattr(motion, f"{name}_rate"), exact.shape)
+        assert_within(got, exact, 1e-11 * largest(v, exact))
+    for angle in ("psi", "phi"):
+        c, s = getattr(position, f"cos_{angle}"), getattr(position, f"sin_{angle}")
+        c_rate = getattr(along, f"cos_{angle}").imag / step
+        s_rate = getattr(along, f"sin_{angle}").imag / step
+        assert_within(c * c + s * s, np.ones_like(c), 1e-12)
+        exact = c * s_rate - s * c_rate
+        assert_within(getattr(motion, f"{angle}_rate"), exact, 1e-11 * largest(exact))
+    for name in ("r9", "z9", "psi", "phi"):
+        partial = getattr(position, f"{name}_rho") * motion.rho_rate
+        partial = partial + getattr(position, f"{name}_zeta") * motion.zeta_rate
+        assert_within(partial, getattr(motion, f"{name}_rate"), 1e-11 * largest(v, partial))
+
+
+@BOTH
+def test_a_robot_at_rest_does_not_move(assembly: Assembly) -> None:
+    still = np.zeros(4)
+    motion = solve_motion(APPENDIX_4.geometry, BY_HAND, still, still, assembly)
+    for points in (*motion.velocity.values(), *motion.acceleration.values()):
+        np.testing.assert_array_equal(points, np.zeros((3, 3, 3)))
+    np.testing.assert_array_equal(motion.actuators_velocity, np.zeros((3, 4)))
+    np.testing.assert_array_equal(motion.posture.pose, BY_HAND)
+    assert motion.posture.assembly is assembly
+
+
+def test_the_lift_copies_the_height_divided_by_k() -> None:
+    """The decoupling of the paper: x, y, theta do not move Z, and z does not move M1..M3."""
+    level = solve_motion(APPENDIX_4.geometry, BY_HAND, [0.4, -0.3, 0.8, 0.0], [1.0, 2.0, 3.0, 0.0])
+    np.testing.assert_array_equal(level.actuators_velocity[:, 3], 0.0)
+    np.testing.assert_array_equal(level.actuators_acceleration[:, 3], 0.0)
+    upright = solve_motion(APPENDIX_4.geometry, BY_HAND, [0.0, 0.0, 0.0, 0.6], [0.0, 0.0, 0.0, 1.5])
+    np.testing.assert_array_equal(upright.actuators_velocity[:, :3], 0.0)
+    assert_within(upright.actuators_velocity[:, 3], np.full(3, 0.2), 1e-15)
+    assert_within(upright.actuators_acceleration[:, 3], np.full(3, 0.5), 1e-15)
+    np.testing.assert_array_equal(upright.velocity[8], 0.0)
+
+
+def test_joints_that_do_not_hang_on_the_knee_are_known_out_of_reach() -> None:
+    motion = solve_motion(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -1.2], np.ones(4), np.ones(4))
+    for number in (2, 3, 5, 8):
+        assert np.isfinite(motion.velocity[number]).all()
+        assert np.isfinite(motion.acceleration[number]).all()
+    for number in (4, 7, 9):
+        assert np.isnan(motion.velocity[number]).all()
+        assert np.isnan(motion.acceleration[number]).all()
