@@ -1,0 +1,173 @@
+"""The robot's bodies as scene nodes, hung from each other as in the machine.
+
+A pose moves nodes and sends nothing else. Each leg is a frame that turns about its axis; within it
+the shaft and the slider slide, the bars swing from them, and B4 swings from the end of B8. One
+message a body is enough that way, where free-standing bodies would need two.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from viser import FrameHandle, GlbHandle, SceneApi
+
+from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.kinematics import Posture
+from paminsa_viz.shapes import bodies as shapes
+from paminsa_viz.shapes.placement import about_z, elevated
+
+PARENT: Final = {
+    "guide": "",
+    "shaft": "",
+    "slider": "",
+    "swivel": "",
+    "b3": "shaft/",
+    "b7": "slider/",
+    "b8": "slider/",
+    "b4": "slider/b8/",
+}
+"""What each body of a leg hangs from; empty for the leg's own frame."""
+
+
+def node_name(body: str, root: str = "/robot") -> str:
+    """Return the scene name of a body, for example ``/robot/leg1/slider/b8``."""
+    if not body.startswith("leg"):
+        return f"{root}/{body}"
+    leg, _, kind = body.partition("/")
+    return f"{root}/{leg}/{PARENT[kind]}{kind}" if kind else f"{root}/{leg}"
+
+
+class BodyNodes:
+    """All bodies of one robot in one scene.
+
+    Args:
+        scene: Scene of a client or a server.
+        geometry: Lengths to build the bodies for.
+        assembly: Assembly mode, which decides on the frame.
+        root: Name of the node that holds all others.
+    """
+
+    def __init__(
+        self, scene: SceneApi, geometry: Geometry, assembly: Assembly, root: str = "/robot"
+    ) -> None:
+        self._scene = scene
+        self._root = root
+        self._top = scene.add_frame(root, show_axes=False)
+        self._legs: list[FrameHandle] = [
+            scene.add_frame(node_name(f"leg{leg}", root), show_axes=False) for leg in (1, 2, 3)
+        ]
+        self._nodes: dict[str, GlbHandle] = {}
+        self._built: dict[str, tuple[object, ...]] = {}
+        self._payload_mass = 0.0
+        self._geometry = geometry
+        self._assembly = assembly
+        self.rebuild(geometry, assembly)
+
+    @property
+    def visible(self) -> bool:
+        """Whether the bodies are shown."""
+        return self._top.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._top.visible = visible
+
+    def rebuild(self, geometry: Geometry, assembly: Assembly) -> tuple[str, ...]:
+        """Remake the bodies whose defining lengths differ; return their names.
+
+        The nodes keep their place until the next `pose`.
+        """
+        self._geometry, self._assembly = geometry, assembly
+        changed = []
+        for body in (*STANDING, *_HANGING_ORDER):
+            wanted = shapes.lengths_of(body, geometry, assembly)
+            if self._built.get(body) != wanted:
+                self._make(body)
+                self._built[body] = wanted
+                changed.append(body)
+        for leg, frame in enumerate(self._legs):
+            frame.position = shapes.leg_axis(geometry, leg)
+            knee = self._nodes[f"leg{leg + 1}/b4"]
+            knee.position = (geometry.crank_length, 0.0, 0.0)
+        self._place_payload(remake="platform" in changed)
+        return tuple(changed)
+
+    def _make(self, body: str) -> None:
+        """Make or replace one node; a replaced one keeps its pose and what hangs from it."""
+        data = shapes.body_glb(body, self._geometry, self._assembly)
+        old = self._nodes.get(body)
+        if old is not None:
+            old.glb_data = data
+            return
+        self._nodes[body] = self._scene.add_glb(node_name(body, self._root), data)
+
+    def pose(self, posture: Posture) -> None:
+        """Move the bodies to a solved posture of shape (); the caller opens ``atomic()``."""
+        nodes = self._nodes
+        x, y, theta, z = posture.pose
+        nodes["carriage"].position = (0.0, 0.0, float(posture.actuators[3]))
+        nodes["platform"].position = (float(x), float(y), float(z))
+        nodes["platform"].wxyz = about_z(theta)
+        legs = about_z(posture.beta)
+        b3, b7 = elevated(posture.phi + np.pi), elevated(posture.psi)
+        b8, b4 = elevated(posture.phi), elevated(posture.psi - posture.phi)
+        along = self._along(posture)
+        for leg in range(3):
+            name = f"leg{leg + 1}/"
+            self._legs[leg].wxyz = legs[leg]
+            nodes[name + "shaft"].position = (0.0, 0.0, float(posture.points[3][leg, 2]))
+            nodes[name + "slider"].position = (along[8][leg], 0.0, 0.0)
+            nodes[name + "swivel"].position = (
+                along[5][leg], 0.0, float(posture.points[5][leg, 2]),
+            )  # fmt: skip
+            nodes[name + "b3"].wxyz = b3[leg]
+            nodes[name + "b7"].wxyz = b7[leg]
+            nodes[name + "b8"].wxyz = b8[leg]
+            nodes[name + "b4"].wxyz = b4[leg]
+
+    def _along(self, posture: Posture) -> dict[int, list[float]]:
+        """Return r of joints 5 and 8 in each leg plane [m]."""
+        heading = np.stack([np.cos(posture.beta), np.sin(posture.beta)], axis=-1)
+        axis = posture.points[3][:, :2]
+        return {
+            joint: np.einsum("ij,ij->i", posture.points[joint][:, :2] - axis, heading).tolist()
+            for joint in (5, 8)
+        }
+
+    def payload(self, mass: float) -> None:
+        """Show a payload of a mass [kg]: its volume is in proportion, at 0 it is hidden."""
+        self._payload_mass = mass
+        self._place_payload()
+
+    def _place_payload(self, remake: bool = False) -> None:
+        node = self._nodes.get("payload")
+        if self._payload_mass <= 0:
+            if node is not None:
+                node.visible = False
+            return
+        if node is None:
+            name = f"{node_name('platform', self._root)}/payload"
+            node = self._scene.add_glb(name, shapes.payload_glb())
+            self._nodes["payload"] = node
+        node.position = shapes.payload_offset(self._geometry, self._assembly)
+        over = self._assembly is Assembly.MIRROR
+        node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
+        node.scale = shapes.payload_scale(self._payload_mass)
+        node.visible = True
+
+    @property
+    def node_count(self) -> int:
+        """Number of nodes that exist, frames included."""
+        return len(self._nodes) + len(self._legs) + 1
+
+
+STANDING: Final = tuple(body for body in shapes.STANDING if body != "ground")
+"""Bodies that do not move; the ground belongs to the stage."""
+
+_HANGING_ORDER: Final = (
+    "carriage",
+    "platform",
+    *(f"leg{leg}/{kind}" for leg in (1, 2, 3) for kind in PARENT),
+)
+"""Moving bodies, each after the one it hangs from."""

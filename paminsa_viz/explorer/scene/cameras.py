@@ -1,0 +1,130 @@
+"""Camera presets: where to stand for the whole robot, from above, in front, at a leg."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import ClientHandle
+
+from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Posture
+from paminsa_viz.shapes.frame import lift_motor_height, plinth_radius
+from paminsa_viz.shapes.layout import layout
+
+Array = NDArray[np.float64]
+
+FIELD_OF_VIEW: Final = float(np.radians(32.0))
+"""Vertical field of view of every preset [rad]: a long lens, so that upright lines stay upright."""
+
+FILL: Final = 0.94
+"""How much of the picture's height or width a preset fills."""
+
+VIEWS: Final = ("3D", "Top", "Front", "Leg 1", "Leg 2", "Leg 3")
+"""Names of the presets."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A camera: where it stands and what it looks at [m], and its field of view [rad]."""
+
+    position: tuple[float, float, float]
+    look_at: tuple[float, float, float]
+    fov: float = FIELD_OF_VIEW
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+
+
+def preset(
+    name: str,
+    geometry: Geometry,
+    assembly: Assembly = Assembly.PRINTED,
+    posture: Posture | None = None,
+    aspect: float = 1.5,
+) -> View:
+    """Return a preset that fits the picture.
+
+    Args:
+        name: One of `VIEWS`. "Leg k" faces the leg's plane as the paper's Fig. 2 does, from the
+            side where the mast does not stand in the way.
+        geometry: Lengths of the robot.
+        assembly: Assembly mode.
+        posture: With it, "Leg k" squares up to the plane as it is now; without, as at home.
+        aspect: Width of the picture divided by its height.
+
+    Raises:
+        KeyError: If there is no such preset.
+    """
+    if name not in VIEWS:
+        raise KeyError(name)
+    if name.startswith("Leg"):
+        leg = int(name[-1]) - 1
+        heading = AXIS_ANGLES[leg] + np.pi if posture is None else float(posture.beta[leg])
+        side = -90.0 if leg == 0 else 90.0
+        return _fitted(
+            np.degrees(heading) + side, 5.0, _leg_outline(geometry, assembly, leg, heading), aspect
+        )
+    azimuth, elevation = {"3D": (-52.0, 15.0), "Front": (-90.0, 4.0), "Top": (-90.0, 89.95)}[name]
+    return _fitted(azimuth, elevation, _outline(geometry, assembly), aspect)
+
+
+def _outline(geometry: Geometry, assembly: Assembly) -> Array:
+    """Return points around the whole machine, (n, 3) [m]."""
+    place = layout(geometry, assembly)
+    angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    reach = geometry.base_radius + max(geometry.guide_link_length, geometry.crank_length)
+    rings = [
+        (plinth_radius(geometry, assembly), place.ground - 0.03),
+        (reach + 0.02, 0.0),
+        (0.04, lift_motor_height(geometry, assembly) + 0.06),
+    ]
+    return np.vstack([np.column_stack([r * ring, np.full(24, z)]) for r, z in rings])
+
+
+def _leg_outline(geometry: Geometry, assembly: Assembly, leg: int, heading: float) -> Array:
+    """Return points around one leg in its plane, from the knee to the platform, (n, 3) [m]."""
+    axis = geometry.base_radius * np.array([np.cos(AXIS_ANGLES[leg]), np.sin(AXIS_ANGLES[leg])])
+    along = np.array([np.cos(heading), np.sin(heading)])
+    place = layout(geometry, assembly)
+    outer = -max(geometry.guide_link_length, geometry.crank_length) - 0.03
+    inner = geometry.base_radius + geometry.platform_radius
+    far = place.platform_low if assembly is Assembly.PRINTED else -0.16
+    near = place.lift_high if assembly is Assembly.PRINTED else place.lift_high - 0.1
+    corners = [(r, z) for r in (outer, inner) for z in (far, near)]
+    return np.array([[*(axis + r * along), z] for r, z in corners])
+
+
+def _fitted(azimuth: float, elevation: float, points: Array, aspect: float) -> View:
+    """Return the view from a direction [deg] that just holds all points.
+
+    The camera is moved across until the margins on opposite sides are equal.
+    """
+    a, e = np.radians([azimuth, elevation])
+    back = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    up = np.cross(back, right)
+    tangent = np.tan(FIELD_OF_VIEW / 2) * FILL
+    look = points.mean(axis=0)
+    distance = 1.0
+    for _ in range(12):
+        local = (points - look) @ np.stack([right, up, back], axis=1)
+        needed = np.maximum(np.abs(local[:, 0]) / aspect, np.abs(local[:, 1])) / tangent
+        distance = float((needed + local[:, 2]).max())
+        seen = local[:, :2] / (distance - local[:, 2])[:, None]
+        middle = (seen.max(axis=0) + seen.min(axis=0)) / 2 * distance
+        look = look + middle[0] * right + middle[1] * up
+    x, y, z = look + distance * back
+    return View((float(x), float(y), float(z)), (float(look[0]), float(look[1]), float(look[2])))
+
+
+def take(client: ClientHandle, view: View) -> None:
+    """Move a client's camera to a view."""
+    camera = client.camera
+    with client.atomic():
+        camera.up_direction = view.up
+        camera.position = view.position
+        camera.look_at = view.look_at
+        camera.fov = view.fov
+    client.flush()

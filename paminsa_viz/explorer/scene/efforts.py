@@ -1,0 +1,189 @@
+"""What the actuators give, drawn: arc arrows about the leg axes, an upright arrow for F_4."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from viser import MeshHandle, SceneApi
+
+from paminsa_viz import palette
+from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.kinematics import AXIS_ANGLES
+from paminsa_viz.shapes import layers as at
+
+Array = NDArray[np.float64]
+
+ARC_RADIUS: Final = 0.100
+ARC_HEIGHT: Final = at.MOUNT + at.PLATE + 0.026
+FULL_TURN: Final = np.radians(300.0)
+"""Sweep of an arc at full scale [rad]."""
+
+FULL_LENGTH: Final = 0.26
+"""Length of the force arrow at full scale [m]."""
+
+THIN, THICK = 0.0045, 0.0095
+"""Radius of an arrow's shaft at zero and at full scale [m]."""
+
+_RINGS, _SIDES = 28, 12
+
+
+def arrow_along(path: Array, radius: float, head: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return a round arrow along a path of points (n, 3): vertices and faces.
+
+    The last point is the tip; the head begins at the last but one. The number of vertices depends
+    on ``n`` alone.
+    """
+    tangent = np.gradient(path, axis=0)
+    tangent /= np.maximum(np.linalg.norm(tangent, axis=1), 1e-12)[:, None]
+    upright = np.abs(tangent[:, 2]).mean() > 0.9
+    helper = np.array([1.0, 0.0, 0.0]) if upright else np.array([0.0, 0.0, 1.0])
+    side = np.cross(tangent, helper)
+    side /= np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None]
+    other = np.cross(tangent, side)
+    angle = 2 * np.pi * np.arange(_SIDES) / _SIDES
+    unit = (
+        np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * other[:, None]
+    )
+    # Rings: closed start, shaft, then the head's collar and its tip.
+    where = [0, *range(len(path) - 1), len(path) - 2, len(path) - 1]
+    radii = [0.0, *[radius] * (len(path) - 1), head, 0.0]
+    rings = np.stack([path[i] + r * unit[i] for i, r in zip(where, radii, strict=True)])
+    count = len(rings)
+    i, j = np.arange(_SIDES), (np.arange(_SIDES) + 1) % _SIDES
+    faces = []
+    for row in range(count - 1):
+        low, high = row * _SIDES, (row + 1) * _SIDES
+        faces.append(np.stack([low + i, high + j, low + j], axis=1))
+        faces.append(np.stack([low + i, high + i, high + j], axis=1))
+    return rings.reshape(-1, 3), np.vstack(faces)
+
+
+def _size(fraction: float) -> tuple[float, float]:
+    """Return the radii of shaft and head for a value as a fraction of full scale."""
+    radius = THIN + (THICK - THIN) * min(abs(fraction), 1.0)
+    return radius, 2.7 * radius
+
+
+def arc_arrow(fraction: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return an arc arrow about z for a torque as a fraction of full scale.
+
+    Positive values turn counter-clockwise seen from above. The arc is centred on the direction x
+    and longer than full scale nowhere.
+    """
+    fraction = float(np.clip(fraction, -1.0, 1.0))
+    radius, head = _size(fraction)
+    tip = 4.5 * radius / ARC_RADIUS
+    sweep = max(abs(fraction) * FULL_TURN, 1e-3)
+    direction = 1.0 if fraction >= 0 else -1.0
+    angle = direction * np.append(np.linspace(-sweep / 2, sweep / 2, _RINGS), sweep / 2 + tip)
+    path = ARC_RADIUS * np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
+    return arrow_along(path, radius, head)
+
+
+def force_arrow(fraction: float) -> tuple[Array, NDArray[np.int64]]:
+    """Return an upright arrow from the origin for a force as a fraction of full scale, + up."""
+    fraction = float(np.clip(fraction, -1.0, 1.0))
+    radius, head = _size(fraction)
+    length = max(abs(fraction) * FULL_LENGTH, 1e-3)
+    direction = 1.0 if fraction >= 0 else -1.0
+    height = direction * np.append(np.linspace(0.0, length, _RINGS), length + 4.5 * radius)
+    path = np.stack([np.zeros_like(height), np.zeros_like(height), height], axis=1)
+    return arrow_along(path, radius, head)
+
+
+class EffortArrows:
+    """Arrows of the torques of M1..M3 and the force of M4; made when first shown.
+
+    Args:
+        scene: Scene of a client or a server.
+        geometry: Says where the leg axes are.
+        assembly: The arcs lie on the actuators' side of the base plate.
+    """
+
+    def __init__(
+        self, scene: SceneApi, geometry: Geometry, assembly: Assembly, root: str = "/efforts"
+    ) -> None:
+        self._scene = scene
+        self._root = root
+        self._nodes: list[MeshHandle] = []
+        self._fractions = np.zeros(4)
+        self._visible = False
+        self._lift = 0.0
+        self.rebuild(geometry, assembly)
+
+    def rebuild(self, geometry: Geometry, assembly: Assembly) -> None:
+        """Move the arrows to the leg axes of a geometry."""
+        height = ARC_HEIGHT * assembly.sign
+        self._seats = [
+            (
+                geometry.base_radius * float(np.cos(a)),
+                geometry.base_radius * float(np.sin(a)),
+                height,
+            )
+            for a in AXIS_ANGLES
+        ]
+        self._place()
+
+    def values(self, efforts: ArrayLike, full_torque: float, full_force: float) -> None:
+        """Draw actuator efforts (4,) = (tau_1, tau_2, tau_3, F_4) [N m, N m, N m, N].
+
+        Args:
+            efforts: The values; those that are not finite are not drawn.
+            full_torque: Torque of the longest arc [N m]; greater ones are drawn as long.
+            full_force: Force of the longest arrow [N].
+        """
+        scale = np.array([full_torque, full_torque, full_torque, full_force], dtype=np.float64)
+        with np.errstate(all="ignore"):
+            self._fractions = np.asarray(efforts, dtype=np.float64) / scale
+        if self._visible:
+            self._draw()
+
+    def pose(self, lift: float) -> None:
+        """Carry the force arrow to the height Z of the arms [m]."""
+        self._lift = lift
+        if self._visible:
+            self._place()
+
+    def _draw(self) -> None:
+        drawn = np.nan_to_num(self._fractions, nan=0.0, posinf=1.0, neginf=-1.0)
+        shapes = [*map(arc_arrow, drawn[:3]), force_arrow(drawn[3])]
+        if not self._nodes:
+            for index, (vertices, faces) in enumerate(shapes):
+                colour = palette.rgb(palette.ACTUATOR_COLOURS[index])
+                turn = AXIS_ANGLES[index] / 2 if index < 3 else 0.0
+                node = self._scene.add_mesh_simple(
+                    f"{self._root}/m{index + 1}", vertices.astype(np.float32), faces,
+                    color=colour, side="double", cast_shadow=False, receive_shadow=False,
+                    wxyz=(float(np.cos(turn)), 0.0, 0.0, float(np.sin(turn))),
+                )  # fmt: skip
+                self._nodes.append(node)
+            self._place()
+        else:
+            for node, (vertices, _) in zip(self._nodes, shapes, strict=True):
+                node.vertices = vertices.astype(np.float32)
+        for node, fraction in zip(self._nodes, self._fractions, strict=True):
+            node.visible = bool(np.isfinite(fraction) and abs(fraction) > 1e-4)
+
+    def _place(self) -> None:
+        beside = 0.072 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
+        for node, seat in zip(self._nodes, self._seats, strict=False):
+            node.position = seat
+        if self._nodes:
+            self._nodes[3].position = (float(beside[0]), float(beside[1]), self._lift)
+
+    @property
+    def visible(self) -> bool:
+        """Whether the arrows are shown."""
+        return self._visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._visible = visible
+        if visible:
+            self._place()
+            self._draw()
+            return
+        for node in self._nodes:
+            node.visible = False

@@ -1,0 +1,157 @@
+"""The robot in the 3D view, with its layers. One object for everything a session shows in 3D."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike
+from viser import SceneApi
+
+from paminsa_viz.explorer.scene.bodies import BodyNodes
+from paminsa_viz.explorer.scene.efforts import EffortArrows
+from paminsa_viz.explorer.scene.labels import ActuatorLabels
+from paminsa_viz.explorer.scene.masses import MassLayers
+from paminsa_viz.explorer.scene.skeleton import Skeleton
+from paminsa_viz.explorer.scene.stage import Stage
+from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.kinematics import Posture
+
+
+class Layer(Enum):
+    """What can be shown and hidden; the value is the name a person sees."""
+
+    MESH = "Robot"
+    SKELETON = "Skeleton"
+    NUMBERS = "Joint numbers"
+    LABELS = "Actuator names"
+    MASSES = "Mass centres"
+    GRAVITY = "Gravity arrows"
+    EFFORTS = "Torque arrows"
+    GROUND = "Ground"
+    SHADOWS = "Shadows"
+
+
+SHOWN_AT_START = frozenset({Layer.MESH, Layer.LABELS, Layer.GROUND})
+
+
+class RobotScene:
+    """The robot of one session: made once, then posed.
+
+    All calls send messages; the caller wraps them in ``atomic()`` and flushes.
+
+    Args:
+        scene: Scene of a client or a server.
+        design: Lengths and masses to draw.
+        assembly: Assembly mode.
+    """
+
+    def __init__(
+        self, scene: SceneApi, design: Design, assembly: Assembly = Assembly.PRINTED
+    ) -> None:
+        geometry = design.geometry
+        self._design = design
+        self._assembly = assembly
+        self._posture: Posture | None = None
+        self._stage = Stage(scene, geometry, assembly)
+        self._bodies = BodyNodes(scene, geometry, assembly)
+        self._labels = ActuatorLabels(scene, geometry, assembly)
+        self._skeleton = Skeleton(scene)
+        self._masses = MassLayers(scene, design)
+        self._efforts = EffortArrows(scene, geometry, assembly)
+        self._bodies.payload(design.payload.mass)
+
+    @property
+    def design(self) -> Design:
+        """The design that is drawn."""
+        return self._design
+
+    @property
+    def assembly(self) -> Assembly:
+        """The assembly mode that is drawn."""
+        return self._assembly
+
+    @property
+    def posture(self) -> Posture | None:
+        """The posture that is shown; None before the first."""
+        return self._posture
+
+    def pose(self, posture: Posture) -> bool:
+        """Move the robot to a solved posture of shape (); existing nodes move, none is made.
+
+        Returns:
+            False if the bars can not close there: the robot then stays where it was.
+
+        Raises:
+            ValueError: If the posture is of another geometry or assembly than the robot drawn.
+        """
+        if posture.assembly is not self._assembly or posture.geometry != self._design.geometry:
+            raise ValueError("the posture belongs to another robot; call change() first")
+        if not _drawable(posture):
+            return False
+        self._posture = posture
+        self._bodies.pose(posture)
+        self._stage.pose(float(posture.pose[0]), float(posture.pose[1]))
+        self._skeleton.pose(posture)
+        self._masses.pose(posture)
+        self._efforts.pose(float(posture.actuators[3]))
+        return True
+
+    def change(self, design: Design, assembly: Assembly | None = None) -> tuple[str, ...]:
+        """Take another design or assembly; remake only what differs in shape.
+
+        A changed geometry needs a `pose` afterwards.
+
+        Returns:
+            Names of the bodies that were remade.
+        """
+        assembly = self._assembly if assembly is None else assembly
+        before, self._design = self._design, design
+        remade: tuple[str, ...] = ()
+        if design.geometry != before.geometry or assembly is not self._assembly:
+            self._assembly = assembly
+            remade = self._bodies.rebuild(design.geometry, assembly)
+            if self._stage.rebuild(design.geometry, assembly):
+                remade = ("ground", *remade)
+            self._labels.rebuild(design.geometry, assembly)
+            self._efforts.rebuild(design.geometry, assembly)
+        if design.payload.mass != before.payload.mass or remade:
+            self._bodies.payload(design.payload.mass)
+        if design != before:
+            self._masses.design(design)
+        return remade
+
+    def efforts(self, values: ArrayLike, full_torque: float, full_force: float) -> None:
+        """Draw actuator efforts (4,) [N m, N m, N m, N]; see `EffortArrows.values`."""
+        self._efforts.values(values, full_torque, full_force)
+
+    def show(self, layer: Layer, visible: bool = True) -> None:
+        """Show or hide a layer."""
+        owner, attribute = self._switch(layer)
+        setattr(owner, attribute, visible)
+
+    def shown(self, layer: Layer) -> bool:
+        """Return whether a layer is shown."""
+        owner, attribute = self._switch(layer)
+        return bool(getattr(owner, attribute))
+
+    def _switch(self, layer: Layer) -> tuple[object, str]:
+        return {
+            Layer.MESH: (self._bodies, "visible"),
+            Layer.SKELETON: (self._skeleton, "visible"),
+            Layer.NUMBERS: (self._skeleton, "numbered"),
+            Layer.LABELS: (self._labels, "visible"),
+            Layer.MASSES: (self._masses, "centres_visible"),
+            Layer.GRAVITY: (self._masses, "gravity_visible"),
+            Layer.EFFORTS: (self._efforts, "visible"),
+            Layer.GROUND: (self._stage, "visible"),
+            Layer.SHADOWS: (self._stage, "shadows"),
+        }[layer]
+
+
+def _drawable(posture: Posture) -> bool:
+    """Return whether every joint of a posture has a place."""
+    return bool(
+        np.isfinite(posture.pose).all()
+        and all(np.isfinite(posture.points[joint]).all() for joint in (5, 8, 9))
+    )

@@ -1,0 +1,114 @@
+"""Light, backdrop and ground around the robot."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import SceneApi
+
+from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.shapes.bodies import body_glb, lengths_of
+from paminsa_viz.shapes.frame import plinth_radius
+from paminsa_viz.shapes.layout import layout
+
+BACKDROP: Final = ((252, 253, 254), (216, 222, 229))
+"""Colours at the top and the bottom of the backdrop."""
+
+KEY_LIGHT: Final = (1.6, -2.2, 3.0)
+FILL_LIGHT: Final = (-2.0, -1.2, 0.4)
+"""Directions that the two lamps shine from."""
+
+SHADE_PIXELS: Final = 256
+
+
+def backdrop() -> NDArray[np.uint8]:
+    """Return a soft vertical gradient, (256, 4, 3)."""
+    mix = np.linspace(0.0, 1.0, 256)[:, None, None] ** 1.2
+    top, bottom = (np.array(colour, dtype=np.float64) for colour in BACKDROP)
+    return np.broadcast_to(np.rint(top + (bottom - top) * mix), (256, 4, 3)).astype(np.uint8)
+
+
+def soft_spot(strength: float, sharpness: float = 2.0) -> NDArray[np.uint8]:
+    """Return a round soft shadow as an RGBA image, darkest in the middle."""
+    axis = np.linspace(-1.0, 1.0, SHADE_PIXELS)
+    distance = np.hypot(*np.meshgrid(axis, axis))
+    alpha = strength * np.clip(1.0 - distance, 0.0, 1.0) ** sharpness
+    image = np.zeros((SHADE_PIXELS, SHADE_PIXELS, 4))
+    image[..., :3] = (31, 41, 51)
+    image[..., 3] = 255 * alpha
+    return np.rint(image).astype(np.uint8)
+
+
+class Stage:
+    """Lights, backdrop, plinth and soft shadows; what a pose moves here is one soft shadow.
+
+    Args:
+        scene: Scene of a client or a server.
+        geometry: Lengths that the plinth's size follows.
+        assembly: Assembly mode, which decides on the ground's height.
+    """
+
+    def __init__(self, scene: SceneApi, geometry: Geometry, assembly: Assembly) -> None:
+        scene.configure_default_lights(False)
+        scene.configure_environment_map("warehouse", environment_intensity=0.62)
+        scene.set_background_image(backdrop(), format="png")
+        self._key = scene.add_light_directional(
+            "/stage/key", intensity=1.5, position=KEY_LIGHT, cast_shadow=False
+        )
+        scene.add_light_directional("/stage/fill", intensity=0.35, position=FILL_LIGHT)
+        self._lengths = lengths_of("ground", geometry, assembly)
+        self._ground = scene.add_glb(
+            "/stage/ground", body_glb("ground", geometry, assembly),
+            cast_shadow=False, receive_shadow=0.25,
+        )  # fmt: skip
+        self._ambient = scene.add_image(
+            "/stage/ground/ambient", soft_spot(0.20, 1.2), 1.0, 1.0,
+            cast_shadow=False, receive_shadow=False,
+        )  # fmt: skip
+        self._below = scene.add_image(
+            "/stage/ground/below", soft_spot(0.34, 1.5), 0.44, 0.44,
+            cast_shadow=False, receive_shadow=False,
+        )  # fmt: skip
+        self._place(geometry, assembly)
+
+    def rebuild(self, geometry: Geometry, assembly: Assembly) -> bool:
+        """Remake the ground if its size or height changed; return whether it did."""
+        lengths = lengths_of("ground", geometry, assembly)
+        if lengths == self._lengths:
+            return False
+        self._lengths = lengths
+        self._ground.glb_data = body_glb("ground", geometry, assembly)
+        self._place(geometry, assembly)
+        return True
+
+    def _place(self, geometry: Geometry, assembly: Assembly) -> None:
+        self._height = layout(geometry, assembly).ground
+        size = 2.0 * plinth_radius(geometry, assembly)
+        self._ambient.position = (0.0, 0.0, self._height + 0.0008)
+        self._ambient.scale = size
+        self._below.position = (0.0, 0.0, self._height + 0.0016)
+
+    def pose(self, x: float, y: float) -> None:
+        """Move the soft shadow below the platform [m]."""
+        self._below.position = (x, y, self._height + 0.0016)
+
+    @property
+    def visible(self) -> bool:
+        """Whether the ground is shown; light and backdrop stay."""
+        return self._ground.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self._ground.visible = visible
+
+    @property
+    def shadows(self) -> bool:
+        """Whether the key light casts true shadows (about four times the drawing work)."""
+        return self._key.cast_shadow
+
+    @shadows.setter
+    def shadows(self, shadows: bool) -> None:
+        self._key.cast_shadow = shadows
+        self._below.visible = not shadows

@@ -1,0 +1,17 @@
+"""Colours as the browser takes them.
+
+The viewer reads the colours of lines, of batched meshes and of arrows as linear light, but those of
+plain meshes as they are seen. What is given here looks like the palette either way.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.shapes.materials import linear
+
+
+def drawn(*colours: str) -> NDArray[np.uint8]:
+    """Return ``#rrggbb`` colours for lines, batched meshes and arrows, (n, 3)."""
+    return np.rint(255 * np.array([linear(colour) for colour in colours])).astype(np.uint8)

@@ -1,0 +1,33 @@
+"""The robot's shape: parts, bodies made to the design's lengths, and where they are in a posture.
+
+`make_body` gives a body in its own frame, `place_parts` says where each is, `assemble_glb` puts the
+posed robot into one file. The fixed parts are mesh files that ``python -m paminsa_viz.shapes``
+writes.
+"""
+
+from __future__ import annotations
+
+from paminsa_viz.shapes.bodies import STANDING, body_glb, colour_of, lengths_of, make_body
+from paminsa_viz.shapes.layout import Layout, layout
+from paminsa_viz.shapes.library import MissingMeshes, fixed_part, write_meshes
+from paminsa_viz.shapes.part import Part
+from paminsa_viz.shapes.placement import BODIES, Placement, place_parts
+from paminsa_viz.shapes.posed import assemble_glb
+
+__all__ = [
+    "BODIES",
+    "STANDING",
+    "Layout",
+    "MissingMeshes",
+    "Part",
+    "Placement",
+    "assemble_glb",
+    "body_glb",
+    "colour_of",
+    "fixed_part",
+    "layout",
+    "lengths_of",
+    "make_body",
+    "place_parts",
+    "write_meshes",
+]

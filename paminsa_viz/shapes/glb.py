@@ -1,0 +1,112 @@
+"""A compact GLB of one body for the browser: one mesh node, 16-bit indices, no extensions.
+
+Normals go as plain floats: the viewer computes them anew in place, which bytes would not survive.
+Files meant for other programs are written by trimesh, see `paminsa_viz.shapes.library` and
+`paminsa_viz.shapes.posed`.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Mapping
+
+import numpy as np
+import trimesh
+
+from paminsa_viz.shapes.materials import SURFACES, linear
+
+_FLOAT, _UINT16, _UINT32 = 5126, 5123, 5125
+
+
+class _Chunk:
+    """The binary part of a GLB under construction, with the views and accessors into it."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+        self.views: list[dict[str, int]] = []
+        self.accessors: list[dict[str, object]] = []
+
+    def add(self, array: np.ndarray, component: int, kind: str, target: int, **more: object) -> int:
+        """Append an array and return its accessor's index."""
+        raw = array.tobytes()
+        view = {"buffer": 0, "byteOffset": len(self.data), "byteLength": len(raw), "target": target}
+        self.data += raw + b"\0" * (-len(raw) % 4)
+        self.views.append(view)
+        self.accessors.append(
+            {
+                "bufferView": len(self.views) - 1,
+                "componentType": component,
+                "count": len(array),
+                "type": kind,
+                **more,
+            }
+        )
+        return len(self.accessors) - 1
+
+
+def compact_glb(meshes: Mapping[str, trimesh.Trimesh], colours: Mapping[str, str]) -> bytes:
+    """Return a GLB with one mesh for each material.
+
+    Args:
+        meshes: By material name (see `paminsa_viz.shapes.materials`).
+        colours: Colours (``#rrggbb``) that replace those of named materials.
+    """
+    chunk = _Chunk()
+    primitives, materials = [], []
+    for name, mesh in meshes.items():
+        points = np.asarray(mesh.vertices, dtype="<f4")
+        normals = np.asarray(mesh.vertex_normals, dtype="<f4")
+        faces = np.asarray(mesh.faces).reshape(-1)
+        small = len(points) <= 65535
+        primitives.append(
+            {
+                "attributes": {
+                    "POSITION": chunk.add(
+                        points, _FLOAT, "VEC3", 34962,
+                        min=points.min(axis=0).tolist(), max=points.max(axis=0).tolist(),
+                    ),
+                    "NORMAL": chunk.add(normals, _FLOAT, "VEC3", 34962),
+                },
+                "indices": chunk.add(
+                    faces.astype("<u2" if small else "<u4"),
+                    _UINT16 if small else _UINT32, "SCALAR", 34963,
+                ),
+                "material": len(materials),
+            }
+        )  # fmt: skip
+        surface = SURFACES[name]
+        red, green, blue = linear(colours.get(name, surface.colour))
+        materials.append(
+            {
+                "name": name,
+                "pbrMetallicRoughness": {
+                    "baseColorFactor": [round(red, 4), round(green, 4), round(blue, 4), 1.0],
+                    "metallicFactor": surface.metallic,
+                    "roughnessFactor": surface.roughness,
+                },
+            }
+        )
+    tree = {
+        "asset": {"version": "2.0"},
+        "scene": 0,
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": primitives}],
+        "materials": materials,
+        "accessors": chunk.accessors,
+        "bufferViews": chunk.views,
+        "buffers": [{"byteLength": len(chunk.data)}],
+    }
+    text = json.dumps(tree, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    total = 12 + 8 + len(text) + 8 + len(chunk.data)
+    return b"".join(
+        [
+            struct.pack("<4sII", b"glTF", 2, total),
+            struct.pack("<I4s", len(text), b"JSON"),
+            text,
+            struct.pack("<I4s", len(chunk.data), b"BIN\0"),
+            bytes(chunk.data),
+        ]
+    )

@@ -1,0 +1,59 @@
+"""Surfaces of the robot: a few physically based materials, named so that parts can recolour."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from trimesh.visual.material import PBRMaterial
+
+from paminsa_viz import palette
+
+ACCENT = "accent"
+"""Material of a part's coloured faces; each leg and M4 put their own colour in its place."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A colour (``#rrggbb``, as seen) with the two numbers of the metal-rough model, 0 to 1."""
+
+    colour: str
+    metallic: float
+    roughness: float
+
+
+SURFACES: dict[str, Surface] = {
+    "frame": Surface("#b7bfc8", 0.1, 0.48),
+    "body": Surface("#3b434c", 0.15, 0.5),
+    "dark": Surface("#20252b", 0.1, 0.6),
+    "steel": Surface("#c3c9cf", 0.85, 0.3),
+    "platform": Surface(palette.PLATFORM, 0.35, 0.42),
+    "floor": Surface("#dde3ea", 0.0, 0.85),
+    "load": Surface("#b8924a", 0.45, 0.42),
+    ACCENT: Surface("#8a929b", 0.1, 0.42),
+}
+"""Every material that a part may carry, by name."""
+
+
+def linear(colour: str) -> tuple[float, float, float]:
+    """Return ``#rrggbb`` as linear light, 0 to 1: what glTF wants in a base colour factor."""
+    levels = (channel / 255 for channel in palette.rgb(colour))
+    red, green, blue = (
+        level / 12.92 if level <= 0.04045 else ((level + 0.055) / 1.055) ** 2.4 for level in levels
+    )
+    return red, green, blue
+
+
+def material(name: str, accent: str | None = None) -> PBRMaterial:
+    """Return the named material; ``accent`` (``#rrggbb``) replaces the colour of `ACCENT`.
+
+    Raises:
+        KeyError: If there is no such material.
+    """
+    surface = SURFACES[name]
+    colour = accent if name == ACCENT and accent else surface.colour
+    return PBRMaterial(
+        name=name,
+        baseColorFactor=[round(v, 4) for v in linear(colour)] + [1.0],
+        metallicFactor=surface.metallic,
+        roughnessFactor=surface.roughness,
+    )

@@ -1,0 +1,294 @@
+"""Solids made by lofting closed loops, with chamfered edges and normals that keep edges crisp.
+
+Everything drawn is built from one operation, `loft`: a skin over a row of closed loops of equal
+point count. A rod is a loft over circles, a beam one over rounded rectangles, a ring one that
+closes on itself. All lengths in metres.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+CREASE = np.radians(32.0)
+"""Faces that meet at a sharper angle than this are shaded as an edge [rad]."""
+
+
+def _corner_normals(vertices: Array, faces: NDArray[np.int64], crease: float) -> Array:
+    """Return a normal for each corner of each face, (F, 3, 3).
+
+    A corner averages the faces around its vertex that lie within ``crease`` of its own face,
+    weighted by area, so that a flat side stays flat beside its chamfer.
+    """
+    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    weighted = np.cross(b - a, c - a)
+    length = np.linalg.norm(weighted, axis=1)
+    unit = weighted / np.maximum(length, 1e-300)[:, None]
+    corner = faces.reshape(-1)
+    owner = np.repeat(np.arange(len(faces)), 3)
+    order = np.argsort(corner, kind="stable")
+    count = np.bincount(corner, minlength=len(vertices))
+    first = np.cumsum(count) - count
+    # Every corner paired with every corner at the same vertex.
+    mine = np.repeat(np.arange(len(corner)), count[corner])
+    step = np.arange(len(mine)) - np.repeat(np.cumsum(count[corner]) - count[corner], count[corner])
+    theirs = owner[order[first[corner[mine]] + step]]
+    smooth = np.einsum("ij,ij->i", unit[owner[mine]], unit[theirs]) >= np.cos(crease)
+    out = np.zeros((len(corner), 3))
+    np.add.at(out, mine[smooth], weighted[theirs[smooth]])
+    return (out / np.linalg.norm(out, axis=1)[:, None]).reshape(-1, 3, 3)
+
+
+def shade(vertices: Array, faces: NDArray[np.int64], crease: float = CREASE) -> trimesh.Trimesh:
+    """Return a mesh whose vertices are split along the edges sharper than ``crease`` [rad]."""
+    vertices = np.asarray(vertices, dtype=np.float64)
+    joined, index = np.unique(vertices.round(9) + 0.0, axis=0, return_inverse=True)
+    faces = index.reshape(-1)[np.asarray(faces)]
+    a, b, c = (joined[faces[:, i]] for i in range(3))
+    faces = faces[np.linalg.norm(np.cross(b - a, c - a), axis=1) > 1e-14]
+    normals = _corner_normals(joined, faces, crease).reshape(-1, 3).round(6) + 0.0
+    corners = np.hstack([joined[faces.reshape(-1)], normals])
+    unique, index = np.unique(corners, axis=0, return_inverse=True)
+    return trimesh.Trimesh(
+        vertices=unique[:, :3],
+        faces=index.reshape(-1, 3),
+        vertex_normals=unique[:, 3:],
+        process=False,
+    )
+
+
+def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
+    """Skin a row of loops, each (N, 3), counter-clockwise seen from the far end of the row.
+
+    Args:
+        loops: The loops in order.
+        closed: Join the last loop to the first instead of capping both ends. Caps are fans from
+            the middle of the end loop, so an end loop has to be star-shaped about its middle.
+    """
+    stack = np.asarray(loops, dtype=np.float64)
+    rows, count = stack.shape[:2]
+    vertices = stack.reshape(-1, 3)
+    i = np.arange(count)
+    j = (i + 1) % count
+    faces = []
+    for row in range(rows if closed else rows - 1):
+        low, high = row * count, ((row + 1) % rows) * count
+        faces.append(np.stack([low + i, low + j, high + j], axis=1))
+        faces.append(np.stack([low + i, high + j, high + i], axis=1))
+    if not closed:
+        middle = np.stack([stack[0].mean(axis=0), stack[-1].mean(axis=0)])
+        first, last = len(vertices), len(vertices) + 1
+        vertices = np.vstack([vertices, middle])
+        end = (rows - 1) * count
+        faces.append(np.stack([np.full(count, first), j, i], axis=1))
+        faces.append(np.stack([np.full(count, last), end + i, end + j], axis=1))
+    return shade(vertices, np.vstack(faces))
+
+
+def circle(radius: float, height: float = 0.0, segments: int = 32) -> Array:
+    """Return a circle about z at a height, (segments, 3)."""
+    angle = 2 * np.pi * np.arange(segments) / segments
+    return np.stack(
+        [radius * np.cos(angle), radius * np.sin(angle), np.full(segments, height)], axis=1
+    )
+
+
+def rounded_rectangle(
+    width: float, depth: float, radius: float, height: float = 0.0, steps: int = 4
+) -> Array:
+    """Return a rectangle (width along x, depth along y) with round corners about z."""
+    radius = min(radius, width / 2, depth / 2)
+    corners = []
+    for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        angle = np.pi / 2 * (quarter + np.arange(steps + 1) / steps)
+        corners.append(
+            np.stack(
+                [
+                    sx * (width / 2 - radius) + radius * np.cos(angle),
+                    sy * (depth / 2 - radius) + radius * np.sin(angle),
+                    np.full(steps + 1, height),
+                ],
+                axis=1,
+            )
+        )
+    return np.vstack(corners)
+
+
+def rounded_polygon(corners: Array, radius: float, height: float = 0.0, steps: int = 10) -> Array:
+    """Return the outline around equal circles at the corners of a convex polygon, (N, 2) -> (M, 3).
+
+    The corners run counter-clockwise.
+    """
+    corners = np.asarray(corners, dtype=np.float64)
+    out = []
+    for before, here, after in zip(
+        np.roll(corners, 1, axis=0), corners, np.roll(corners, -1, axis=0), strict=True
+    ):
+        start = np.arctan2(*(here - before)[::-1]) - np.pi / 2
+        turn = np.arctan2(*(after - here)[::-1]) - np.pi / 2 - start
+        angle = start + (turn % (2 * np.pi)) * np.arange(steps + 1) / steps
+        out.append(here + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
+    flat = np.vstack(out)
+    return np.hstack([flat, np.full((len(flat), 1), height)])
+
+
+def revolve(profile: Sequence[tuple[float, float]], segments: int = 32) -> trimesh.Trimesh:
+    """Turn a profile of (radius, height) points about z; it runs bottom up on the outside.
+
+    An end on the axis is closed there; other ends are capped.
+    """
+    return loft([circle(r, h, segments) for r, h in profile])
+
+
+def rod(
+    radius: float, bottom: float, top: float, chamfer: float = 0.001, segments: int = 24
+) -> trimesh.Trimesh:
+    """Return a round bar along z from ``bottom`` to ``top`` with chamfered ends."""
+    c = min(chamfer, radius / 2, (top - bottom) / 2.5)
+    return revolve(
+        [(radius - c, bottom), (radius, bottom + c), (radius, top - c), (radius - c, top)], segments
+    )
+
+
+def tube(
+    inner: float,
+    outer: float,
+    bottom: float,
+    top: float,
+    chamfer: float = 0.001,
+    segments: int = 40,
+) -> trimesh.Trimesh:
+    """Return a hollow cylinder along z with chamfered outer edges."""
+    c = min(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
+    profile = [
+        (inner, bottom),
+        (outer - c, bottom),
+        (outer, bottom + c),
+        (outer, top - c),
+        (outer - c, top),
+        (inner, top),
+    ]
+    return loft([circle(r, h, segments) for r, h in profile], closed=True)
+
+
+def prism(
+    outline: Array, bottom: float, top: float, chamfer: float = 0.001, steps: int = 1
+) -> trimesh.Trimesh:
+    """Raise an outline (N, 3; star-shaped, heights ignored) from ``bottom`` to ``top``.
+
+    Both rims are broken by ``chamfer``; with ``steps`` > 1 they are rounded.
+    """
+    flat = np.asarray(outline)[:, :2]
+    c = min(chamfer, (top - bottom) / 2.5)
+    nudge = np.roll(flat, -1, axis=0) - np.roll(flat, 1, axis=0)
+    inward = np.stack([-nudge[:, 1], nudge[:, 0]], axis=1)
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+
+    def level(shrink: float, height: float) -> Array:
+        return np.hstack([flat + shrink * inward, np.full((len(flat), 1), height)])
+
+    angles = np.pi / 2 * np.arange(steps + 1) / steps
+    rim = [(c * (1 - np.sin(a)), c * (1 - np.cos(a))) for a in angles]
+    loops = [level(s, bottom + h) for s, h in rim]
+    loops += [level(s, top - h) for s, h in reversed(rim)]
+    return loft(loops)
+
+
+def box(
+    size: tuple[float, float, float],
+    centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    chamfer: float = 0.0015,
+) -> trimesh.Trimesh:
+    """Return a box with broken edges."""
+    width, depth, height = size
+    outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=2)
+    solid = prism(outline, -height / 2, height / 2, chamfer)
+    return moved(solid, centre)
+
+
+def beam(
+    start: float,
+    end: float,
+    section_start: tuple[float, float],
+    section_end: tuple[float, float],
+    radius: float = 0.004,
+    chamfer: float = 0.0015,
+) -> trimesh.Trimesh:
+    """Return a tapered beam along +x; a section is (width along y, height along z)."""
+
+    def loop(x: float, section: tuple[float, float], shrink: float) -> Array:
+        flat = rounded_rectangle(section[0] - 2 * shrink, section[1] - 2 * shrink, radius - shrink)
+        return np.stack([np.full(len(flat), x), flat[:, 0], flat[:, 1]], axis=1)
+
+    c = min(chamfer, (end - start) / 3)
+    return loft(
+        [
+            loop(start, section_start, c),
+            loop(start + c, section_start, 0.0),
+            loop(end - c, section_end, 0.0),
+            loop(end, section_end, c),
+        ]
+    )
+
+
+def hoop(
+    radius: float,
+    width: float,
+    bottom: float,
+    top: float,
+    chamfer: float = 0.002,
+    segments: int = 96,
+) -> trimesh.Trimesh:
+    """Return a flat ring of rectangular section about z, ``width`` wide about ``radius``."""
+    c = chamfer
+    inner, outer = radius - width / 2, radius + width / 2
+    profile = [
+        (inner + c, bottom),
+        (outer - c, bottom),
+        (outer, bottom + c),
+        (outer, top - c),
+        (outer - c, top),
+        (inner + c, top),
+        (inner, top - c),
+        (inner, bottom + c),
+    ]
+    return loft([circle(r, h, segments) for r, h in profile], closed=True)
+
+
+def moved(
+    mesh: trimesh.Trimesh,
+    offset: tuple[float, float, float] | Array = (0.0, 0.0, 0.0),
+    rotation: Array | None = None,
+) -> trimesh.Trimesh:
+    """Return a copy turned by ``rotation`` (3, 3), then shifted by ``offset`` [m]."""
+    vertices, normals = mesh.vertices, mesh.vertex_normals
+    if rotation is not None:
+        vertices, normals = vertices @ rotation.T, normals @ rotation.T
+    return trimesh.Trimesh(
+        vertices=vertices + np.asarray(offset),
+        faces=mesh.faces,
+        vertex_normals=normals,
+        process=False,
+    )
+
+
+def turn(axis: str, angle: float) -> Array:
+    """Return the rotation matrix about ``"x"``, ``"y"`` or ``"z"`` by ``angle`` [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    out = np.eye(3)
+    out[i, i] = out[j, j] = c
+    out[i, j], out[j, i] = -s, s
+    return out
+
+
+ACROSS = turn("x", -np.pi / 2)
+"""Turns z to +y: an axis across the leg plane."""
+
+ALONG = turn("y", np.pi / 2)
+"""Turns z to +x: an axis along a bar."""
