@@ -116,11 +116,14 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
         r1 * r1 * jy.t1 * jt.t1 + r2 * r2 * jy.t2 * jt.t2 + r3 * r3 * jy.t3 * jt.t3,
         r1 * r1 * jx.t1 * jt.t1 + r2 * r2 * jx.t2 * jt.t2 + r3 * r3 * jx.t3 * jt.t3,
     )
-    worst, _ = least_margin(m, x, y, c, s, z)
-    reachable = worst > 0.0
+    condition = choose(det == 0.0, np.inf, np.sqrt(forward * backward))
+    worst, which = least_margin(m, x, y, c, s, z)
+    # As in `reach.decode`: a guide may be used to its end.
+    guide = (which == 2.0) | (which == 6.0) | (which == 10.0)
+    reachable = (worst > 0.0) | ((worst == 0.0) & guide)
     return (
         choose(reachable, det / np.sqrt(r1 * r2 * r3), np.nan),
-        choose(reachable, np.sqrt(forward * backward), np.nan),
+        choose(reachable, condition, np.nan),
     )
 
 

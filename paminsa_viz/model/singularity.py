@@ -46,7 +46,8 @@ class Singularity:
         position_distance: Signed distance from (x, y) to the singular circle at this theta,
             positive inside [m].
         rotation_distance: Signed turn from theta to the nearest theta at which this (x, y) is
-            singular, positive between the two that enclose theta = 0 [rad].
+            singular, positive where the centre at theta = 0 is: inside the singular circle, with
+            |theta| below `singular_rotation` [rad].
         serial_distance: Smallest of X_1 and the margins of the pantographs to fully stretched and
             fully folded, negative beyond them [m]: distance to type 1.
     """
