@@ -19,12 +19,12 @@ def load_mujoco() -> Any:
     """Import MuJoCo.
 
     Raises:
-        EngineMissing: If it is not installed.
+        EngineMissing: If it is not installed or does not load.
     """
     try:
         import mujoco
     except ImportError as error:
-        raise EngineMissing("MuJoCo") from error
+        raise EngineMissing("MuJoCo", error) from error
     return mujoco
 
 

@@ -17,12 +17,12 @@ def load_pinocchio() -> Any:
     """Import Pinocchio.
 
     Raises:
-        EngineMissing: If it is not installed.
+        EngineMissing: If it is not installed or does not load.
     """
     try:
         import pinocchio
     except ImportError as error:
-        raise EngineMissing("Pinocchio") from error
+        raise EngineMissing("Pinocchio", error) from error
     # A package called pinocchio that is another project's (a plug-in for nose) has no Model.
     if not hasattr(pinocchio, "Model"):
         raise EngineMissing("Pinocchio")

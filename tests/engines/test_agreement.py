@@ -133,3 +133,9 @@ def test_a_missing_engine_is_named_with_its_extra(
     assert caught.value.extra == "verify"
     assert isinstance(caught.value, PaminsaError)
     assert isinstance(caught.value, ImportError)
+
+
+def test_an_engine_that_does_not_load_says_why() -> None:
+    error = EngineMissing("MuJoCo", ImportError("libGL.so: cannot open shared object file"))
+    assert "does not load (libGL.so" in str(error)
+    assert "is not installed" in str(EngineMissing("MuJoCo", ModuleNotFoundError("mujoco")))
