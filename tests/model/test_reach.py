@@ -1,0 +1,283 @@
+"""Which poses are refused, for which reason, and by how many metres."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Geometry,
+    InvalidInput,
+    Limit,
+    PaminsaError,
+    UnreachablePose,
+    check_reach,
+    require_reachable,
+    solve_posture,
+)
+from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
+from paminsa_viz.model.reach import (
+    MARGINS,
+    reach_status,
+    status_words,
+    workspace_height,
+    workspace_radius,
+)
+from tests.model.cases import BY_HAND, Case, assert_within, cases
+
+LEGS = st.integers(0, 2)
+AMOUNT = st.floats(1e-6, 0.1)
+
+
+def roomy(geometry: Geometry, difference: float = 0.0) -> Geometry:
+    """The same robot with long bars, B4 longer than B8 by ``difference``, and a long guide."""
+    crank = 3 * geometry.home_span
+    return replace(
+        geometry,
+        crank_length=crank,
+        coupler_length=crank + difference,
+        guide_link_length=2 * geometry.base_radius / (geometry.magnification - 1),
+    )
+
+
+def place(geometry: Geometry, leg: int, rho: float, zeta: float, theta: float = 0.0) -> Any:
+    """The pose in which joint 5 of a leg is ``rho`` from its axis, inward, at z_5 = ``zeta``."""
+    angle = AXIS_ANGLES[leg] + theta
+    p5 = geometry.platform_radius * np.array([np.cos(angle), np.sin(angle)])
+    x, y = (geometry.base_radius - rho) * LEG_AXES[leg] - p5
+    return np.array([x, y, theta, zeta - geometry.platform_joint_height])
+
+
+def expect(geometry: Geometry, pose: Any, limit: Limit, leg: int, excess: float) -> None:
+    found = check_reach(geometry, pose)
+    assert (Limit(int(found.status)), int(found.leg)) == (limit, leg)
+    assert found.excess == pytest.approx(excess, abs=1e-12)
+    assert not found.ok
+    assert str(found.words()) == f"{limit.word}:leg{leg + 1}"
+
+
+@given(case=cases(), leg=LEGS, amount=AMOUNT)
+def test_stretched(case: Case, leg: int, amount: float) -> None:
+    """Bars longer by the excess would just reach."""
+    g = case.geometry
+    rho = 1.1 * abs(g.base_radius - g.platform_radius)
+    reach = g.crank_length + g.coupler_length
+    zeta = -np.sqrt((reach + amount) ** 2 - (g.span_ratio * rho) ** 2)
+    pose = place(g, leg, rho, zeta)
+    expect(g, pose, Limit.STRETCHED, leg, amount)
+    assert np.isnan(solve_posture(g, pose).points[9][leg]).all()
+    longer = replace(g, coupler_length=g.coupler_length + amount * (1 + 1e-6))
+    assert check_reach(longer, pose).ok
+    assert np.isfinite(solve_posture(longer, pose).points[9]).all()
+
+
+@given(case=cases(), leg=LEGS, amount=st.floats(1e-6, 0.1))
+def test_folded(case: Case, leg: int, amount: float) -> None:
+    """Bars whose lengths differed less by the excess would just close."""
+    difference = 0.5 * case.geometry.home_span
+    amount = amount * difference
+    g = roomy(case.geometry, difference)
+    near = difference - amount
+    pose = place(g, leg, 0.8 * near / g.span_ratio, 0.6 * near, theta=0.1)
+    expect(g, pose, Limit.FOLDED, leg, amount)
+    assert np.isnan(solve_posture(g, pose).points[9][leg]).all()
+    closer = replace(g, crank_length=g.crank_length + amount * (1 + 1e-6))
+    assert check_reach(closer, pose).ok
+    expect(replace(g, crank_length=g.coupler_length + difference), pose, Limit.FOLDED, leg, amount)
+
+
+@given(case=cases(), leg=LEGS, amount=AMOUNT)
+def test_guide(case: Case, leg: int, amount: float) -> None:
+    """A guide longer by the excess would just do; its default length is that of its link."""
+    g = roomy(case.geometry)
+    rho = 1.1 * abs(g.base_radius - g.platform_radius)
+    travel = rho / (g.magnification - 1)
+    amount = amount * travel
+    pose = place(g, leg, rho, -0.5)
+    assert check_reach(g, pose).ok
+    x8 = solve_posture(g, pose).points[8][leg, :2] - g.base_radius * LEG_AXES[leg]
+    assert np.hypot(*x8) == pytest.approx(travel, rel=1e-12)
+    for short in (
+        replace(g, guide_stroke=travel - amount),
+        replace(g, guide_link_length=travel - amount),
+        replace(g, guide_link_length=2 * travel, guide_stroke=travel - amount),
+    ):
+        expect(short, pose, Limit.GUIDE, leg, amount)
+        assert check_reach(replace(short, guide_stroke=travel * (1 + 1e-9)), pose).ok
+
+
+@given(case=cases(), leg=LEGS, clearance=st.floats(0.01, 0.2), share=st.floats(0.1, 0.99))
+def test_axis(case: Case, leg: int, clearance: float, share: float) -> None:
+    g = roomy(case.geometry)
+    clearance = clearance * g.base_radius
+    pose = place(g, leg, share * clearance, -0.3)
+    expect(replace(g, axis_clearance=clearance), pose, Limit.AXIS, leg, (1 - share) * clearance)
+    assert check_reach(replace(g, axis_clearance=share * clearance * (1 - 1e-6)), pose).ok
+    assert check_reach(g, pose).ok
+
+
+def test_joint_5_on_a_leg_axis_is_no_pose_even_without_clearance() -> None:
+    g = replace(Geometry(), base_radius=0.5, platform_radius=0.25)
+    expect(roomy(g), [0.0, 0.25, 0.0, -0.3], Limit.AXIS, 2, 0.0)
+
+
+def test_a_guide_may_be_used_to_its_end() -> None:
+    """Numbers that are exact in binary: X_4 = 0.1875 in leg 3, shorter in the others."""
+    g = Geometry(base_radius=0.5, platform_radius=0.25, crank_length=0.5, coupler_length=0.7)
+    pose = [0.0, -0.125, 0.0, -0.5]
+    exact = check_reach(replace(g, guide_stroke=0.1875), pose)
+    assert exact.margins[2, 2] == 0.0
+    assert exact.ok
+    assert not check_reach(replace(g, guide_stroke=np.nextafter(0.1875, 0)), pose).ok
+
+
+def wide_poses(case: Case, n: int = 400) -> Any:
+    """Poses far and near, most of them out of reach."""
+    rng = np.random.default_rng(case.seed)
+    g = case.geometry
+    size = np.array([2 * g.base_radius, 2 * g.base_radius, np.pi, 2 * g.coupler_length])
+    return rng.normal(size=(n, 4)) * size * rng.choice([0.1, 0.4, 1.0], (n, 1))
+
+
+@given(case=cases())
+def test_margins_are_distances_between_joints(case: Case) -> None:
+    g, pose = case.geometry, wide_poses(case)
+    found = check_reach(g, pose)
+    assert found.margins.shape == (400, 3, 4)
+    p = solve_posture(g, pose).points
+    span = np.linalg.norm(p[5] - p[8], axis=-1)
+    axis = g.base_radius * LEG_AXES
+    near = np.hypot(*np.moveaxis(p[5][..., :2] - axis, -1, 0))
+    travel = np.hypot(*np.moveaxis(p[8][..., :2] - axis, -1, 0))
+    expected = [
+        g.crank_length + g.coupler_length - span,
+        span - abs(g.coupler_length - g.crank_length),
+        g.stroke - travel,
+        near - g.axis_clearance,
+    ]
+    assert_within(found.margins, np.stack(expected, -1), 1e-12)
+    assert MARGINS == (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.AXIS)
+    # status, leg and excess are the worst margin's
+    worst = found.margins.reshape(-1, 12).argmin(axis=-1)
+    least = found.margins.reshape(-1, 12).min(axis=-1)
+    bad = least < 0
+    np.testing.assert_array_equal(found.status, np.where(bad, np.array(MARGINS)[worst % 4], 0))
+    np.testing.assert_array_equal(found.leg, np.where(bad, worst // 4, -1))
+    np.testing.assert_array_equal(found.excess, np.where(bad, -least, 0.0))
+    assert bad.any()
+    assert not bad.all()
+    assert (found.status.dtype, found.leg.dtype) == (np.uint8, np.int8)
+
+
+@given(case=cases())
+def test_the_bars_close_exactly_where_reach_says_so(case: Case) -> None:
+    """By the triangle inequality, and by whether the posture has a knee."""
+    g, pose = case.geometry, wide_poses(case)
+    margins = check_reach(g, pose).margins
+    knee = solve_posture(g, pose, case.assembly).points[9]
+    clear = np.abs(margins[..., :2]).min(axis=-1) > 1e-9
+    closes = (margins[..., :2] > 0).all(axis=-1)
+    np.testing.assert_array_equal(np.isfinite(knee).all(axis=-1)[clear], closes[clear])
+
+
+@given(case=cases())
+def test_the_fast_way_says_the_same(case: Case) -> None:
+    pose = wide_poses(case)
+    pose[::7, case.seed % 4] = np.nan
+    pose[1::7, case.seed % 4] = np.inf
+    full = check_reach(case.geometry, pose)
+    status, leg = reach_status(case.geometry, pose)
+    clear = ~(np.abs(full.margins.reshape(-1, 12)).min(axis=-1) < 1e-12)
+    np.testing.assert_array_equal(status[clear], full.status[clear])
+    np.testing.assert_array_equal(leg[clear], full.leg[clear])
+    assert (status[::7] == Limit.NOT_FINITE).all()
+    assert (status[1::7] == Limit.NOT_FINITE).all()
+
+
+@given(case=cases())
+def test_reach_does_not_depend_on_the_side_of_the_guides(case: Case) -> None:
+    pose = wide_poses(case)
+    mirrored = pose.copy()
+    mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
+    assert_within(
+        check_reach(case.geometry, mirrored).margins,
+        check_reach(case.geometry, pose).margins,
+        1e-12,
+    )
+
+
+@given(
+    values=st.lists(
+        st.sampled_from([np.nan, np.inf, -np.inf, 0.01]), min_size=4, max_size=4
+    ).filter(lambda values: not np.isfinite(values).all())
+)
+def test_what_is_not_finite_is_no_pose(values: list[float]) -> None:
+    found = check_reach(APPENDIX_4.geometry, [values, BY_HAND[0]])
+    assert found.status.tolist() == [Limit.NOT_FINITE, Limit.OK]
+    assert found.leg.tolist() == [-1, -1]
+    assert found.excess.tolist() == [0.0, 0.0]
+    assert found.words().tolist() == ["not-finite", "ok"]
+    with pytest.raises(UnreachablePose, match="not finite") as caught:
+        require_reachable(APPENDIX_4.geometry, values)
+    assert (caught.value.leg, caught.value.limit) == (0, "not-finite")
+
+
+@given(case=cases())
+def test_the_workspace_lies_within_its_radius_and_height(case: Case) -> None:
+    g, pose = case.geometry, wide_poses(case)
+    ok = check_reach(g, pose).ok
+    radius, height = workspace_radius(g), workspace_height(g)
+    assert np.hypot(pose[ok, 0], pose[ok, 1]).max() <= radius
+    centre = pose * [0.0, 0.0, 1.0, 1.0]
+    ok = check_reach(g, centre).ok
+    assert np.abs(centre[ok, 3] + g.platform_joint_height).max() <= height
+
+
+def test_the_radius_and_height_of_appendix_4_are_reached() -> None:
+    g = APPENDIX_4.geometry
+    for scale, wanted in ((1 - 1e-9, True), (1 + 1e-9, False)):
+        top = [0.0, 0.0, 0.0, -scale * workspace_height(g) - g.platform_joint_height]
+        corner = [0.0, scale * workspace_radius(g), 0.0, -g.platform_joint_height]
+        assert check_reach(g, [top, corner]).ok.tolist() == [wanted, wanted]
+
+
+def test_words() -> None:
+    words = [limit.word for limit in Limit]
+    assert words == ["ok", "not-finite", "stretched", "folded", "guide", "axis", "singular"]
+    assert len({limit.explanation for limit in Limit}) == len(Limit)
+    codes = np.array([[Limit.OK, Limit.GUIDE], [Limit.SINGULAR, Limit.AXIS]])
+    legs = np.array([[-1, 1], [-1, 2]])
+    assert status_words(codes, legs).tolist() == [["ok", "guide:leg2"], ["singular", "axis:leg3"]]
+    assert status_words(Limit.FOLDED).tolist() == "folded"
+
+
+def test_the_error_says_which_leg_and_how_far() -> None:
+    g = APPENDIX_4.geometry
+    require_reachable(g, BY_HAND)
+    pose = [0.1, 0.05, 0.2, -1.1]
+    with pytest.raises(UnreachablePose) as caught:
+        require_reachable(g, [BY_HAND[0], pose, [9.0, 0.0, 0.0, 0.0]])
+    error, found = caught.value, check_reach(g, pose)
+    assert error.pose == tuple(pose)
+    assert error.limit == Limit(int(found.status)).word == "stretched"
+    assert error.leg == int(found.leg) + 1
+    assert error.excess == float(found.excess)
+    assert "pose (100.0 mm, 50.0 mm, 11.5 deg, -1100.0 mm) can not be taken" in str(error)
+    assert f"(leg {error.leg}, by {1e3 * error.excess:.2f} mm)" in str(error)
+    assert isinstance(error, PaminsaError)
+
+
+@pytest.mark.parametrize("shape", [(), (0,), (3,), (2, 3), (2, 0, 3)])
+def test_batches_keep_their_shape(shape: tuple[int, ...]) -> None:
+    found = check_reach(APPENDIX_4.geometry, np.broadcast_to(BY_HAND[1], (*shape, 4)))
+    assert found.status.shape == found.leg.shape == found.excess.shape == shape
+    assert found.margins.shape == (*shape, 3, 4)
+    assert found.words().shape == found.ok.shape == shape
+    with pytest.raises(InvalidInput, match="pose"):
+        check_reach(APPENDIX_4.geometry, np.zeros((*shape, 3)))
