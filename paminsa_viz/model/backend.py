@@ -1,7 +1,8 @@
 """Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
 
-The first compilation takes seconds (later runs load it from disk). A script waits for it once; a
-page calls `compile_in_background` and works on NumPy until the kernels are there.
+The first compilation takes seconds, and loading it from disk most of one later. So kernels are
+loaded only once enough work has been asked for to pay for it; small jobs never wait. A page calls
+`compile_in_background` and works on NumPy until the kernels are there.
 """
 
 from __future__ import annotations
@@ -28,17 +29,28 @@ FORMULAE = {
 """Formulae of a pose, by the name under which they are compiled."""
 
 
+WORTH_LOADING = 100_000
+"""Number of poses from which NumPy would take longer than loading the kernels does."""
+
+LEAST_WORK = 50
+"""What a call on few poses counts as: on NumPy its overhead is that of some fifty more."""
+
+
 class _Kernels:
     """Holds the module of compiled kernels once it is loaded; the loading may be put off."""
 
     def __init__(self) -> None:
         self.module: ModuleType | None = None
         self.deferred = os.environ.get("PAMINSA_VIZ_BACKEND", "") == "numpy"
+        self.asked = 0
         self.lock = threading.Lock()
 
-    def get(self) -> ModuleType | None:
+    def get(self, size: int) -> ModuleType | None:
+        """Return the kernels if it pays to use them for ``size`` more poses."""
         if self.module is None and not self.deferred:
-            self.load()
+            self.asked += max(size, LEAST_WORK)
+            if self.asked >= WORTH_LOADING:
+                self.load()
         return self.module
 
     def load(self) -> None:
@@ -59,6 +71,11 @@ def compile_in_background() -> threading.Thread:
     thread = threading.Thread(target=_kernels.load, name="paminsa-compile", daemon=True)
     thread.start()
     return thread
+
+
+def compile_now() -> None:
+    """Load the kernels, and wait for it."""
+    _kernels.load()
 
 
 def is_compiled() -> bool:
@@ -96,7 +113,7 @@ def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
     """
     pose = np.ascontiguousarray(pose)
     c, s = _cos_sin(pose[:, 2])
-    kernels = _kernels.get()
+    kernels = _kernels.get(len(pose))
     if kernels is not None:
         out = np.empty((len(pose), kernels.COUNTS[name]))
         kernels.OVER_POSES[name][1](m, pose, c, s, out)
@@ -117,7 +134,7 @@ def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array, out: Arra
         out: (rows, results of the formula, columns), contiguous; filled.
     """
     c, s = np.cos(outer[:, 2]), np.sin(outer[:, 2])
-    kernels = _kernels.get()
+    kernels = _kernels.get(len(outer) * len(inner))
     if kernels is not None:
         rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
         columns = np.ascontiguousarray(inner[:, [0, 1, 3]].T)
@@ -141,7 +158,7 @@ def drive(
     """Evaluate `robot.drive` on lists (n, 4); returns torques and multipliers, (n, 8)."""
     pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
-    kernels = _kernels.get()
+    kernels = _kernels.get(len(pose))
     if kernels is not None:
         out = np.empty((len(pose), 8))
         kernels.drive(m, e, gravity, pose, c, s, velocity, acceleration, out)
@@ -156,7 +173,7 @@ def mass_matrix(m: leg.Mechanism, e: EnergyTerms, pose: Array) -> Array:
     """Evaluate `robot.mass_matrix` on a list (n, 4); returns the upper triangles, (n, 10)."""
     pose = np.ascontiguousarray(pose)
     c, s = _cos_sin(pose[:, 2])
-    kernels = _kernels.get()
+    kernels = _kernels.get(len(pose))
     if kernels is not None:
         out = np.empty((len(pose), 10))
         kernels.mass_matrix(m, e, pose, c, s, out)
