@@ -13,25 +13,29 @@ from paminsa_viz.figures.scale import Scale
 LONGEST_NAME = 60
 """Characters of a design's name that a caption repeats."""
 
+_TIE = "\u00a0"  # a space at which lines do not break
+
 
 def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     """Return the caption of a figure as one paragraph."""
     source = data.provenance
-    numbers = "".join(f", {s} = {ticks.number(v)} {u}".rstrip() for s, v, u in source.numbers)
+    numbers = "".join(f", {_equals(s, v, u)}" for s, v, u in source.numbers)
     robot = f"PAMINSA, design {shown(source.design)}, {source.assembly} assembly{numbers}"
     if source.reference:
         robot += f", minus design {shown(source.reference)}"
-    x, y, z = (ticks.number(float(v) * axes.MM) for v in data.pose[[0, 1, 3]])
-    theta = ticks.number(math.degrees(data.theta))
+    x, y, z = (float(v) * axes.MM for v in data.pose[[0, 1, 3]])
+    theta = _equals("θ", math.degrees(data.theta), "") + "°"
     parts = [
-        f"{robot}; θ = {theta}°, z = {z} mm.",
-        f"Ring: pose x = {x} mm, y = {y} mm{_values_here(data)}.",
+        f"{robot}; {theta}, {_equals('z', z, 'mm')}.",
+        f"Ring: pose {_equals('x', x, 'mm')}, {_equals('y', y, 'mm')}{_trouble(data)}.",
         _contours(data, scales),
         "Thick line: boundary of the workspace; hatched: not reachable.",
     ]
     if data.singular_radius:
-        radius = ticks.number(data.singular_radius * axes.MM)
-        parts.append(f"Dashed: singular positions, radius {radius} mm.")
+        radius = _equals("radius", data.singular_radius * axes.MM, "mm")
+        parts.append(f"Dashed: singular positions, {radius}.")
+    if _beyond(data, scales):
+        parts.append("Pointed ends of the colour bar: beyond its range.")
     parts.append(f"paminsa_viz {source.version}.")
     return " ".join(part for part in parts if part)
 
@@ -59,11 +63,24 @@ def _contours(data: MapData, scales: tuple[Scale, ...]) -> str:
         return ""
     factor, unit = data.display
     step = (scales[0].levels[1] - scales[0].levels[0]) * factor
-    return f"Contours every {ticks.number(step)} {unit}".rstrip() + "."
+    return f"Contours every {ticks.number(step)}{_TIE}{unit}".rstrip(_TIE) + "."
 
 
-def _values_here(data: MapData) -> str:
-    """Return the values of the cell under the pose, if there are any."""
+def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
+    with np.errstate(invalid="ignore"):
+        return any(
+            bool(((panel < scale.low) | (panel > scale.high)).any())
+            for panel, scale in zip(data.values, scales, strict=True)
+        )
+
+
+def _equals(symbol: str, value: float, unit: str) -> str:
+    """Return ``symbol = value unit`` that no line break tears apart."""
+    return _TIE.join([symbol, "=", ticks.number(value), *([unit] if unit else [])])
+
+
+def _trouble(data: MapData) -> str:
+    """Return why the cell under the pose has no value, if it has none."""
     left, right, bottom, top = data.extent
     x, y = float(data.pose[0]), float(data.pose[1])
     if not (left <= x < right and bottom <= y < top):

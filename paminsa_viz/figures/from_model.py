@@ -62,7 +62,9 @@ def provenance(design: Design, assembly: Assembly) -> Provenance:
         assembly=assembly.value,
         version=paminsa_viz.__version__,
         numbers=tuple(numbers),
-        parameters=tuple((p.path, design.value(p.path)) for p in PARAMETERS),
+        parameters=tuple(
+            (f"{p.path} [{p.unit}]" if p.unit else p.path, design.value(p.path)) for p in PARAMETERS
+        ),
     )
 
 

@@ -16,10 +16,10 @@ class Lettering:
         line: Distance of two lines of text [mm].
     """
 
-    def __init__(self, size: float) -> None:
+    def __init__(self, size: float, weight: str = "normal") -> None:
         self.size = size
         self.line = 1.25 * size * _POINT
-        self._font = FontProperties(family="DejaVu Sans", size=size)
+        self._font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
 
     def width(self, words: str) -> float:
         """Return how wide words are [mm]."""
@@ -28,14 +28,14 @@ class Lettering:
     def plain(self, words: str) -> str:
         """Return words on one line, with what the font can not write replaced by ``?``."""
         font = get_font(findfont(self._font))
-        line = " ".join(words.split())
+        line = " ".join(word for row in words.splitlines() for word in row.split(" ") if word)
         return "".join(c if font.get_char_index(ord(c)) else "?" for c in line)
 
     def wrapped(self, words: str, width: float) -> list[str]:
         """Break words into lines no wider than ``width`` [mm]; a longer word is cut."""
         rows: list[str] = []
         row = ""
-        for word in self.plain(words).split():
+        for word in self.plain(words).split(" "):
             longer = f"{row} {word}" if row else word
             if self.width(longer) <= width:
                 row = longer

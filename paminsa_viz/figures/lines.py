@@ -23,9 +23,9 @@ def contour_lines(
 ) -> dict[float, list[Line]]:
     """Return the contour lines of one panel by level.
 
-    Values change sign through infinity on the singular circle, where every contour would seem to
-    run; lines therefore stop at the cells next to the circle. For the same reason no line runs
-    between cells that lie beyond opposite ends of the range.
+    Torques change sign through infinity on the singular circle, where every contour would seem to
+    run; lines therefore stop at cells next to the circle that lie beyond the range. For the same
+    reason no line runs between cells that lie beyond opposite ends of the range.
 
     Args:
         data: The maps.
@@ -55,9 +55,10 @@ def contour_field(
     x, y = data.x[::stride], data.y[::stride]
     values = data.values[panel, ::stride, ::stride]
     with np.errstate(invalid="ignore"):
+        beyond = (values < scale.low) | (values > scale.high)
         hidden = ~np.isfinite(values) | _torn(values, scale)
     if x.size > 1 and y.size > 1:
-        hidden |= _near_circle(x, y, data.singular_radius)
+        hidden |= beyond & _near_circle(x, y, data.singular_radius)
     return x, y, np.ma.array(values, mask=hidden)
 
 

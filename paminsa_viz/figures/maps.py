@@ -33,7 +33,7 @@ class Provenance:
         assembly: Assembly mode, ``"printed"`` or ``"mirror"``.
         version: Version of this package.
         numbers: Key numbers for the caption: (symbol, value, unit), SI.
-        parameters: Every number of the design for files: (dotted path, value), SI.
+        parameters: Every number of the design for files: (dotted path and unit, value), SI.
         reference: Name of the reference design of a difference map, otherwise empty.
         reference_parameters: The same for the reference design.
     """

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.figures import colours, ticks
 from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.palette import INK
 
 Kind = Literal["linear", "symlog"]
 
@@ -131,6 +132,17 @@ class Scale:
     def beyond(self) -> tuple[str, str]:
         """Colours of values below ``low`` and above ``high``, as ``#rrggbb``."""
         return colours.BEYOND[self.colours]
+
+    def ink(self, level: float) -> str:
+        """Return the colour of a contour line: dark, but white on the dark end of a magnitude.
+
+        Diverging tables keep dark lines throughout, so that a line means the same on both sides.
+        """
+        if self.colours in colours.DIVERGING:
+            return INK
+        place = min(max(float(self.position(level)), 0.0), 1.0)
+        colour = self.table[round(place * (colours.SIZE - 1))]
+        return INK if colours.oklab(colour)[0] > 0.6 else "#ffffff"
 
     @cached_property
     def levels(self) -> tuple[float, ...]:

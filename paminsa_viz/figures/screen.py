@@ -22,17 +22,12 @@ from paminsa_viz.figures.live import screen_layout
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.ranges import per_panel
 from paminsa_viz.figures.scale import Scale
+from paminsa_viz.figures.screen_bar import SIZE, Parts, colour_axis, unit_note
 from paminsa_viz.palette import INK, rgb
 
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
-SIZE = 11
-
 CONFIG: dict[str, Any] = {"displayModeBar": False, "doubleClick": "reset"}
 """How plotly should behave: no buttons over the headings, double click goes back from a zoom."""
-
-_BEYOND = 0.045  # of the colour bar, for each block of the colour beyond the range
-
-Parts = dict[str, Any]
 
 
 def screen_figure(data: MapData, scale: Scale | Sequence[Scale], width: int = 700) -> go.Figure:
@@ -67,21 +62,22 @@ def screen_figure(data: MapData, scale: Scale | Sequence[Scale], width: int = 70
         "images": [],
     }
     for index, box in enumerate(place.bars):
-        layout[_numbered("coloraxis", index)] = _colour_axis(data, scales[index], box, place)
-        layout["annotations"].append(_unit(data, box, place))
+        layout[_numbered("coloraxis", index)] = colour_axis(data, scales[index], box, place)
+        layout["annotations"].append(unit_note(data, box, place))
     traces: list[Parts] = []
     edge, circle = lines.boundary(data), lines.singular_circle(data)
     for index, box in enumerate(place.panels):
         _add_axes(layout, data, index, box, place)
         at = {"xaxis": _numbered("x", index), "yaxis": _numbered("y", index)}
-        colour_axis = _numbered("coloraxis", index if len(place.bars) > 1 else 0)
-        drawn = [_values(data, index, scales[index], colour_axis), *_reasons(data, index)]
-        thin: list[lines.Line] = []
+        axis_name = _numbered("coloraxis", index if len(place.bars) > 1 else 0)
+        drawn = [_values(data, index, scales[index], axis_name), *_reasons(data, index)]
+        thin: dict[str, list[lines.Line]] = {INK: [], "#ffffff": []}
         zeros: list[lines.Line] = []
         for level, parts in lines.contour_lines(data, index, scales[index]).items():
-            (zeros if level == 0.0 else thin).extend(parts)
-        faint = f"rgba{(*rgb(INK), 0.4)}"
-        drawn += _lines(thin, faint, 1.0) + _lines(zeros, INK, 1.0) + _lines(edge, INK, 1.5)
+            (zeros if level == 0.0 else thin[scales[index].ink(level)]).extend(parts)
+        for colour, found in thin.items():
+            drawn += _lines(found, f"rgba{(*rgb(colour), 0.45)}", 1.0)
+        drawn += _lines(zeros, INK, 1.0) + _lines(edge, INK, 1.5)
         drawn += _lines(circle, "#ffffff", 2.2) + _lines(circle, INK, 1.6, "5px,4px")
         drawn += [_dot(data, 10, "#ffffff", 1.6), _dot(data, 3.4, INK, 0)]
         traces += [{**trace, **at} for trace in drawn]
@@ -90,7 +86,8 @@ def screen_figure(data: MapData, scale: Scale | Sequence[Scale], width: int = 70
 
 def aspect(figure: go.Figure) -> float:
     """Return height over width of a figure, as viser's plotly element wants it."""
-    return float(figure.layout.height / figure.layout.width)
+    layout: Any = figure.layout
+    return float(layout.height / layout.width)
 
 
 def _numbered(name: str, index: int) -> str:
@@ -243,71 +240,6 @@ def _dot(data: MapData, size: float, colour: str, edge: float) -> Parts:
         "y": [float(data.pose[1]) * axes.MM],
         "marker": {"size": size, "color": colour, "line": {"color": INK, "width": edge}},
         "hoverinfo": "skip",
-    }
-
-
-def _colour_axis(data: MapData, scale: Scale, box: Box, place: Layout) -> Parts:
-    """Return a plotly colour axis over positions on the bar, with blocks for what is beyond it."""
-    table = raster.lut(scale)[1 : raster.OVER, :3]
-    steps = np.linspace(0, colours.SIZE - 1, 65).round().astype(int)
-    body = 1 - 2 * _BEYOND
-    inner = np.linspace(_BEYOND, 1 - _BEYOND, steps.size).tolist()  # plotly wants no step back
-    under, over = scale.beyond
-    stops: list[list[Any]] = [[0.0, under], [inner[0], under]]
-    for where, colour in zip(inner, table[steps].tolist(), strict=True):
-        stops.append([where, f"rgb{tuple(colour)}"])
-    stops += [[inner[-1], over], [1.0, over]]
-    upright = place.upright
-    length = (box.height if upright else box.width) * body
-
-    def room(words: str) -> float:
-        return 1.3 * SIZE if upright else text_width(words, SIZE)
-
-    marks = axes.bar_marks(data.display[0], scale, length, room)
-    bar = {
-        "orientation": "v" if upright else "h",
-        "x": box.left / place.width,
-        "y": 1 - box.top / place.height,
-        "xanchor": "left",
-        "yanchor": "top",
-        "xpad": 0,
-        "ypad": 0,
-        "thicknessmode": "pixels",
-        "thickness": box.width if upright else box.height,
-        "lenmode": "fraction",
-        "len": box.height / place.height if upright else box.width / place.width,
-        "outlinewidth": 0,
-        "tickmode": "array",
-        "tickvals": [mark.where for mark in marks],
-        "ticktext": [mark.words for mark in marks],
-        "ticks": "outside",
-        "ticklen": 3,
-        "tickcolor": INK,
-    }
-    return {
-        "cmin": -_BEYOND / body,
-        "cmax": 1 + _BEYOND / body,
-        "autocolorscale": False,
-        "colorscale": stops,
-        "colorbar": bar,
-    }
-
-
-def _unit(data: MapData, box: Box, place: Layout) -> Parts:
-    if place.upright:
-        left, top, across, down = box.left - 2, box.top - 5, "left", "bottom"
-    else:
-        left, top, across, down = box.left + box.width / 2, box.bottom + 16, "center", "top"
-    return {
-        "text": axes.unit_label(data.display[1]) or " ",
-        "showarrow": False,
-        "xref": "paper",
-        "yref": "paper",
-        "x": left / place.width,
-        "y": 1 - top / place.height,
-        "xanchor": across,
-        "yanchor": down,
-        "borderpad": 0,
     }
 
 
