@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Assembly, Design, Geometry
-from tests import samples
+from tests import oracle, samples
 
 BOTH = pytest.mark.parametrize("assembly", list(Assembly))
 """Runs a test in both assembly modes."""
@@ -23,8 +24,8 @@ BY_HAND = np.array([[0.0, 0.0, 0.0, -0.5], [0.05, -0.03, 0.4, -0.6], [-0.04, 0.0
 """Some poses that Appendix 4's robot can take."""
 
 
-ROBOTS = 100
-"""Different random robots; tests share them, and with them what is worked out once a robot."""
+ROBOTS = int(os.environ.get("PAMINSA_VIZ_TEST_ROBOTS", "24"))
+"""Different robots; tests share them, and with them what first principles say, worked out once."""
 
 
 @dataclass(frozen=True)
@@ -50,6 +51,14 @@ class Case:
         """Poses, velocities and accelerations, each (n, 4)."""
         return _states(self.seed, self.assembly, n)
 
+    def static_torques(self, n: int = 8, *, natural: bool = False) -> Any:
+        """What first principles say of `poses`, (n, 4)."""
+        return _static_torques(self, n, natural)
+
+    def driving_torques(self, n: int = 8) -> Any:
+        """What first principles say of `states`, (n, 4)."""
+        return _driving_torques(self, n)
+
 
 @cache
 def _design(seed: int) -> Design:
@@ -71,6 +80,20 @@ def _states(seed: int, assembly: Assembly, n: int) -> tuple[Any, Any, Any]:
     for array in states:
         array.setflags(write=False)
     return states
+
+
+@cache
+def _static_torques(case: Case, n: int, natural: bool) -> Any:
+    torques = oracle.static_torques(case.design, case.poses(n, natural=natural), case.assembly)
+    torques.setflags(write=False)
+    return torques
+
+
+@cache
+def _driving_torques(case: Case, n: int) -> Any:
+    torques = oracle.inverse_dynamics(case.design, *case.states(n), case.assembly)
+    torques.setflags(write=False)
+    return torques
 
 
 def cases() -> st.SearchStrategy[Case]:

@@ -1,0 +1,110 @@
+"""The paper's optimal redistribution (Eq. 8): M_p2 = 0 takes gravity off M1..M3 everywhere."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Quantity,
+    balance_distance,
+    inverse_dynamics,
+    lift_constant,
+    lumped_matrix,
+    mass_vector,
+    solve_field,
+    static_breakdown,
+    static_torques,
+    xy_grid,
+)
+from paminsa_viz.model.lumped import MASS_PATHS
+from tests import oracle
+from tests.model.cases import BOTH, Case, assert_within, cases
+
+ADDED = st.sampled_from(["joints.j7", "links.b7"])
+"""Masses on the far side of the leg axis: they have a negative share in M_p2."""
+
+
+def balanced(design: Design, path: str) -> Design:
+    """The design with one mass chosen so that M_p2 = 0.
+
+    Such a mass is never negative: without it M_p2 is positive, for all other shares are, but that
+    of B3 at k < 2, which is left out then.
+    """
+    if design.geometry.magnification < 2:
+        design = design.vary({"links.b3": 0.0})
+    design = design.vary({path: 0.0, ("joints.j7" if path == "links.b7" else "links.b7"): 0.0})
+    share = lumped_matrix(design.geometry, design.gravity)[1, MASS_PATHS.index(path)]
+    missing = balance_distance(design)
+    assert share < 0 < missing
+    return design.vary({path: -missing / share})
+
+
+@given(case=cases(), path=ADDED)
+def test_a_balanced_robot_holds_itself_everywhere(case: Case, path: str) -> None:
+    design = balanced(case.design, path)
+    weight = design.gravity * mass_vector(design)[:14].sum()
+    assert abs(balance_distance(design)) < 1e-14 * weight
+    pose = case.poses(32)
+    torque = static_torques(design, pose, case.assembly)
+    size = np.abs(static_torques(case.design, pose, case.assembly)).max() + weight
+    assert_within(torque[:, :3], np.zeros((32, 3)), 1e-13 * size)
+    assert_within(torque[:, 3], np.full(32, lift_constant(design)), 1e-13 * size)
+    expected = oracle.static_torques(design, pose[:8], case.assembly)
+    assert_within(expected[:, :3], np.zeros((8, 3)), 1e-11 * size)
+    # every body pulls, and all of them together do not
+    parts = static_breakdown(design, pose, case.assembly)
+    assert np.abs(parts.per_leg[:, :3]).max() > 1e-3 * weight * case.geometry.crank_length * 0.1
+    assert_within(parts.total[:, :3], np.zeros((32, 3)), 1e-11 * size)
+
+
+@given(case=cases(), path=ADDED)
+def test_balance_holds_with_a_payload_and_at_rest_only(case: Case, path: str) -> None:
+    design = balanced(case.design, path).vary({"payload.mass": 25.0})
+    pose, velocity, acceleration = case.states()
+    still = np.zeros(4)
+    size = design.gravity * mass_vector(design).sum()
+    rest = inverse_dynamics(design, pose, still, still, case.assembly).torque
+    assert_within(rest[:, :3], np.zeros((8, 3)), 1e-11 * size)
+    moving = inverse_dynamics(design, pose, velocity, acceleration, case.assembly).torque
+    assert np.abs(moving[:, :3]).max() > 1e-3
+
+
+@BOTH
+def test_the_counterweight_of_appendix_4(assembly: Assembly) -> None:
+    """m_7 that balances: 0.28 kg + 3 * 9.10041/9.81 kg = 3.063 kg, since its share is -g/k."""
+    design = APPENDIX_4.vary({"joints.j7": 0.28 + 3 * 9.10041 / 9.81})
+    assert abs(balance_distance(design)) < 1e-14
+    assert design.joints.j7 == pytest.approx(3.063, abs=1e-12)
+    axis = np.linspace(-0.4, 0.4, 41)
+    field = solve_field(design.geometry, xy_grid(axis, axis, np.pi / 3, -0.5), assembly)
+    before = field.values(APPENDIX_4, Quantity.MAX_TORQUE)
+    after = field.values(design, Quantity.MAX_TORQUE)
+    assert np.nanmedian(before) > 1.0
+    assert np.nanmax(after / before) < 1e-14
+
+
+def test_a_balanced_robot_is_quiet_on_the_singular_circle() -> None:
+    """Zero times an unbounded map has no value there, and is no reason to warn."""
+    design = APPENDIX_4.vary(
+        {
+            "geometry.base_radius": 0.5,
+            "geometry.platform_radius": 0.25,
+            **{f"joints.{j}": 0.0 for j in ("j4", "j7", "j9")},
+            **{f"links.{b}": 0.0 for b in ("b3", "b4", "b7", "b8")},
+        }
+    )
+    assert balance_distance(design) == 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        torque = static_torques(design, [[0.25, 0.0, 0.0, -0.5], [0.1, 0.0, 0.0, -0.5]])
+    assert np.isnan(torque[0, :3]).all()
+    np.testing.assert_array_equal(torque[1, :3], 0.0)
+    assert np.isfinite(torque[:, 3]).all()

@@ -1,0 +1,227 @@
+"""Static torques against first principles, the energy they come from, and their parts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETERS,
+    Assembly,
+    Design,
+    inverse_jacobian,
+    lift_constant,
+    potential_energy,
+    static_breakdown,
+    static_torques,
+    unit_torques,
+)
+from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.statics import finite_mask
+from tests import oracle
+from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_close, assert_within, cases
+
+BODIES = tuple(p.path for p in PARAMETERS if p.group in ("joints", "links"))
+
+
+def massless(design: Design, **changes: float) -> Design:
+    """The same robot with no mass but a platform of next to nothing, and the changes."""
+    values = dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 1e-300}
+    return design.vary(values | {key.replace("__", "."): value for key, value in changes.items()})
+
+
+@given(case=cases())
+def test_static_torques_are_those_of_first_principles(case: Case) -> None:
+    for natural in (False, True):
+        got = static_torques(case.design, case.poses(natural=natural), case.assembly)
+        assert_close(got, case.static_torques(natural=natural), 1e-11)
+
+
+@given(case=cases())
+def test_static_torques_are_the_slope_of_the_potential_energy(case: Case) -> None:
+    """G^T Q = dV/d(x, y, theta, z): complex steps through the oracle, differences through ours."""
+    pose, step = case.poses(), 1e-30
+    torque = static_torques(case.design, pose, case.assembly)
+    g = inverse_jacobian(case.geometry, pose)
+    forces = np.einsum("nji,nj->ni", g, torque)
+    exact = np.stack(
+        [
+            oracle.potential(case.design, pose + 1j * step * e, case.assembly).imag / step
+            for e in np.eye(4)
+        ],
+        axis=-1,
+    )
+    assert_close(forces, exact, 1e-11)
+    h = 1e-4
+
+    def potential(n: int, e: Any) -> Any:
+        return potential_energy(case.design, pose + n * h * e, case.assembly)
+
+    slope = np.stack(
+        [
+            (8 * (potential(1, e) - potential(-1, e)) - potential(2, e) + potential(-2, e))
+            / (12 * h)
+            for e in np.eye(4)
+        ],
+        axis=-1,
+    )
+    assert_close(forces, slope, 1e-7)
+
+
+@given(case=cases())
+def test_torques_of_m1_to_m3_are_one_number_times_a_map_of_the_geometry(case: Case) -> None:
+    """Q_j = M_p2 Gamma_j, and F_4 the same plus a constant; Gamma knows no mass."""
+    pose, design = case.poses(), case.design
+    gamma = unit_torques(case.geometry, pose, case.assembly)
+    k, g = case.geometry.magnification, design.gravity
+    m, mb = design.joints, design.links
+    mp1 = m.j5 + (m.j2 + m.j3 + m.j4 + m.j7) / k + mb.b4 / 2 + (mb.b1 + mb.b7) / (2 * k)
+    mp1 += (mb.b2 + mb.b3) / k
+    mp2 = ((k - 1) * m.j4 - m.j7 + k * m.j9) / k + ((k - 2) * mb.b3 - mb.b7) / (2 * k)
+    mp2 += (mb.b4 + mb.b8) / 2
+    carried = design.platform.mass + design.payload.mass
+    constant = g * (k * (carried + 3 * mp1) + 3 * mb.b1 / 2)
+    assert lift_constant(design) == pytest.approx(constant, rel=1e-13)
+    expected = g * mp2 * gamma + np.array([0.0, 0.0, 0.0, constant])
+    assert_close(static_torques(design, pose, case.assembly), expected, 1e-13)
+    # Gamma is the torque of a robot that has only a knee of 1 N
+    knee = massless(design, joints__j9=1 / g)
+    assert_close(gamma, oracle.static_torques(knee, pose, case.assembly), 1e-11)
+
+
+@given(case=cases(), scale=st.floats(0.01, 100.0))
+def test_gamma_scales_the_map(case: Case, scale: float) -> None:
+    """All masses times a factor, and gravity times a factor, do the same to all torques."""
+    pose, design = case.poses(), case.design
+    torque = static_torques(design, pose, case.assembly)
+    heavier = design.vary({path: scale * design.value(path) for path in MASS_PATHS})
+    assert_close(static_torques(heavier, pose, case.assembly), scale * torque, 1e-12)
+    elsewhere = design.vary({"gravity": scale * design.gravity})
+    assert_close(static_torques(elsewhere, pose, case.assembly), scale * torque, 1e-12)
+    floating = static_torques(design.vary({"gravity": 0.0}), pose, case.assembly)
+    np.testing.assert_array_equal(floating, 0.0)
+
+
+@given(case=cases(), mass=st.floats(0.0, 1e4))
+def test_platform_and_payload_ask_nothing_of_m1_to_m3(case: Case, mass: float) -> None:
+    """Eq. 4, to the last bit; M4 carries k times their weight."""
+    pose = case.poses()
+    light = static_torques(case.design, pose, case.assembly)
+    k, g = case.geometry.magnification, case.design.gravity
+    for path in ("platform.mass", "payload.mass"):
+        heavy = case.design.vary({path: case.design.value(path) + mass})
+        torque = static_torques(heavy, pose, case.assembly)
+        np.testing.assert_array_equal(torque[:, :3], light[:, :3])
+        assert_within(torque[:, 3] - light[:, 3], np.full(8, k * g * mass), 1e-10 * (1 + mass))
+    alone = massless(case.design, payload__mass=mass)
+    np.testing.assert_array_equal(static_torques(alone, pose, case.assembly)[:, :3], 0.0)
+
+
+@given(case=cases())
+def test_the_mirror_image_has_the_opposite_torques(case: Case) -> None:
+    """z_5 -> -z_5 with the other root: M1..M3 opposite, M4 with the knees pulling the other way."""
+    pose = case.poses()
+    mirrored = pose.copy()
+    mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
+    one = unit_torques(case.geometry, pose, case.assembly)
+    two = unit_torques(case.geometry, mirrored, OTHER[case.assembly])
+    assert_within(two, one * [-1, -1, -1, 1], 1e-12 * np.abs(one).max())
+
+
+@given(case=cases(), turns=st.integers(1, 2))
+def test_a_third_of_a_turn_renames_the_actuators(case: Case, turns: int) -> None:
+    pose = case.poses()
+    angle = 2 * np.pi / 3 * turns
+    c, s = np.cos(angle), np.sin(angle)
+    turned = pose.copy()
+    turned[:, :2] = pose[:, :2] @ np.array([[c, s], [-s, c]])
+    one = static_torques(case.design, pose, case.assembly)
+    two = static_torques(case.design, turned, case.assembly)
+    renamed = np.concatenate([np.roll(one[:, :3], turns, axis=1), one[:, 3:]], -1)
+    assert_close(two, renamed, 1e-11)
+
+
+@given(case=cases())
+def test_the_parts_add_up(case: Case) -> None:
+    pose = case.poses()
+    parts = static_breakdown(case.design, pose, case.assembly)
+    assert parts.names == BODIES
+    assert parts.per_leg.shape == (8, 4, 3, 14)
+    total = static_torques(case.design, pose, case.assembly)
+    assert_close(parts.total, total, 1e-11)
+    added = parts.per_leg.sum(axis=(-2, -1)) + parts.platform + parts.payload
+    np.testing.assert_array_equal(parts.total, added)
+    for part in (parts.platform, parts.payload):
+        np.testing.assert_array_equal(part[:, :3], 0.0)  # Eq. 4
+    kg = case.geometry.magnification * case.design.gravity
+    assert_within(parts.platform[:, 3], np.full(8, kg * case.design.platform.mass), 1e-10)
+    assert_within(parts.payload[:, 3], np.full(8, kg * case.design.payload.mass), 1e-10)
+
+
+@settings(max_examples=3)
+@given(case=cases())
+def test_each_part_is_the_torque_of_that_body_alone(case: Case) -> None:
+    """Q_ikj of Eq. 1: the oracle with one mass in all legs."""
+    pose = case.poses(4)
+    parts = static_breakdown(case.design, pose, case.assembly)
+    size = np.abs(static_torques(case.design, pose, case.assembly)).max()
+    for number, path in enumerate(BODIES):
+        alone = massless(case.design, **{path.replace(".", "__"): case.design.value(path)})
+        expected = oracle.static_torques(alone, pose, case.assembly)
+        assert_within(parts.per_leg[..., number].sum(axis=-1), expected, 1e-11 * size)
+
+
+@settings(max_examples=8)
+@given(case=cases())
+def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
+    """m g dz/dq_j of one body of one leg, through the oracle's places of the mass centres."""
+    pose, step = case.poses(4), 1e-30
+    parts = static_breakdown(case.design, pose, case.assembly)
+    size = np.abs(static_torques(case.design, pose, case.assembly)).max()
+    inverse = np.linalg.inv(oracle.actuator_jacobian(case.design, pose))
+    slopes = {}
+    for j, e in enumerate(np.eye(4)):
+        moved = oracle.bodies(case.design, oracle.split(pose + 1j * step * e), case.assembly)
+        for body in moved:
+            height = np.broadcast_to(body.centre[2], len(pose))
+            slopes[body.name, j] = body.mass * case.design.gravity * height.imag / step
+    for leg in range(3):
+        for number, path in enumerate(BODIES):
+            kind = path.partition(".")[2]
+            name = f"leg {leg + 1}: " + (f"joint {kind[1:]}" if kind[0] == "j" else kind.upper())
+            forces = np.stack([slopes[name, j] for j in range(4)], -1)
+            expected = np.einsum("nij,ni->nj", inverse, forces)
+            assert_within(parts.per_leg[:, :, leg, number], expected, 1e-11 * size)
+
+
+@BOTH
+def test_bodies_that_stay_at_their_height_ask_for_nothing(assembly: Assembly) -> None:
+    """Joint 8 and the guide link only turn and slide in their plane."""
+    parts = static_breakdown(APPENDIX_4, BY_HAND, assembly)
+    for path in ("joints.j8", "links.b10"):
+        np.testing.assert_array_equal(parts.per_leg[..., parts.names.index(path)], 0.0)
+    # what stands on the leg axis is lifted by M4 alone
+    for path in ("joints.j2", "joints.j3", "links.b1", "links.b2"):
+        np.testing.assert_array_equal(parts.per_leg[:, :3, :, parts.names.index(path)], 0.0)
+    weight = APPENDIX_4.gravity * APPENDIX_4.links.b1
+    assert_within(parts.per_leg[:, 3, :, parts.names.index("links.b1")], weight, 1e-13)
+
+
+def test_home_by_hand() -> None:
+    """At the centre the legs pull alike, so M1..M3 hold nothing, and F_4 = k dV/dz."""
+    torque = static_torques(APPENDIX_4, BY_HAND[0])
+    assert_within(torque[:3], np.zeros(3), 1e-13)
+    h = 1e-4
+    z = BY_HAND[0] + np.array([[h], [-h]]) * [0, 0, 0, 1]
+    slope = np.diff(potential_energy(APPENDIX_4, z)[::-1])[0] / (2 * h)
+    assert torque[3] == pytest.approx(3 * slope, rel=1e-7)
+
+
+def test_finite_mask() -> None:
+    values = np.array([[0.0, 1.0], [np.nan, 1.0], [1.0, np.inf]])
+    assert finite_mask(values).tolist() == [True, False, False]
