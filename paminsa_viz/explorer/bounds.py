@@ -1,0 +1,36 @@
+"""How large a design's numbers may be on the page: beyond any machine, within the arithmetic."""
+
+from __future__ import annotations
+
+from paminsa_viz.model import PARAMETER, PARAMETERS, Design, InvalidDesign
+
+LARGEST = {"": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3}
+"""Largest number of each unit; any other unit has `LARGEST_OTHER`."""
+
+LARGEST_OTHER = 1e4
+
+SMALLEST = 1e-6
+"""Smallest number where zero is refused."""
+
+
+def largest(path: str) -> float:
+    """Return the largest number that is taken at a dotted path [SI]."""
+    return LARGEST.get(PARAMETER[path].unit, LARGEST_OTHER)
+
+
+def require_workable(design: Design) -> Design:
+    """Return the design if its numbers are of a size that can be worked with.
+
+    The model takes any finite number, and some overflow in its formulae. What comes from a page, a
+    file or a share code goes through here.
+
+    Raises:
+        InvalidDesign: If a number is too large, or too small where zero is refused.
+    """
+    for parameter in PARAMETERS:
+        path, value = parameter.path, design.value(parameter.path)
+        low, high = (SMALLEST if parameter.positive else 0.0), largest(path)
+        if not low <= value <= high:
+            unit = f" [{parameter.unit}]" if parameter.unit else ""
+            raise InvalidDesign(path, value, f"here, it is from {low:g} to {high:g}{unit}")
+    return design
