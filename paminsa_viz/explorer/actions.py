@@ -6,9 +6,14 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
+from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.explorer.state import Document, State, home_pose, settle
-from paminsa_viz.model import APPENDIX_4, Assembly, Design
+from paminsa_viz.files.design_writer import name_problem
+from paminsa_viz.model import APPENDIX_4, Assembly, Design, InvalidInput
 from paminsa_viz.model.grids import COORDINATES
+
+CHANGED_NAME = f"{APPENDIX_4.name}, changed"
+"""What the paper's design is called once a number of it was changed."""
 
 
 def move(state: State, **coordinates: float) -> State:
@@ -28,11 +33,20 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
     """Change numbers of the design.
 
     Raises:
-        InvalidDesign: If no machine can have them.
+        InvalidDesign: If no machine can have them, or they are too large to work with.
     """
-    return settle(
-        state, replace(state.document, design=state.document.design.vary(changes))
-    )
+    design = _honestly_named(require_workable(state.document.design.vary(changes)))
+    return settle(state, replace(state.document, design=design))
+
+
+def _honestly_named(design: Design) -> Design:
+    """Return the design under a name that does not claim to be Appendix 4's if it is not."""
+    printed = design == APPENDIX_4
+    if design.name == APPENDIX_4.name and not printed:
+        return replace(design, name=CHANGED_NAME)
+    if design.name == CHANGED_NAME and printed:
+        return APPENDIX_4
+    return design
 
 
 def reset_values(state: State, paths: tuple[str, ...]) -> State:
@@ -44,8 +58,12 @@ def reset_values(state: State, paths: tuple[str, ...]) -> State:
 
 
 def load_design(state: State, design: Design) -> State:
-    """Work on another design, at the present pose if it can be taken, else at home."""
-    changed = settle(state, replace(state.document, design=design))
+    """Work on another design, at the present pose if it can be taken, else at home.
+
+    Raises:
+        InvalidDesign: If a number is too large to work with.
+    """
+    changed = settle(state, replace(state.document, design=require_workable(design)))
     if changed.standing.geometry is not design.geometry:
         changed = go_home(changed)
     return changed
@@ -57,9 +75,7 @@ def assemble(state: State, assembly: Assembly) -> State:
         return state
     x, y, theta, z = state.document.pose
     mirrored = -z - 2 * state.document.design.geometry.platform_joint_height
-    return settle(
-        state, replace(state.document, assembly=assembly, pose=(x, y, theta, mirrored))
-    )
+    return settle(state, replace(state.document, assembly=assembly, pose=(x, y, theta, mirrored)))
 
 
 def pin_reference(state: State) -> State:
@@ -73,8 +89,36 @@ def unpin_reference(state: State) -> State:
     return replace(cleared, map_view=replace(cleared.map_view, difference=False))
 
 
+def swap_reference(state: State) -> State:
+    """Work on the reference, and keep the present design to compare with."""
+    document = state.document
+    if document.reference is None:
+        return state
+    swapped = load_design(state, document.reference)
+    return settle(swapped, replace(swapped.document, reference=document.design))
+
+
+def rename(state: State, name: str) -> State:
+    """Give the design another name.
+
+    Raises:
+        InvalidInput: If it can not stand in a design file.
+    """
+    problem = name_problem(name)
+    if problem:
+        raise InvalidInput("name", problem)
+    design = replace(state.document.design, name=name)
+    return settle(state, replace(state.document, design=design))
+
+
 def restore(state: State, document: Document) -> State:
-    """Take over a whole document, as undo, redo and a reload do."""
+    """Take over a whole document, as undo, redo and a reload do.
+
+    Raises:
+        InvalidDesign: If a number of a design is too large to work with.
+    """
+    for design in filter(None, (document.design, document.reference)):
+        require_workable(design)
     changed = settle(state, document)
     if document.reference is None and changed.map_view.difference:
         changed = replace(changed, map_view=replace(changed.map_view, difference=False))

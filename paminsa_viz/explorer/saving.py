@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import json
-import math
 from dataclasses import replace
 
 from paminsa_viz.explorer.state import Document
+from paminsa_viz.files.design_writer import NAME_CHARACTERS
+from paminsa_viz.files.errors import printable, shown
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
@@ -18,13 +19,22 @@ from paminsa_viz.model import (
 
 VERSION = 1
 
+STROKE = "geometry.guide_stroke"
+
+
+FARTHEST = 1e6
+"""Largest coordinate of a saved pose [m, rad]; it need not be in reach."""
+
 
 def _numbers(design: Design) -> dict[str, float]:
-    """Return the numbers that differ from Appendix 4."""
+    """Return the numbers that differ from Appendix 4.
+
+    A guide stroke that is set is always among them: it may be Appendix 4's only by chance.
+    """
     values = {p.path: design.value(p.path) for p in PARAMETERS}
-    if design.geometry.guide_stroke is None:
-        del values["geometry.guide_stroke"]
-    return {path: v for path, v in values.items() if v != APPENDIX_4.value(path)}
+    stroke = values.pop(STROKE)
+    changed = {path: v for path, v in values.items() if v != APPENDIX_4.value(path)}
+    return changed if design.geometry.guide_stroke is None else changed | {STROKE: stroke}
 
 
 def dump(document: Document) -> str:
@@ -53,10 +63,10 @@ def load(text: str) -> Document:
     try:
         data = json.loads(text)
         if data["version"] != VERSION:
-            raise InvalidInput("saved state", f"version {data['version']!r} is not known")
-        x, y, theta, z = (float(value) for value in data["pose"])
-        if not all(map(math.isfinite, (x, y, theta, z))):
-            raise InvalidInput("saved state", "the pose is not finite")
+            raise InvalidInput("saved state", f"version {shown(data['version'])} is not known")
+        x, y, theta, z = (_number(value) for value in data["pose"])
+        if not all(abs(value) <= FARTHEST for value in (x, y, theta, z)):
+            raise InvalidInput("saved state", "the pose is not possible")
         reference = data["reference"]
         return Document(
             design=_design(data["name"], data["design"]),
@@ -68,10 +78,16 @@ def load(text: str) -> Document:
         )
     except PaminsaError:
         raise
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        raise InvalidInput("saved state", f"it can not be read ({error})") from None
+    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError):
+        raise InvalidInput("saved state", "it can not be read") from None
 
 
-def _design(name: object, numbers: dict[str, float]) -> Design:
-    design = APPENDIX_4.vary({path: float(value) for path, value in numbers.items()})
-    return replace(design, name=str(name)[:80])
+def _number(value: object) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise InvalidInput("saved state", "a number is needed where there is none")
+    return float(value)
+
+
+def _design(name: object, numbers: dict[str, object]) -> Design:
+    design = APPENDIX_4.vary({path: _number(value) for path, value in numbers.items()})
+    return replace(design, name=printable(str(name))[:NAME_CHARACTERS])

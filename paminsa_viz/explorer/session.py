@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Protocol
 
 import viser
@@ -146,7 +147,7 @@ class Session:
                     time.sleep(BREATH)
                 elif resting_due is not None and time.monotonic() >= resting_due:
                     resting_due = None
-                    self._draw(drawn, moving=False)
+                    self._draw(self._state, moving=False)
             except Exception:
                 if self._closed:
                     return
@@ -159,21 +160,28 @@ class Session:
             intents, self._intents = self._intents, {}
             jobs, self._jobs = self._jobs, []
         for source, intent in intents.items():
-            before = self._state
-            try:
-                after = intent(before)
-            except PaminsaError as error:
-                self.tell("Not possible", str(error), bad=True)
-                # a new object, so that the controls are set back to what holds
-                self._state = replace(before)
-                continue
-            self._state = after
-            self._history.record(before.document, after.document, source, time.monotonic())
+            self._guard(partial(self._apply, source, intent))
         for job in jobs:
-            try:
-                job()
-            except PaminsaError as error:
-                self.tell("Not possible", str(error), bad=True)
+            self._guard(job)
+
+    def _apply(self, source: str, intent: Intent) -> None:
+        before = self._state
+        # If the intent fails: a new object, so that the controls are set back to what holds.
+        self._state = replace(before)
+        self._state = intent(before)
+        self._history.record(before.document, self._state.document, source, time.monotonic())
+
+    def _guard(self, job: Callable[[], None]) -> None:
+        """Run one request; what goes wrong with it is told and stops no other request."""
+        try:
+            job()
+        except PaminsaError as error:
+            self.tell("Not possible", str(error), bad=True)
+        except Exception:
+            if self._closed:
+                return
+            log.exception("a request failed")
+            self.tell("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, moving: bool) -> None:
         frame = compute(state)

@@ -1,0 +1,258 @@
+"""The worker of a tab, with a page that only remembers what it was told."""
+
+from __future__ import annotations
+
+import contextlib
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import Any, cast
+
+import pytest
+import viser
+
+from paminsa_viz.explorer import actions, session
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import InvalidInput
+
+from .raw_page import PATIENCE, eventually
+
+
+@dataclass
+class Page:
+    """Stands in for a tab."""
+
+    told: list[tuple[str, str]] = field(default_factory=list)
+    flushes: int = 0
+
+    def atomic(self) -> contextlib.AbstractContextManager[None]:
+        return contextlib.nullcontext()
+
+    def flush(self) -> None:
+        self.flushes += 1
+
+    def add_notification(self, title: str, body: str, **options: Any) -> None:
+        self.told.append((title, body))
+
+
+class Watch:
+    """A view that remembers what it drew, and can hold the worker up while it draws."""
+
+    def __init__(self) -> None:
+        self.drawn: list[tuple[State, bool]] = []
+        self.gate = threading.Event()
+        self.gate.set()
+        self.inside = threading.Event()
+        self.trouble: Exception | None = None
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        self.drawn.append((frame.state, moving))
+        self.inside.set()
+        assert self.gate.wait(PATIENCE)
+        if self.trouble is not None:
+            raise self.trouble
+
+    def hold(self) -> None:
+        """Stop the worker in its next drawing."""
+        self.inside.clear()
+        self.gate.clear()
+
+
+@dataclass
+class Desk:
+    """A started session with what stands around it."""
+
+    session: Session
+    page: Page
+    first: Watch
+    later: Watch
+
+    @property
+    def x(self) -> float:
+        return self.session.state.document.pose[0]
+
+    def rest(self) -> None:
+        """Wait until the newest state has been drawn at rest by every view."""
+        newest = self.session.state
+
+        def drawn() -> bool:
+            return all(w.drawn and w.drawn[-1] == (newest, False) for w in (self.first, self.later))
+
+        eventually(drawn)
+
+
+@pytest.fixture
+def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+    monkeypatch.setattr(session, "REST", 0.03)
+    page = Page()
+    begun = Session(cast(viser.ClientHandle, page), initial_state())
+    desk = Desk(begun, page, Watch(), Watch())
+    begun.first.append(desk.first)
+    begun.later.append(desk.later)
+    begun.start()
+    yield desk
+    for watch in (desk.first, desk.later):
+        watch.gate.set()
+    begun.close()
+    begun._thread.join(PATIENCE)
+    assert not begun._thread.is_alive()
+
+
+def to(x: float) -> Callable[[State], State]:
+    return lambda state: actions.move(state, x=x)
+
+
+def test_the_first_frame_is_drawn_without_being_asked_for(desk: Desk) -> None:
+    desk.rest()
+    assert desk.first.drawn[0] == (initial_state(), True)
+    assert desk.page.flushes
+
+
+def test_five_hundred_requests_end_at_the_last_one(desk: Desk) -> None:
+    for i in range(1, 501):
+        desk.session.ask("slider", to(i / 5000))
+    eventually(lambda: desk.x == 0.1)
+    desk.rest()
+    for watch in (desk.first, desk.later):
+        assert watch.drawn[-1][0].document.pose[0] == 0.1
+        places = [state.document.pose[0] for state, _ in watch.drawn]
+        assert places == sorted(places)  # never back to an older one
+        assert len(places) < 500
+    desk.session.undo()
+    eventually(lambda: desk.x == 0.0)  # one drag, one step
+
+
+def test_of_what_came_while_drawing_only_the_newest_of_each_control_runs(desk: Desk) -> None:
+    desk.rest()
+    ran: list[str] = []
+
+    def counted(name: str, intent: Callable[[State], State]) -> Callable[[State], State]:
+        def run(state: State) -> State:
+            ran.append(name)
+            return intent(state)
+
+        return run
+
+    desk.first.hold()
+    desk.session.ask("x", to(0.01))
+    assert desk.first.inside.wait(PATIENCE)
+    for i in range(100):
+        desk.session.ask("x", counted(f"x{i}", to(i / 1000)))
+        desk.session.ask("y", counted(f"y{i}", lambda s, i=i: actions.move(s, y=i / 1000)))
+    desk.first.gate.set()
+    eventually(lambda: desk.session.state.document.pose[:2] == (0.099, 0.099))
+    desk.rest()
+    assert ran == ["x99", "y99"]
+
+
+@pytest.mark.parametrize("error", [InvalidInput("x", "it is not liked"), RuntimeError("broken")])
+def test_a_request_that_raises_changes_nothing_is_told_and_is_set_back(
+    desk: Desk, error: Exception
+) -> None:
+    def wrong(state: State) -> State:
+        raise error
+
+    desk.rest()
+    before, drawn = desk.session.state, len(desk.first.drawn)
+    desk.session.ask("wrong", wrong)
+    eventually(lambda: desk.page.told)
+    eventually(lambda: len(desk.first.drawn) > drawn)  # so that the input is set back
+    assert desk.session.state == before
+    assert not desk.session.can_undo
+    (told,) = desk.page.told
+    assert told[1] == str(error) if isinstance(error, InvalidInput) else "broken" not in told[1]
+
+
+def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
+    def wrong(state: State) -> State:
+        raise RuntimeError("broken")
+
+    def wrong_job() -> None:
+        raise InvalidInput("file", "it is not liked")
+
+    done = threading.Event()
+    desk.rest()
+    desk.first.hold()
+    desk.session.ask("start", to(0.01))
+    assert desk.first.inside.wait(PATIENCE)
+    desk.session.ask("wrong", wrong)
+    desk.session.ask("x", to(0.02))
+    desk.session.do(wrong_job)
+    desk.session.do(done.set)
+    desk.first.gate.set()
+    assert done.wait(PATIENCE)
+    desk.rest()
+    assert desk.x == 0.02
+    assert len(desk.page.told) == 2
+
+
+def test_a_view_that_fails_does_not_end_the_session(desk: Desk) -> None:
+    desk.rest()
+    desk.first.trouble = RuntimeError("broken")
+    desk.session.ask("x", to(0.01))
+    eventually(lambda: desk.page.told)
+    desk.first.trouble = None
+    desk.session.ask("x", to(0.02))
+    eventually(lambda: desk.x == 0.02)
+    desk.rest()
+
+
+def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> None:
+    second = Watch()
+    desk.session.later.append(second)
+    desk.rest()
+    desk.later.hold()
+    desk.session.ask("x", to(0.01))
+    assert desk.later.inside.wait(PATIENCE)
+    desk.session.ask("x", to(0.02))  # while the first of the slow views draws
+    desk.later.gate.set()
+    eventually(lambda: second.drawn and second.drawn[-1][0].document.pose[0] == 0.02)
+    assert 0.01 not in [state.document.pose[0] for state, _ in second.drawn]
+
+
+def test_undo_and_redo_go_step_by_step(desk: Desk) -> None:
+    assert not desk.session.can_undo
+    for name, x in (("a", 0.01), ("b", 0.02), ("c", 0.03)):
+        desk.session.ask(name, to(x))
+        eventually(lambda x=x: desk.x == x)
+    for x in (0.02, 0.01, 0.0):
+        desk.session.undo()
+        eventually(lambda x=x: desk.x == x)
+    assert not desk.session.can_undo
+    desk.session.undo()
+    for x in (0.01, 0.02, 0.03):
+        desk.session.redo()
+        eventually(lambda x=x: desk.x == x)
+    assert not desk.session.can_redo
+    desk.rest()
+
+
+def test_a_closed_session_does_nothing_more(desk: Desk) -> None:
+    desk.rest()
+    desk.session.close()
+    desk.session._thread.join(PATIENCE)
+    assert not desk.session._thread.is_alive()
+    drawn = len(desk.first.drawn)
+    desk.session.ask("x", to(0.05))
+    desk.session.do(lambda: desk.page.told.append(("", "")))
+    assert desk.x == 0.0
+    assert len(desk.first.drawn) == drawn
+    assert not desk.page.told
+
+
+def test_a_tab_that_goes_while_it_is_drawn_leaves_quietly(
+    desk: Desk, caplog: pytest.LogCaptureFixture
+) -> None:
+    desk.rest()
+    desk.first.hold()
+    desk.first.trouble = RuntimeError("the socket is gone")
+    desk.session.ask("x", to(0.01))
+    assert desk.first.inside.wait(PATIENCE)
+    desk.session.close()
+    desk.first.gate.set()
+    desk.session._thread.join(PATIENCE)
+    assert not desk.session._thread.is_alive()
+    assert not caplog.records
+    assert not desk.page.told
