@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.controls import check_value
@@ -27,15 +28,11 @@ class Gizmo:
             visible=session.state.layers.gizmo,
         )
         self._held = False
-        self.handle.on_drag_start(self._hold)
-        self.handle.on_drag_end(self._release)
-        self.handle.on_update(lambda _: session.ask("gizmo", self._intent))
+        self.handle.on_update(self._dragged)
 
-    def _hold(self, _: object) -> None:
-        self._held = True
-
-    def _release(self, _: object) -> None:
-        self._held = False
+    def _dragged(self, event: viser.TransformControlsEvent) -> None:
+        self._held = event.phase != "end"
+        self.session.ask("gizmo", self._intent)
 
     def _intent(self, state: State) -> State:
         x, y, z = (float(v) for v in self.handle.position)

@@ -1,0 +1,85 @@
+"""The robot of a session: follows its frames, layer by layer; and its cameras."""
+
+from __future__ import annotations
+
+import viser
+
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.cameras import VIEWS, preset, take
+from paminsa_viz.explorer.scene.robot import Layer, RobotScene
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import Layers, State
+from paminsa_viz.model import Design, lift_constant, lumped_coefficients, solve_posture
+
+CAMERAS = VIEWS
+"""Names of the camera presets."""
+
+
+def look(client: viser.ClientHandle, name: str, state: State) -> None:
+    """Move a tab's camera to a preset.
+
+    Args:
+        client: The tab.
+        name: One of `CAMERAS`.
+        state: The state it shows; "Leg k" squares up to the leg as it stands.
+    """
+    standing = state.standing
+    posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
+    width, height = client.camera.image_width, client.camera.image_height
+    aspect = width / height if height else 1.4
+    take(client, preset(name, standing.geometry, standing.assembly, posture, aspect))
+
+
+def arrow_scales(design: Design) -> tuple[float, float]:
+    """Return the torque [N m] and the force [N] that an arrow at full size stands for.
+
+    They follow the weight of the design, so that the arrows of a balanced one are seen to shrink
+    only because its torques do.
+    """
+    c = lumped_coefficients(design)
+    weight = float(abs(c[0]) + abs(c[1]) + abs(c[2]))
+    torque = 0.5 * weight * design.geometry.base_radius
+    return max(torque, 1e-6), max(1.5 * lift_constant(design), 1e-6)
+
+
+class RobotView:
+    """Draws the standing robot and its layers."""
+
+    def __init__(self, session: Session) -> None:
+        state = session.state
+        self.scene = RobotScene(
+            session.client.scene, state.document.design, state.standing.assembly
+        )
+        self._layers: Layers | None = None
+        self._efforts: object = None
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Move what moved; remake only bodies whose lengths changed."""
+        del moving
+        state = frame.state
+        design = frame.standing_design
+        if design != self.scene.design or state.standing.assembly is not self.scene.assembly:
+            self.scene.change(design, state.standing.assembly)
+            self._efforts = None
+        if frame.posture is not self.scene.posture:
+            self.scene.pose(frame.posture)
+        efforts = (tuple(frame.torques), arrow_scales(design))
+        if efforts != self._efforts:
+            self._efforts = efforts
+            self.scene.efforts(frame.torques, *efforts[1])
+        if state.layers != self._layers:
+            self._layers = state.layers
+            self._switch(state.layers)
+
+    def _switch(self, layers: Layers) -> None:
+        for layer, visible in (
+            (Layer.MESH, layers.mesh),
+            (Layer.SKELETON, layers.skeleton),
+            (Layer.NUMBERS, layers.skeleton),
+            (Layer.LABELS, layers.labels),
+            (Layer.MASSES, layers.mass_centres),
+            (Layer.GRAVITY, layers.gravity),
+            (Layer.EFFORTS, layers.torques),
+        ):
+            if self.scene.shown(layer) != visible:
+                self.scene.show(layer, visible)

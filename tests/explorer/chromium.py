@@ -1,0 +1,110 @@
+"""Finds a browser, starts it headless, and drives the explorer's page as a person would."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import time
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+FLAGS = (
+    "--headless=new --no-sandbox --use-gl=angle --use-angle=swiftshader "
+    "--enable-unsafe-swiftshader --disable-quic --no-first-run --disable-background-networking "
+    "--disable-component-update --disable-sync"
+).split()
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
+
+PATIENCE = 60.0
+"""How long a slow machine may take to show something [s]."""
+
+
+def browser_path() -> str:
+    """Return a browser's path; without one skip the test, or fail where one is required."""
+    found = next((path for name in NAMES if (path := shutil.which(name))), None)
+    if found is None:
+        reason = "no Chromium or Chrome is installed, so the page can not be tried in a browser"
+        if os.environ.get("PAMINSA_VIZ_REQUIRE_BROWSER"):
+            pytest.fail(reason)
+        pytest.skip(reason)
+    return found
+
+
+def until(condition: Callable[[], Any], what: str, patience: float = PATIENCE) -> Any:
+    """Return the first true value of a condition.
+
+    Raises:
+        AssertionError: If it does not come true in time.
+    """
+    end = time.monotonic() + patience
+    while True:
+        value = condition()
+        if value:
+            return value
+        assert time.monotonic() < end, f"waited {patience:.0f} s in vain: {what}"
+        time.sleep(0.03)
+
+
+class Tab:
+    """One browser tab on the explorer, and the session behind it."""
+
+    def __init__(self, page: Any, app: Any, session: Any, complaints: list[str]) -> None:
+        self.page, self.app, self.session = page, app, session
+        self.complaints = complaints
+
+    @property
+    def state(self) -> Any:
+        """The session's newest state."""
+        return self.session.state
+
+    def handle(self, label: str) -> Any:
+        """Return the input with a label, as the server knows it."""
+        inputs = self.session.client.gui._gui_input_handle_from_uuid.values()
+        return next(handle for handle in inputs if getattr(handle, "label", None) == label)
+
+    def slider(self, label: str) -> Any:
+        """Return the thumb of a slider on the page."""
+        return self.page.locator(f'[id="{self.handle(label)._impl.uuid}"] [role=slider]')
+
+    def press(self, label: str, key: str, times: int = 1) -> None:
+        """Focus a slider and press a key; the page sends at most one value every 50 ms."""
+        self.slider(label).focus()
+        for _ in range(times):
+            self.page.keyboard.press(key)
+        self.page.wait_for_timeout(80)
+
+    def type_number(self, label: str, value: float) -> None:
+        """Type into the number box of a slider."""
+        box = self.page.locator(f'[id="{self.handle(label)._impl.uuid}"]').locator(
+            "xpath=ancestor-or-self::*[.//input][1]"
+        )
+        field = box.locator("input").last
+        field.fill(str(value))
+        field.press("Enter")
+        self.page.wait_for_timeout(80)
+
+    def open_tab(self, name: str) -> None:
+        """Open a tab of a panel."""
+        self.page.get_by_role("tab", name=name, exact=True).click()
+
+    def text(self, test_id: str) -> str:
+        """Return the text of a readout."""
+        return self.page.get_by_test_id(test_id).inner_text()
+
+    def place(self, node: str) -> list[float]:
+        """Return where a scene node stands in the page, [m]."""
+        return self.page.evaluate(
+            "name => { const n = window.__viserMutable.nodeRefFromName[name];"
+            " return n ? n.position.toArray().concat(n.quaternion.toArray()) : null; }",
+            node,
+        )
+
+    def wait_pose(self, index: int, value: float) -> None:
+        """Wait until the standing pose has a coordinate."""
+        until(
+            lambda: abs(self.state.standing.pose[index] - value) < 1e-6,
+            f"coordinate {index} = {value}; it is {self.state.standing.pose}",
+        )

@@ -1,0 +1,78 @@
+"""Fixtures: a running explorer, a headless browser, tabs on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.explorer.chromium import FLAGS, PATIENCE, Tab, browser_path, until
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless browser."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    path = browser_path()
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=path, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def app() -> Iterator[Any]:
+    """An explorer on any free port."""
+    from paminsa_viz.app import App
+    from paminsa_viz.model import APPENDIX_4, backend
+    from paminsa_viz.options import AppOptions
+
+    backend.compile_now()
+    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def open_tab(browser: Any, app: Any, tmp_path: Path) -> Iterator[Callable[..., Tab]]:
+    """A function that opens a tab; at the end no tab may have complained."""
+    contexts: list[Any] = []
+    tabs: list[Tab] = []
+
+    def start(width: int = 1280, height: int = 720, context: Any = None) -> Tab:
+        if context is None:
+            context = browser.new_context(
+                viewport={"width": width, "height": height}, accept_downloads=True
+            )
+            contexts.append(context)
+        page = context.new_page()
+        page.set_default_timeout(1000 * PATIENCE)
+        complaints: list[str] = []
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.on("console", lambda message: _complain(complaints, message))
+        known = set(app.sessions)
+        page.goto(app.url + "?fixedDpr=1")
+        number = until(lambda: set(app.sessions) - known, "a session for the tab").pop()
+        tab = Tab(page, app, app.sessions[number], complaints)
+        page.get_by_test_id("status").wait_for()
+        tabs.append(tab)
+        return tab
+
+    yield start
+    for context in contexts:
+        context.close()
+    for tab in tabs:
+        assert tab.complaints == []
+
+
+def _complain(complaints: list[str], message: Any) -> None:
+    if message.type == "error":
+        complaints.append(message.text)
+
+
+@pytest.fixture
+def tab(open_tab: Callable[..., Tab]) -> Tab:
+    """One tab."""
+    return open_tab()
