@@ -35,6 +35,9 @@ WORTH_LOADING = 100_000
 LEAST_WORK = 50
 """What a call on few poses counts as: on NumPy its overhead is that of some fifty more."""
 
+_REGRESSOR_WORTH = 20
+"""Poses that a state of the regressor counts as: on NumPy it takes about as long."""
+
 
 class _Kernels:
     """Holds the module of compiled kernels once it is loaded; the loading may be put off."""
@@ -56,9 +59,10 @@ class _Kernels:
     def load(self) -> None:
         with self.lock:
             if self.module is None:
-                from paminsa_viz.model import compiled
+                from paminsa_viz.model import compiled, compiled_regressor
 
                 compiled.warm_up()
+                compiled_regressor.warm_up()
                 self.module = compiled
 
 
@@ -181,3 +185,29 @@ def mass_matrix(m: leg.Mechanism, e: EnergyTerms, pose: Array) -> Array:
     with np.errstate(all="ignore"):
         values: tuple[Any, ...] = robot.mass_matrix(m, e, pose[:, 0], pose[:, 1], c, s, pose[:, 3])
     return np.stack(np.broadcast_arrays(*values), axis=-1)
+
+
+def regressor(
+    m: leg.Mechanism,
+    gravity: float,
+    pose: Array,
+    velocity: Array,
+    acceleration: Array,
+    terms: Array,
+) -> Array | None:
+    """Evaluate the regressor on lists (n, 4) if it is compiled, (n, 4, 18); otherwise None.
+
+    ``terms`` (21, 18) maps the lumped coefficients to the energy terms.
+    """
+    if _kernels.get(_REGRESSOR_WORTH * len(pose)) is None:
+        return None
+    from paminsa_viz.model import compiled_regressor
+
+    pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
+    c, s = _cos_sin(pose[:, 2])
+    rows, columns = np.nonzero(terms)
+    y = np.empty((len(pose), 4, terms.shape[1]))
+    compiled_regressor.regressor(
+        m, gravity, pose, c, s, velocity, acceleration, rows, columns, terms[rows, columns], y
+    )
+    return y

@@ -29,6 +29,7 @@ _FORMULAE = (
     leg.leg_motion,
     leg_forces.leg_forces,
     leg_forces.leg_inertia,
+    leg_forces.leg_regressor,
     robot.platform_determinant,
     robot.balance,
     robot._slope,
@@ -67,7 +68,7 @@ def _digest() -> int:
 
 
 # `contract` lets the compiler fuse a product and a sum, which is faster and rounds once less.
-_OPTIONS: dict[str, Any] = {
+OPTIONS: dict[str, Any] = {
     "cache": True,
     "nogil": True,
     "error_model": "numpy",
@@ -81,7 +82,7 @@ def _over_poses(formula: Callable[..., Any], count: int, digest: int) -> tuple[A
     ``digest`` is used for its being a closure variable, and so part of Numba's cache key.
     """
 
-    @njit(**_OPTIONS)
+    @njit(**OPTIONS)
     def over_grid(m, outer, inner, along_x, out):  # type: ignore[no-untyped-def]
         """Poses outer[i] + inner[:, j]; theta is the outer's alone, so its part is hoisted.
 
@@ -104,7 +105,7 @@ def _over_poses(formula: Callable[..., Any], count: int, digest: int) -> tuple[A
                     for n in range(count):
                         out[i, n, j] = values[n]
 
-    @njit(**_OPTIONS)
+    @njit(**OPTIONS)
     def over_list(m, pose, c, s, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
@@ -126,7 +127,7 @@ With a score of arrays LLVM would give up proving that none overlaps another, an
 def _motion_kernels(digest: int) -> tuple[Any, Any]:
     """Compile inverse dynamics and the mass matrix over lists of states."""
 
-    @njit(**_OPTIONS)
+    @njit(**OPTIONS)
     def drive(m, e, gravity, pose, c, s, velocity, acceleration, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
@@ -151,7 +152,7 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
                 for i in range(8):
                     out[start + j, i] = w[14 + i, j]
 
-    @njit(**_OPTIONS)
+    @njit(**OPTIONS)
     def mass_matrix(m, e, pose, c, s, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
@@ -174,7 +175,8 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
     return drive, mass_matrix
 
 
-_DIGEST = _digest()
+DIGEST = _digest()
+"""Number that changes with the source of the formulae; kernels elsewhere weave it in as well."""
 _POSE_FORMULAE: dict[str, tuple[Callable[..., Any], int]] = {
     "rotary_torques": (robot.unit_torques, 3),
     "unit_torques": (robot.unit_torques, 4),
@@ -184,11 +186,11 @@ _POSE_FORMULAE: dict[str, tuple[Callable[..., Any], int]] = {
 COUNTS = {name: count for name, (_, count) in _POSE_FORMULAE.items()}
 """How many results each formula of a pose has."""
 OVER_POSES = {
-    name: _over_poses(formula, count, _DIGEST) for name, (formula, count) in _POSE_FORMULAE.items()
+    name: _over_poses(formula, count, DIGEST) for name, (formula, count) in _POSE_FORMULAE.items()
 }
 """Kernels over grids and over lists of poses: ``(over_grid, over_list)``."""
 
-drive, mass_matrix = _motion_kernels(_DIGEST)
+drive, mass_matrix = _motion_kernels(DIGEST)
 
 
 def warm_up() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.jacobian import jacobian
@@ -49,17 +50,22 @@ def torque_regressor(
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     terms = term_matrix(misprints)
-    y = np.empty((len(p), 4, terms.shape[1]))
-    for start in range(0, len(p), BLOCK):
-        part = slice(start, start + BLOCK)
-        y[part] = _unit_terms(geometry, p[part], v[part], a[part], assembly, gravity) @ terms
+    y = backend.regressor(mechanism(geometry, assembly), gravity, p, v, a, terms)
+    if y is None:
+        y = np.empty((len(p), 4, terms.shape[1]))
+        for start in range(0, len(p), BLOCK):
+            part = slice(start, start + BLOCK)
+            y[part] = _unit_terms(geometry, p[part], v[part], a[part], assembly, gravity) @ terms
+    status, _ = reach_status(geometry, p)
+    y[status != Limit.OK] = np.nan
     return y.reshape(*shape, 4, terms.shape[1])
 
 
 @np.errstate(all="ignore")
 def regressor_torques(y: Array, c: Array) -> Array:
     """Return Q = Y c, (..., 4) [N m, N], for Y of `torque_regressor` and c (18,)."""
-    return (y.reshape(-1, y.shape[-1]) @ c).reshape(y.shape[:-1])
+    # Not `@`: threads of a BLAS that wait for each other on a busy machine cost 50 times as much.
+    return np.einsum("...i,i->...", y, c)
 
 
 def _unit_terms(
@@ -87,6 +93,4 @@ def _unit_terms(
     y[:, :3, 19] = a[:, 0:1] * j[:, 0] + a[:, 1:2] * j[:, 1]
     y[:, 3, 19] = k * (a[:, 3] + gravity)
     y[:, :3, 20] = a[:, 2:3] * j[:, 2]
-    status, _ = reach_status(geometry, p)
-    y[status != Limit.OK] = np.nan
     return y
