@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import text_to_path
 
@@ -33,20 +35,24 @@ class Lettering:
 
     def wrapped(self, words: str, width: float) -> list[str]:
         """Break words into lines no wider than ``width`` [mm]; a longer word is cut."""
-        rows: list[str] = []
-        row = ""
-        for word in self.plain(words).split(" "):
-            longer = f"{row} {word}" if row else word
-            if self.width(longer) <= width:
-                row = longer
-                continue
-            if row:
-                rows.append(row)
-            while self.width(word) > width and len(word) > 1:
-                cut = len(word) - 1
-                while cut > 1 and self.width(word[:cut]) > width:
-                    cut -= 1
-                rows.append(word[:cut])
-                word = word[cut:]
-            row = word
-        return [*rows, row] if row else rows
+        space = self.width(" ")
+        rows: list[list[str]] = []
+        used = 0.0
+        for word in (piece for w in self.plain(words).split(" ") for piece in self._cut(w, width)):
+            wide = self.width(word)
+            if rows and used + space + wide <= width:
+                rows[-1].append(word)
+                used += space + wide
+            else:
+                rows.append([word])
+                used = wide
+        return [" ".join(row) for row in rows]
+
+    def _cut(self, word: str, width: float) -> list[str]:
+        """Cut a word into pieces of at most ``width`` [mm]."""
+        pieces: list[str] = []
+        while len(word) > 1 and self.width(word) > width:
+            fits = bisect_right(range(1, len(word)), width, key=lambda n: self.width(word[:n]))
+            pieces.append(word[: max(1, fits)])
+            word = word[max(1, fits) :]
+        return [*pieces, word] if word else pieces
