@@ -1,0 +1,225 @@
+"""Inverse and forward dynamics against first principles, the energies, and each other."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Friction,
+    InvalidInput,
+    Limit,
+    actuator_power,
+    actuator_velocity,
+    forward_dynamics,
+    inverse_dynamics,
+    kinetic_energy,
+    mass_matrix,
+    potential_energy,
+    static_torques,
+    torque_breakdown,
+)
+from paminsa_viz.model.lumped import MASS_PATHS
+from tests import samples
+from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
+
+RUBBING = Friction(
+    viscous_rotary=0.4,
+    coulomb_rotary=0.3,
+    viscous_linear=15.0,
+    coulomb_linear=4.0,
+    transition_speed=0.02,
+)
+
+
+def rubbing(design: Design) -> Design:
+    return replace(design, friction=RUBBING)
+
+
+@given(case=cases())
+def test_torques_are_those_of_first_principles(case: Case) -> None:
+    result = inverse_dynamics(case.design, *case.states(), case.assembly)
+    assert_close(result.torque, case.driving_torques(), 1e-11)
+    assert (result.status == Limit.OK).all()
+    assert (result.leg == -1).all()
+    assert (result.status.dtype, result.leg.dtype) == (np.uint8, np.int8)
+
+
+@given(case=cases(), speed=st.floats(0.0, 30.0), push=st.floats(0.0, 30.0))
+def test_fast_and_slow_motions(case: Case, speed: float, push: float) -> None:
+    """The parts are quadratic in the speeds and linear in the accelerations: Q(sv, pa) is known."""
+    pose, v, a = case.states()
+    parts = torque_breakdown(case.design, pose, v, a, case.assembly)
+    expected = parts.gravity + push * parts.inertial + speed**2 * parts.velocity
+    got = inverse_dynamics(case.design, pose, speed * v, push * a, case.assembly).torque
+    assert_close(got, expected, 1e-10)
+
+
+@given(case=cases())
+def test_the_parts_of_the_torque_add_up(case: Case) -> None:
+    states = case.states()
+    for design in (case.design, rubbing(case.design)):
+        parts = torque_breakdown(design, *states, case.assembly)
+        total = inverse_dynamics(design, *states, case.assembly).torque
+        assert_close(parts.total, total, 1e-12)
+        added = parts.gravity + parts.inertial + parts.velocity + parts.friction
+        np.testing.assert_array_equal(parts.total, added)
+        static = static_torques(case.design, states[0], case.assembly)
+        assert_close(parts.gravity, static, 1e-11)
+        assert parts.friction.any() == (design is not case.design)
+        still = torque_breakdown(design, states[0], np.zeros(4), states[2], case.assembly)
+        np.testing.assert_array_equal(still.velocity, 0.0)
+        np.testing.assert_array_equal(still.friction, 0.0)
+        coasting = torque_breakdown(design, states[0], states[1], np.zeros(4), case.assembly)
+        np.testing.assert_array_equal(coasting.inertial, 0.0)
+        np.testing.assert_array_equal(coasting.velocity, parts.velocity)
+
+
+@given(case=cases())
+def test_power_of_the_actuators_is_the_growth_of_energy(case: Case) -> None:
+    """sum Q_j q_j' = d(T + V)/dt, the energies taken a little before and after."""
+    pose, v, a = case.states()
+    torque = inverse_dynamics(case.design, pose, v, a, case.assembly).torque
+    power = actuator_power(case.design, pose, v, torque)
+    np.testing.assert_array_equal(power, torque * actuator_velocity(case.design, pose, v))
+
+    def energy(t: float) -> Any:
+        q, rate = pose + v * t + a * t * t / 2, v + a * t
+        kinetic = kinetic_energy(case.design, q, rate, case.assembly)
+        return kinetic + potential_energy(case.design, q, case.assembly)
+
+    h = 2e-4
+    growth = (
+        45 * (energy(h) - energy(-h))
+        - 9 * (energy(2 * h) - energy(-2 * h))
+        + (energy(3 * h) - energy(-3 * h))
+    ) / (60 * h)
+    assert_within(power.sum(axis=-1), growth, 1e-7 * np.abs(power).max())
+
+
+@given(case=cases())
+def test_forward_dynamics_undoes_inverse_dynamics(case: Case) -> None:
+    pose, v, a = case.states()
+    for design in (case.design, rubbing(case.design)):
+        torque = inverse_dynamics(design, pose, v, a, case.assembly).torque
+        assert_close(forward_dynamics(design, pose, v, torque, case.assembly), a, 1e-10)
+
+
+@given(case=cases())
+def test_inverse_dynamics_undoes_forward_dynamics(case: Case) -> None:
+    pose, v, _ = case.states()
+    rng = np.random.default_rng(case.seed)
+    torque = static_torques(case.design, pose, case.assembly) + rng.normal(size=pose.shape)
+    for design in (case.design, rubbing(case.design)):
+        a = forward_dynamics(design, pose, v, torque, case.assembly)
+        back = inverse_dynamics(design, pose, v, a, case.assembly).torque
+        assert_close(back, torque, 1e-10)
+
+
+@given(case=cases(), other=st.integers(0, 1000), scale=st.floats(0.0, 10.0))
+def test_torques_are_linear_in_the_masses(case: Case, other: int, scale: float) -> None:
+    states, design = case.states(), case.design
+    added = samples.random_design(np.random.default_rng(other))
+    added = replace(added, geometry=design.geometry, gravity=design.gravity)
+    both = design.vary({p: design.value(p) + scale * added.value(p) for p in MASS_PATHS})
+    one, two, sums = (
+        inverse_dynamics(d, *states, case.assembly).torque for d in (design, added, both)
+    )
+    assert_within(sums, one + scale * two, 1e-11 * (np.abs(one).max() + scale * np.abs(two).max()))
+
+
+@given(case=cases(), turns=st.integers(1, 2))
+def test_a_third_of_a_turn_renames_the_actuators(case: Case, turns: int) -> None:
+    angle = 2 * np.pi / 3 * turns
+    c, s = np.cos(angle), np.sin(angle)
+
+    def turn(vectors: Any) -> Any:
+        turned = vectors.copy()
+        turned[:, :2] = vectors[:, :2] @ np.array([[c, s], [-s, c]])
+        return turned
+
+    def rename(values: Any) -> Any:
+        return np.concatenate([np.roll(values[:, :3], turns, axis=1), values[:, 3:]], -1)
+
+    pose, v, a = case.states()
+    design = rubbing(case.design)
+    one = inverse_dynamics(design, pose, v, a, case.assembly)
+    two = inverse_dynamics(design, turn(pose), turn(v), turn(a), case.assembly)
+    assert_close(two.torque, rename(one.torque), 1e-11)
+    assert_close(two.multipliers, rename(one.multipliers), 1e-10)
+    for energy in (kinetic_energy(design, pose, v), kinetic_energy(design, turn(pose), turn(v))):
+        np.testing.assert_allclose(energy, kinetic_energy(design, pose, v), rtol=1e-12)
+    around = np.eye(4)
+    around[:2, :2] = [[c, -s], [s, c]]
+    inertia = mass_matrix(design, pose, case.assembly)
+    expected = around @ inertia @ around.T
+    got = mass_matrix(design, turn(pose), case.assembly)
+    assert_within(got, expected, 1e-11 * np.abs(expected).max())
+    torque = rename(one.torque)
+    forward = forward_dynamics(design, turn(pose), turn(v), torque, case.assembly)
+    assert_close(forward, turn(a), 1e-9)
+
+
+@given(case=cases())
+def test_time_can_run_backwards(case: Case) -> None:
+    """Without friction the torques of a motion and of its reverse are the same."""
+    pose, v, a = case.states()
+    one = inverse_dynamics(case.design, pose, v, a, case.assembly)
+    two = inverse_dynamics(case.design, pose, -v, a, case.assembly)
+    assert_close(two.torque, one.torque, 1e-12)
+    assert_close(two.multipliers, one.multipliers, 1e-12)
+
+
+@BOTH
+def test_at_rest_the_torques_are_the_static_ones(assembly: Assembly) -> None:
+    still = np.zeros(4)
+    for design in (APPENDIX_4, rubbing(APPENDIX_4)):
+        result = inverse_dynamics(design, BY_HAND, still, still, assembly)
+        assert_close(result.torque, static_torques(design, BY_HAND, assembly), 1e-12)
+
+
+def test_the_payload_counts_as_much_as_the_platform() -> None:
+    heavy = APPENDIX_4.vary({"platform.mass": 5.301, "platform.inertia": 0.035})
+    loaded = APPENDIX_4.vary({"payload.mass": 3.0, "payload.inertia": 0.02})
+    v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
+    one, two = (inverse_dynamics(d, BY_HAND, v, a).torque for d in (heavy, loaded))
+    assert_close(one, two, 1e-13)
+    # moved sideways, a payload does ask something of M1..M3, unlike its weight
+    bare = inverse_dynamics(APPENDIX_4, BY_HAND, v, a).torque
+    assert np.abs(one - bare)[:, :3].max() > 0.5
+
+
+@pytest.mark.parametrize("which", ["velocity", "acceleration"])
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_motions_that_are_not_finite_are_named_so(which: str, bad: float) -> None:
+    motion = {"velocity": np.zeros((3, 4)), "acceleration": np.zeros((3, 4))}
+    motion[which][1, 2] = bad
+    for design in (APPENDIX_4, rubbing(APPENDIX_4)):
+        result = inverse_dynamics(design, BY_HAND, **motion)
+        assert result.status.tolist() == [Limit.OK, Limit.NOT_FINITE, Limit.OK]
+        assert np.isnan(result.torque[1]).all()
+        assert np.isnan(result.multipliers[1]).all()
+        assert np.isfinite(result.torque[[0, 2]]).all()
+
+
+def test_shapes_that_do_not_fit_are_named() -> None:
+    v2, v3 = np.zeros((2, 4)), np.zeros(3)
+    for call in (inverse_dynamics, torque_breakdown, forward_dynamics):
+        with pytest.raises(InvalidInput, match=r"pose: .* do not fit"):
+            call(APPENDIX_4, BY_HAND, v2, np.zeros(4))
+        with pytest.raises(InvalidInput, match="velocity: the last axis"):
+            call(APPENDIX_4, BY_HAND, v3, np.zeros(4))
+    with pytest.raises(InvalidInput, match="torque: the last axis"):
+        forward_dynamics(APPENDIX_4, BY_HAND, np.zeros(4), v3)
+    with pytest.raises(InvalidInput, match="velocity"):
+        kinetic_energy(APPENDIX_4, BY_HAND, v3)
+    with pytest.raises(InvalidInput, match=r"pose: .* do not fit"):
+        actuator_power(APPENDIX_4, BY_HAND, np.zeros(4), v2)
