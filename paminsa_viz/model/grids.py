@@ -6,6 +6,7 @@ one factor, so that a mass slider rescales a map and solves nothing.
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
-from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Assembly, Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import Mechanism, mechanism
@@ -57,7 +58,7 @@ class Grid:
         for name, values in axes.items():
             if name not in COORDINATES:
                 raise InvalidInput(name, f"a grid varies {', '.join(COORDINATES)}")
-            array = np.asarray(values, dtype=np.float64)
+            array = as_numbers(values, name)
             if array.ndim != 1 or array.size == 0:
                 raise InvalidInput(name, f"one axis of values is needed; got {array.shape}")
             made.append((name, array))
@@ -84,12 +85,16 @@ class Grid:
             pose[..., COORDINATES.index(name)] = values
         return pose
 
-    def split(self, rows: int) -> Iterator[tuple[slice, Grid]]:
-        """Cut the first axis into pieces of at most ``rows`` values."""
-        name, values = self.axes[0]
-        for start in range(0, values.size, rows):
-            part = slice(start, min(start + rows, values.size))
-            yield part, Grid(((name, values[part]), *self.axes[1:]), self.fixed)
+    def split(self, poses: int) -> Iterator[tuple[tuple[slice, ...], Grid]]:
+        """Cut the grid into pieces of at most ``poses`` poses, each with its index in the whole."""
+        cuts = []
+        for size in reversed(self.shape):
+            step = max(1, min(size, poses))
+            poses //= step
+            cuts.append([slice(i, min(i + step, size)) for i in range(0, size, step)])
+        for index in itertools.product(*reversed(cuts)):
+            axes = zip(self.axes, index, strict=True)
+            yield index, Grid(tuple((name, v[part]) for (name, v), part in axes), self.fixed)
 
 
 def xy_grid(x: ArrayLike, y: ArrayLike, theta: float, z: float) -> Grid:

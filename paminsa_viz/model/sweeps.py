@@ -43,15 +43,14 @@ def sweep_blocks(
     *,
     block: int = 2**20,
     threads: int | None = None,
-) -> Iterator[tuple[slice, Field, dict[Quantity, Array]]]:
-    """Go through a grid of any size piece by piece, cut along its first axis.
+) -> Iterator[tuple[tuple[slice, ...], Field, dict[Quantity, Array]]]:
+    """Go through a grid of any size in pieces of at most ``block`` poses.
 
     Yields:
-        The piece's part of the first axis, its field, and the values of each quantity.
+        The piece's index in the whole grid, its field, and the values of each quantity.
     """
-    rows = max(1, block // max(1, grid.size // max(1, grid.shape[0])))
     dexterity = any(quantity.needs_dexterity for quantity in quantities)
-    for part, piece in grid.split(rows):
+    for part, piece in grid.split(block):
         field = solve_field(design.geometry, piece, assembly, dexterity=dexterity, threads=threads)
         yield part, field, {q: field.values(design, q) for q in quantities}
 
@@ -69,7 +68,7 @@ def sweep(
 
     Args:
         design: The robot.
-        grid: The poses; put a fine axis first if the others are large.
+        grid: The poses.
         quantities: What to look at.
         assembly: Root of the knee.
         block: Poses held at a time.
