@@ -192,7 +192,7 @@ def _reasons(data: MapData, index: int) -> list[Parts]:
             "x": data.x * axes.MM,
             "y": data.y * axes.MM,
             "z": np.where(masked, dark, np.nan).astype(np.float32),
-            "text": np.where(masked, axes.reasons(data), "").tolist(),
+            "text": np.where(masked, axes.reasons(data), "").astype(object),
             "zmin": 0,
             "zmax": 1,
             "colorscale": [[0, clear], [0.5, clear], [0.5, grey], [1, grey]],
