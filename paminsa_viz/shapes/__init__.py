@@ -7,7 +7,7 @@ writes.
 
 from __future__ import annotations
 
-from paminsa_viz.shapes.bodies import STANDING, body_glb, colour_of, lengths_of, make_body
+from paminsa_viz.shapes.bodies import STANDING, body_glb, colour_of, lengths_of, make_body, prepare
 from paminsa_viz.shapes.layout import Layout, layout
 from paminsa_viz.shapes.library import MissingMeshes, fixed_part, write_meshes
 from paminsa_viz.shapes.part import Part
@@ -29,5 +29,6 @@ __all__ = [
     "lengths_of",
     "make_body",
     "place_parts",
+    "prepare",
     "write_meshes",
 ]

@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise
 from typing import Final
@@ -18,13 +19,12 @@ from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.shapes import frame
 from paminsa_viz.shapes import layers as at
-from paminsa_viz.shapes.joint_parts import PAYLOAD_HEIGHT, pin
+from paminsa_viz.shapes.joint_parts import collar, pin
 from paminsa_viz.shapes.layout import layout
 from paminsa_viz.shapes.library import fixed_part
 from paminsa_viz.shapes.part import Part
 from paminsa_viz.shapes.placement import BODIES
 from paminsa_viz.shapes.solids import (
-    ACROSS,
     ALONG,
     Array,
     beam,
@@ -62,26 +62,28 @@ def lengths_of(
         KeyError: If there is no such body.
     """
     g = geometry
-    if body in STANDING:
-        return (layout(g, assembly), g.base_radius, assembly)
-    if body == "carriage":
-        place = layout(g, assembly)
-        ram = place.lift_high - place.lift_low if assembly is Assembly.MIRROR else 0.0
-        return (g.base_radius, g.arm_length, ram)
-    if body == "platform":
-        return (g.platform_radius, g.platform_joint_height)
-    kind = body.partition("/")[2] if body in BODIES else body
+    place = layout(g, assembly)
+    ram = place.column_top - place.lift_low if assembly is Assembly.MIRROR else 0.0
+    heights = (place.ground, place.mast_top, place.column_top)
     depends: dict[str, tuple[object, ...]] = {
+        "ground": (place.ground, place.mast_radius),
+        "base": (g.base_radius, place.mast_radius, *heights, assembly),
+        "m1": (g.base_radius, assembly),
+        "m2": (g.base_radius, assembly),
+        "m3": (g.base_radius, assembly),
+        "m4": (place.column_top, place.lift_high - place.lift_low, assembly),
+        "carriage": (g.base_radius, g.arm_length, ram),
+        "platform": (g.platform_radius, g.platform_joint_height),
         "guide": (g.guide_link_length, assembly),
         "shaft": (g.shaft_length,),
         "slider": (),
         "swivel": (),
         "b3": (g.crank_length, g.magnification),
         "b4": (g.coupler_length, g.magnification),
-        "b7": (g.short_coupler_length,),
-        "b8": (g.crank_length,),
+        "b7": ("b7", g.short_coupler_length),
+        "b8": ("b8", g.crank_length),
     }
-    return depends[kind]
+    return depends[_kind(body)]
 
 
 def make_body(body: str, geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> Part:
@@ -90,31 +92,39 @@ def make_body(body: str, geometry: Geometry, assembly: Assembly = Assembly.PRINT
     Raises:
         KeyError: If there is no such body.
     """
-    g = geometry
-    if body == "ground":
-        return frame.ground(g, assembly)
-    if body == "base":
-        return frame.base(g, assembly)
-    if body in ACTUATOR_NAMES:
-        return frame.actuators(g, assembly)[ACTUATOR_NAMES.index(body)][0]
-    if body == "carriage":
-        return carriage(g, assembly)
-    if body == "platform":
-        return platform(g)
-    kind = body.partition("/")[2] if body in BODIES else ""
+    kind = _kind(body)
+    if kind in ACTUATOR_NAMES:
+        return frame.actuators(geometry, assembly)[ACTUATOR_NAMES.index(kind)][0]
+    if kind == "ground":
+        return frame.ground(geometry, assembly)
+    if kind == "base":
+        return frame.base(geometry, assembly)
     if kind in ("slider", "swivel"):
         return fixed_part(kind)
-    if kind == "guide":
-        return guide(g, assembly)
-    if kind == "shaft":
-        return shaft(g)
-    if kind == "b3":
-        return bar_b3(g)
-    if kind == "b4":
-        return bar_b4(g)
-    if kind in ("b7", "b8"):
-        return bar(kind, g.short_coupler_length if kind == "b7" else g.crank_length)
-    raise KeyError(body)
+    makers: dict[str, Callable[..., Part]] = {
+        "carriage": carriage,
+        "platform": platform,
+        "guide": guide,
+        "shaft": shaft,
+        "b3": bar_b3,
+        "b4": bar_b4,
+        "b7": bar,
+        "b8": bar,
+    }
+    return _made(makers[kind], lengths_of(body, geometry, assembly)).copy()
+
+
+@lru_cache(maxsize=64)
+def _made(maker: Callable[..., Part], lengths: tuple[object, ...]) -> Part:
+    """Return a moving body; the three legs share what is made here."""
+    return maker(*lengths)
+
+
+def _kind(body: str) -> str:
+    """Return what kind of body a name stands for: the same for the three legs."""
+    if body not in BODIES and body not in STANDING:
+        raise KeyError(body)
+    return body.rpartition("/")[2]
 
 
 def bar(layer: str, length: float, middle: float | None = None) -> Part:
@@ -139,39 +149,31 @@ def bar(layer: str, length: float, middle: float | None = None) -> Part:
     return part.moved((0.0, at.LAYER[layer], 0.0))
 
 
-def bar_b4(geometry: Geometry) -> Part:
+def bar_b4(length: float, magnification: float) -> Part:
     """Return bar B4 (joints 9-4-5) with the pins of 9 and 4; origin at 9, x toward 5."""
-    at_4 = geometry.coupler_length / geometry.magnification
-    part = bar("b4", geometry.coupler_length, at_4)
-    low, high = at.span("b4")
-    part.join(pin_with_collar(at.span("b8")[0], high, (at.span("b8")[1], low)))
-    crossing = pin_with_collar(low, at.span("b3")[1], (high, at.span("b3")[0]))
-    return part.join(crossing.moved((at_4, 0.0, 0.0)))
+    to_4 = length / magnification
+    part = bar("b4", length, to_4)
+    (outside, near_b8), (near, _), (near_b3, far) = (at.span(b) for b in ("b8", "b4", "b3"))
+    part.join(pin(outside, at.span("b4")[1])).add("steel", collar(near_b8, near))
+    joint_4 = pin(near, far, (False, True)).add("steel", collar(at.span("b4")[1], near_b3))
+    return part.join(joint_4.moved((to_4, 0.0, 0.0)))
 
 
-def bar_b3(geometry: Geometry) -> Part:
+def bar_b3(length: float, magnification: float) -> Part:
     """Return bar B3 (joints 4-3-7) with the pin of 7; origin at 3, x toward 7."""
-    length = geometry.crank_length
-    to_3 = length * (1 - 1 / geometry.magnification)
-    part = bar("b3", length, to_3)
-    crossing = pin_with_collar(
-        at.span("b3")[0], at.span("b7")[1], (at.span("b3")[1], at.span("b7")[0])
-    )
-    return part.join(crossing.moved((length, 0.0, 0.0))).moved((-to_3, 0.0, 0.0))
+    to_3 = length * (1 - 1 / magnification)
+    (near, near_b3), (far_b7, far) = at.span("b7"), at.span("b3")
+    joint_7 = pin(near, far, (False, True)).add("steel", collar(near_b3, far_b7))
+    part = bar("b3", length, to_3).join(joint_7.moved((length, 0.0, 0.0)))
+    return part.moved((-to_3, 0.0, 0.0))
 
 
-def pin_with_collar(low: float, high: float, gap: tuple[float, float]) -> Part:
-    """Return a pin from ``low`` to ``high`` across the plane with a spacer in the ``gap`` [m]."""
-    spacer = rod(0.0098, gap[0] - 0.0002, gap[1] + 0.0002, 0.0003, 16)
-    return pin(low, high).add("steel", moved(spacer, rotation=ACROSS))
-
-
-def shaft(geometry: Geometry) -> Part:
+def shaft(length: float) -> Part:
     """Return shaft B2 with the pin of joint 3; origin at 3, +z up to joint 2."""
-    top = geometry.shaft_length + at.ARM_BEARING_HALF + 0.004
+    top = length + at.ARM_BEARING_HALF + 0.004
     part = fixed_part("shaft_end")
     part.add("steel", splined(at.SHAFT_RADIUS, 0.02, top))
-    return part.join(fixed_part("shaft_nut").moved((0.0, 0.0, geometry.shaft_length)))
+    return part.join(fixed_part("shaft_nut").moved((0.0, 0.0, length)))
 
 
 def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
@@ -186,9 +188,8 @@ def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
     return loft([level(bottom), level(top)])
 
 
-def guide(geometry: Geometry, assembly: Assembly) -> Part:
+def guide(length: float, assembly: Assembly) -> Part:
     """Return guide link B10 with the quill that M1..M3 turn; origin on the leg axis, link to -x."""
-    length = geometry.guide_link_length
     part = fixed_part("quill")
     if assembly is Assembly.MIRROR:
         part = part.moved(rotation=turn("x", np.pi))
@@ -201,11 +202,11 @@ def guide(geometry: Geometry, assembly: Assembly) -> Part:
     return part
 
 
-def carriage(geometry: Geometry, assembly: Assembly) -> Part:
+def carriage(base_radius: float, arm_length: float, ram: float) -> Part:
     """Return M4's carriage with the arms B1 and the bearings of joint 2; origin on the axis."""
     part = fixed_part("lift_carriage")
-    tip = geometry.base_radius
-    root = tip - geometry.arm_length
+    tip = base_radius
+    root = tip - arm_length
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
         start = min(max(root, 0.0), tip) - 0.006
@@ -216,19 +217,18 @@ def carriage(geometry: Geometry, assembly: Assembly) -> Part:
             arm = beam(start, tip - 0.02, (0.034, 0.048), (0.021, 0.026), 0.006, 0.002)
             part.add("accent", moved(arm, rotation=spin))
         part.join(fixed_part("arm_bearing").moved(frame.polar(tip, angle)))
-    if assembly is Assembly.MIRROR:
-        place = layout(geometry, assembly)
-        top = at.CARRIAGE_HALF + place.column_top - place.lift_low + 0.02
+    if ram:
+        top = at.CARRIAGE_HALF + ram + 0.02
         part.add("steel", rod(frame.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 36))
         part.add("body", rod(0.026, at.CARRIAGE_HALF - 0.001, at.CARRIAGE_HALF + 0.012, 0.002, 40))
         part.add("body", rod(0.026, -at.CARRIAGE_HALF - 0.004, 0.001 - at.CARRIAGE_HALF, 0.002, 40))
     return part
 
 
-def platform(geometry: Geometry) -> Part:
+def platform(radius: float, joint_height: float) -> Part:
     """Return the platform without its swivels; origin at the paper's point P of the platform."""
-    top = geometry.platform_joint_height - at.PLATE_BELOW_5
-    corners = np.array([frame.polar(geometry.platform_radius, a)[:2] for a in sorted(AXIS_ANGLES)])
+    top = joint_height - at.PLATE_BELOW_5
+    corners = np.array([frame.polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
     part = Part()
     plate = prism(rounded_polygon(corners, 0.025, steps=12), top - 0.010, top, 0.0016, 3)
     part.add("platform", plate)
@@ -248,39 +248,7 @@ def body_glb(body: str, geometry: Geometry, assembly: Assembly = Assembly.PRINTE
     return make_body(body, geometry, assembly).glb(colour_of(body))
 
 
-@lru_cache(maxsize=1)
-def payload_glb() -> bytes:
-    """Return the payload of 1 kg as a GLB in its own frame."""
-    return fixed_part("payload").glb()
-
-
-def payload_scale(mass: float) -> float:
-    """Return the size of the payload's mesh for a mass [kg]; its volume is in proportion."""
-    return float(np.cbrt(max(mass, 0.0)))
-
-
-def payload_offset(geometry: Geometry, assembly: Assembly) -> tuple[float, float, float]:
-    """Return where the payload's upper face sits in the platform's frame [m].
-
-    It hangs below the platform where the robot hangs, and stands on it in the mirror assembly
-    (there the mesh is turned over).
-    """
-    top = geometry.platform_joint_height - at.PLATE_BELOW_5
-    below = assembly is Assembly.PRINTED
-    return (0.0, 0.0, top - 0.0215 if below else top + 0.0025)
-
-
-def payload_transform(geometry: Geometry, assembly: Assembly, mass: float) -> Array:
-    """Return the payload's size and place in the platform's frame as a matrix, (4, 4)."""
-    over = assembly is Assembly.MIRROR
-    out = np.eye(4)
-    out[:3, :3] = payload_scale(mass) * (turn("x", np.pi) if over else np.eye(3))
-    out[:3, 3] = payload_offset(geometry, assembly)
-    return out
-
-
-def payload_centre(geometry: Geometry, assembly: Assembly, mass: float) -> Array:
-    """Return the middle of the payload in the platform's frame, (3,) [m]."""
-    x, y, top = payload_offset(geometry, assembly)
-    half = PAYLOAD_HEIGHT * payload_scale(mass) / 2
-    return np.array([x, y, top - half if assembly is Assembly.PRINTED else top + half])
+def prepare(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> None:
+    """Make and keep every body's GLB, so that the first scene need not wait for them."""
+    for body in (*STANDING, *BODIES):
+        body_glb(body, geometry, assembly)

@@ -76,7 +76,7 @@ CATALOGUE: Final[tuple[Fitting, ...]] = (
     Fitting(
         "swivel",
         joint_parts.swivel,
-        "fork of joint 5, which turns on the platform and holds the end of B4",
+        "head of joint 5, which turns on the platform, with the pin that carries B4",
         "joint 5; x along and y across the leg plane",
     ),
     Fitting(

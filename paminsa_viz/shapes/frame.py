@@ -14,9 +14,9 @@ from paminsa_viz.shapes.library import fixed_part
 from paminsa_viz.shapes.part import Part
 from paminsa_viz.shapes.solids import (
     Array,
+    arc_beam,
     beam,
     box,
-    hoop,
     loft,
     moved,
     prism,
@@ -114,7 +114,12 @@ def _base_plate(geometry: Geometry, place: Layout) -> Part:
         part.add("frame", moved(spoke, (0.0, 0.0, low + 0.0085), spin))
         seat = tube(at.QUILL_RADIUS + 0.001, 0.073, low + 0.0003, high, 0.002, 48)
         part.add("frame", moved(seat, polar(radius, angle)))
-    part.add("frame", hoop(radius, 0.026, low + 0.0008, low + 0.0152, 0.002, 84))
+    gap = 2 * np.arcsin(min(0.060 / (2 * radius), 1.0))
+    for angle in AXIS_ANGLES:
+        start, end = angle + gap, angle + 2 * np.pi / 3 - gap
+        if end > start:
+            ring = arc_beam(radius, 0.026, low + 0.0008, low + 0.0152, start, end)
+            part.add("frame", ring)
     return part
 
 

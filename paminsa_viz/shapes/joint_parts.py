@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+import trimesh
 
 from paminsa_viz.shapes import layers as at
 from paminsa_viz.shapes.part import Part
@@ -16,7 +17,6 @@ from paminsa_viz.shapes.solids import (
     ACROSS,
     ALONG,
     box,
-    circle,
     moved,
     prism,
     revolve,
@@ -33,17 +33,27 @@ PAYLOAD_HEIGHT: Final = 1.25 * (1.0 / LOAD_DENSITY / (1.25 * np.pi)) ** (1 / 3)
 """Height of a payload of 1 kg: a drum 1.25 times as high as its radius [m]."""
 
 
-def pin(low: float, high: float) -> Part:
-    """Return a joint pin across the leg plane, its heads outside ``low`` and ``high`` [m]."""
+def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Part:
+    """Return a joint pin across the leg plane from ``low`` to ``high`` [m].
+
+    Heads stand outside; an end without one is flush, where something else passes close by.
+    """
     part = Part().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0005, 12), rotation=ACROSS))
     head = at.PIN_HEAD
-    for side, end in ((-1.0, low), (1.0, high)):
+    for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):
+        if not headed:
+            continue
         inner, outer = sorted((end - side * 0.0002, end + side * head))
         part.add("steel", moved(rod(0.0105, inner, outer, 0.0012, 18), rotation=ACROSS))
         socket = end + side * head
         inner, outer = sorted((socket - side * 0.001, socket + side * 0.0002))
         part.add("dark", moved(rod(0.0048, inner, outer, 0.0001, 6), rotation=ACROSS))
     return part
+
+
+def collar(low: float, high: float) -> trimesh.Trimesh:
+    """Return a spacer on a pin across the leg plane."""
+    return moved(rod(0.0105, low, high, 0.0006, 18), rotation=ACROSS)
 
 
 def barrel() -> Part:
@@ -77,11 +87,9 @@ def slider() -> Part:
         wiper = box((0.0042, 2 * half - 0.004, 0.033), (end * (at.SLIDER_HALF - 0.002), 0.0, 0.0))
         part.add("dark", wiper)
     part.add("accent", box((0.022, 0.020, 0.003), (0.0, 0.0, 0.0175), 0.001))
-    low, high = at.span("b8")[0], at.span("b7")[1]
-    part.join(pin(low, high))
-    for start, end in ((at.span("b8")[1], 0.001 - half), (half - 0.001, at.span("b7")[0])):
-        part.add("steel", moved(rod(0.0105, start, end, 0.0008, 18), rotation=ACROSS))
-    return part
+    part.join(pin(at.span("b8")[0], at.span("b7")[1]))
+    part.add("steel", collar(at.span("b8")[1], 0.001 - half))
+    return part.add("steel", collar(half - 0.001, at.span("b7")[0]))
 
 
 def shaft_end() -> Part:
@@ -89,15 +97,14 @@ def shaft_end() -> Part:
 
     Origin at joint 3, +z up the shaft, y across the leg plane.
     """
-    high = at.span("b3")
     part = Part()
     block = prism(rounded_rectangle(0.032, 2 * at.CORE - 0.001, 0.007), -0.0175, 0.019, 0.003, 2)
     part.add("body", block)
     part.add("body", revolve([(0.0155, 0.0185), (0.0155, 0.024), (0.0125, 0.031), (0.0, 0.031)]))
     part.add("accent", tube(0.0095, 0.0158, 0.0195, 0.0225, 0.0004, 32))
-    part.join(pin(-at.CORE + 0.0005, high[1]))
-    collar = rod(0.0105, at.CORE - 0.001, high[0], 0.0006, 18)
-    return part.add("steel", moved(collar, rotation=ACROSS))
+    low, high = at.span("b3")
+    part.join(pin(-at.CORE + 0.0005, high))
+    return part.add("steel", collar(at.CORE - 0.001, low))
 
 
 def arm_bearing() -> Part:
@@ -122,27 +129,24 @@ def shaft_nut() -> Part:
 
 
 def swivel() -> Part:
-    """Return the swivelling fork of joint 5 on the platform.
+    """Return the swivelling head of joint 5 on the platform, with the pin that carries B4.
 
     Origin at joint 5, x and y along and across the leg plane; it turns about its z axis.
     """
     floor = -at.PLATE_BELOW_5
-    inner = at.BARREL / 2 + 0.0008
-    part = Part().add("steel", rod(0.0165, floor - 0.0005, floor + 0.003, 0.0008, 28))
-    base = prism(circle(0.0205, 0.0, 32), floor + 0.003, floor + 0.0062, 0.001)
-    part.add("accent", base)
-    for side in (-1.0, 1.0):
-        low, high = sorted((side * inner, side * (inner + 0.0052)))
-        cheek = np.array(
-            [[x, y, 0.0] for x, y in _cheek(0.0105, -(floor + 0.005), 0.0125)], dtype=np.float64
-        )
-        # The outline lies in (x, -z); its thickness runs along y.
-        part.add("body", moved(prism(cheek, low, high, 0.0012), rotation=ACROSS))
-    return part.join(pin(-inner - 0.0052, inner + 0.0052))
+    part = Part().add("steel", rod(0.0175, floor - 0.0005, floor + 0.003, 0.0008, 28))
+    part.add("accent", rod(0.0205, floor + 0.003, floor + 0.0068, 0.001, 32))
+    low, high = at.span("b4")
+    half = low - 0.004
+    # An upright cheek with a round head, its outline in (x, -z), its thickness along y.
+    cheek = np.array([[x, y, 0.0] for x, y in _cheek(0.0115, -(floor + 0.006), 0.0125)])
+    part.add("body", moved(prism(cheek, -half, half, 0.002, 2), rotation=ACROSS))
+    part.join(pin(-half, high))
+    return part.add("steel", collar(half - 0.001, low))
 
 
 def _cheek(radius: float, depth: float, foot: float) -> list[tuple[float, float]]:
-    """Outline of a fork cheek: a half disc of ``radius`` on a foot ``depth`` away."""
+    """Outline of an upright: a half disc of ``radius`` on a foot ``depth`` away."""
     angle = np.pi + np.pi * np.arange(13) / 12
     arc = [(radius * np.cos(a), radius * np.sin(a)) for a in angle]
     return [*arc, (foot, depth), (-foot, depth)]

@@ -1,9 +1,11 @@
 """Where the bodies of one leg lie across the leg plane, and the sizes their fittings share.
 
 The leg frame has x along the horizontal direction of the leg plane (from the leg axis toward the
-platform), y across it and z up. Shaft B2, guide link B10, the slider and bar B4 lie in the middle
-(y = 0); B8 runs on one side of them, B3 and then B7 on the other, so that the bars pass each other
-whatever the pose. Pins bridge the gaps at the joints. All lengths in metres.
+platform), y across it and z up. Shaft B2, guide link B10 and the slider lie in the middle (y = 0).
+B8 runs on one side of them; B4 and B7, which are parallel, share the layer on the other side, and
+B3 runs outside those. So bars that cross each other are never in one layer, whatever the pose and
+the assembly, and no bar is in the middle, where the shaft stands. Pins bridge the layers at the
+joints. All lengths in metres.
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ PIN_RADIUS: Final = 0.0065
 PIN_HEAD: Final = 0.0045
 """How far a pin's head stands out of the outermost barrel on it."""
 
-LAYER: Final[dict[str, float]] = {"b4": 0.0, "b8": -0.036, "b3": 0.036, "b7": 0.065}
+LAYER: Final[dict[str, float]] = {"b8": -0.036, "b4": 0.036, "b7": 0.036, "b3": 0.065}
 """Offset of the middle of each bar from the leg plane."""
 
 TUBE_RADIUS: Final[dict[str, float]] = {"b3": 0.0105, "b4": 0.012, "b7": 0.0085, "b8": 0.0105}

@@ -27,6 +27,9 @@ MAST: Final = (0.090, 0.066)
 HANG: Final = 0.18
 """Room between the lowest platform and the ground, for the payload [m]."""
 
+STRETCHED: Final = 0.07
+"""Room between joints 5 of a fully stretched robot and the ground [m]."""
+
 TABLE: Final = 0.30
 """Height of the guides above the ground in the mirror assembly [m]."""
 
@@ -42,7 +45,7 @@ class Layout:
         column_top: Printed assembly: underside of M4's end plate. Mirror: underside of the bridge.
         lift_low, lift_high: Range of Z that M4's column or ram spans.
         platform_low, platform_high: Range of z in which the drawn bodies stay clear of the frame
-            with the platform near the centre.
+            with the platform near the centre; equal where there is no such height.
     """
 
     ground: float
@@ -74,7 +77,7 @@ def mast_radius(geometry: Geometry) -> float:
 def layout(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> Layout:
     """Return the frame's heights and radii for a geometry and an assembly."""
     reach = geometry.crank_length + geometry.coupler_length
-    # Half the room that a full stretch over the centre would leave is kept out of use.
+    # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
     deepest = float(np.sqrt(max(reach**2 - geometry.home_span**2, 0.0025)))
     factor = geometry.magnification
     lowest_arm = at.QUILL_TOP + at.ARM_BEARING_HALF + 0.008
@@ -85,14 +88,14 @@ def layout(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> Layout:
         low = -depth - geometry.platform_joint_height
         high = max(geometry.shaft_length, lowest_arm + 0.05) + 0.004
         return Layout(
-            ground=_rounded(low - HANG),
+            ground=_rounded(min(low - HANG, -deepest - STRETCHED)),
             mast_radius=radius,
             mast_top=at.MOUNT + 0.105,
             column_top=high + at.CARRIAGE_HALF + 0.012,
             lift_low=lowest_arm,
             lift_high=high,
             platform_low=low,
-            platform_high=-_near_guides(geometry) - geometry.platform_joint_height,
+            platform_high=max(low, -_near_guides(geometry) - geometry.platform_joint_height),
         )
     high = geometry.shaft_length + deepest / factor + 0.01
     bridge = high + at.CARRIAGE_HALF + 0.03

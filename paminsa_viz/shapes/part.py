@@ -44,6 +44,10 @@ class Part:
             self.pieces.extend(other.pieces)
         return self
 
+    def copy(self) -> Part:
+        """Return a part of the same pieces, to which others can be added."""
+        return Part(list(self.pieces))
+
     def moved(
         self,
         offset: tuple[float, float, float] | Array = (0.0, 0.0, 0.0),

@@ -11,7 +11,7 @@ from trimesh.exchange.gltf import export_glb
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Posture
-from paminsa_viz.shapes import bodies
+from paminsa_viz.shapes import bodies, load
 from paminsa_viz.shapes.library import Z_UP, fixed_part
 from paminsa_viz.shapes.part import Array, Part
 from paminsa_viz.shapes.placement import BODIES, Placement, place_parts
@@ -73,7 +73,7 @@ def assemble_glb(design: Design, posture: Posture, *, ground: bool = True) -> by
         part = bodies.make_body(body, geometry, assembly)
         _add(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.colour_of(body))
     if design.payload.mass > 0:
-        matrix = bodies.payload_transform(geometry, assembly, design.payload.mass)
+        matrix = load.payload_transform(geometry, assembly, design.payload.mass)
         _add(scene, fixed_part("payload"), "payload", matrix, "platform", None)
     return cast(bytes, export_glb(scene, include_normals=True))
 

@@ -23,25 +23,32 @@ def _corner_normals(vertices: Array, faces: NDArray[np.int64], crease: float) ->
     """Return a normal for each corner of each face, (F, 3, 3).
 
     A corner averages the faces around its vertex that lie within ``crease`` of its own face,
-    weighted by area, so that a flat side stays flat beside its chamfer.
+    weighted by area and angle, so that a flat side stays flat beside its chamfer and the way a
+    side is cut into triangles does not show.
     """
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
-    weighted = np.cross(b - a, c - a)
-    length = np.linalg.norm(weighted, axis=1)
-    unit = weighted / np.maximum(length, 1e-300)[:, None]
+    point = vertices[faces]
+    forward = np.roll(point, -1, axis=1) - point
+    backward = np.roll(point, 1, axis=1) - point
+    normal = np.cross(forward[:, 0], backward[:, 0])
+    unit = normal / np.linalg.norm(normal, axis=1)[:, None]
+    across = np.linalg.norm(np.cross(forward, backward), axis=2)
+    angle = np.arctan2(across, np.einsum("ijk,ijk->ij", forward, backward))
+    weighted = (normal[:, None] * angle[..., None]).reshape(-1, 3)
     corner = faces.reshape(-1)
-    owner = np.repeat(np.arange(len(faces)), 3)
     order = np.argsort(corner, kind="stable")
     count = np.bincount(corner, minlength=len(vertices))
     first = np.cumsum(count) - count
     # Every corner paired with every corner at the same vertex.
-    mine = np.repeat(np.arange(len(corner)), count[corner])
-    step = np.arange(len(mine)) - np.repeat(np.cumsum(count[corner]) - count[corner], count[corner])
-    theirs = owner[order[first[corner[mine]] + step]]
-    smooth = np.einsum("ij,ij->i", unit[owner[mine]], unit[theirs]) >= np.cos(crease)
-    out = np.zeros((len(corner), 3))
-    np.add.at(out, mine[smooth], weighted[theirs[smooth]])
-    return (out / np.linalg.norm(out, axis=1)[:, None]).reshape(-1, 3, 3)
+    around = count[corner]
+    mine = np.repeat(np.arange(len(corner)), around)
+    step = np.arange(len(mine)) - np.repeat(np.cumsum(around) - around, around)
+    theirs = order[first[corner[mine]] + step]
+    smooth = np.einsum("ij,ij->i", unit[mine // 3], unit[theirs // 3]) >= np.cos(crease)
+    mine, theirs = mine[smooth], theirs[smooth]
+    total = np.stack(
+        [np.bincount(mine, weighted[theirs, axis], len(corner)) for axis in range(3)], axis=1
+    )
+    return (total / np.linalg.norm(total, axis=1)[:, None]).reshape(-1, 3, 3)
 
 
 def shade(vertices: Array, faces: NDArray[np.int64], crease: float = CREASE) -> trimesh.Trimesh:
@@ -236,28 +243,38 @@ def beam(
     )
 
 
-def hoop(
+def arc_beam(
     radius: float,
     width: float,
     bottom: float,
     top: float,
+    start: float,
+    end: float,
     chamfer: float = 0.002,
-    segments: int = 96,
 ) -> trimesh.Trimesh:
-    """Return a flat ring of rectangular section about z, ``width`` wide about ``radius``."""
-    c = chamfer
-    inner, outer = radius - width / 2, radius + width / 2
-    profile = [
-        (inner + c, bottom),
-        (outer - c, bottom),
-        (outer, bottom + c),
-        (outer, top - c),
-        (outer - c, top),
-        (inner + c, top),
-        (inner, top - c),
-        (inner, bottom + c),
+    """Return a piece of a flat ring about z, ``width`` wide about ``radius``.
+
+    It runs from the angle ``start`` counter-clockwise to ``end`` [rad].
+    """
+    c, half = chamfer, width / 2
+    section = [
+        (half - c, bottom),
+        (half, bottom + c),
+        (half, top - c),
+        (half - c, top),
+        (c - half, top),
+        (-half, top - c),
+        (-half, bottom + c),
+        (c - half, bottom),
     ]
-    return loft([circle(r, h, segments) for r, h in profile], closed=True)
+    steps = max(int(np.ceil((end - start) / np.radians(4.5))), 1)
+    loops = []
+    for angle in np.linspace(start, end, steps + 1):
+        loops.append(
+            [((radius + r) * np.cos(angle), (radius + r) * np.sin(angle), h) for r, h in section]
+        )
+    # Seen from the far end of the sweep the section runs counter-clockwise.
+    return loft([np.array(loop)[::-1] for loop in loops])
 
 
 def moved(

@@ -15,6 +15,7 @@ from viser import FrameHandle, GlbHandle, SceneApi
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.kinematics import Posture
 from paminsa_viz.shapes import bodies as shapes
+from paminsa_viz.shapes import load
 from paminsa_viz.shapes.placement import about_z, elevated
 
 PARENT: Final = {
@@ -148,12 +149,12 @@ class BodyNodes:
             return
         if node is None:
             name = f"{node_name('platform', self._root)}/payload"
-            node = self._scene.add_glb(name, shapes.payload_glb())
+            node = self._scene.add_glb(name, load.payload_glb())
             self._nodes["payload"] = node
-        node.position = shapes.payload_offset(self._geometry, self._assembly)
+        node.position = load.payload_offset(self._geometry, self._assembly)
         over = self._assembly is Assembly.MIRROR
         node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
-        node.scale = shapes.payload_scale(self._payload_mass)
+        node.scale = load.payload_scale(self._payload_mass)
         node.visible = True
 
     @property

@@ -78,6 +78,7 @@ def _outline(geometry: Geometry, assembly: Assembly) -> Array:
     rings = [
         (plinth_radius(geometry, assembly), place.ground - 0.03),
         (reach + 0.02, 0.0),
+        (reach + 0.02, -assembly.sign * geometry.crank_length),
         (0.04, lift_motor_height(geometry, assembly) + 0.06),
     ]
     return np.vstack([np.column_stack([r * ring, np.full(24, z)]) for r, z in rings])

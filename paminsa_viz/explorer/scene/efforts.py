@@ -26,71 +26,73 @@ FULL_LENGTH: Final = 0.26
 THIN, THICK = 0.0045, 0.0095
 """Radius of an arrow's shaft at zero and at full scale [m]."""
 
-_RINGS, _SIDES = 28, 12
+_RINGS, _SIDES = 30, 12
+
+_AROUND: Final = 2 * np.pi * np.arange(_SIDES) / _SIDES
+_COS: Final = np.cos(_AROUND)
+_SIN: Final = np.sin(_AROUND)
 
 
-def arrow_along(path: Array, radius: float, head: float) -> tuple[Array, NDArray[np.int64]]:
-    """Return a round arrow along a path of points (n, 3): vertices and faces.
-
-    The last point is the tip; the head begins at the last but one. The number of vertices depends
-    on ``n`` alone.
-    """
-    tangent = np.gradient(path, axis=0)
-    tangent /= np.maximum(np.linalg.norm(tangent, axis=1), 1e-12)[:, None]
-    upright = np.abs(tangent[:, 2]).mean() > 0.9
-    helper = np.array([1.0, 0.0, 0.0]) if upright else np.array([0.0, 0.0, 1.0])
-    side = np.cross(tangent, helper)
-    side /= np.maximum(np.linalg.norm(side, axis=1), 1e-12)[:, None]
-    other = np.cross(tangent, side)
-    angle = 2 * np.pi * np.arange(_SIDES) / _SIDES
-    unit = (
-        np.cos(angle)[None, :, None] * side[:, None] + np.sin(angle)[None, :, None] * other[:, None]
-    )
-    # Rings: closed start, shaft, then the head's collar and its tip.
-    where = [0, *range(len(path) - 1), len(path) - 2, len(path) - 1]
-    radii = [0.0, *[radius] * (len(path) - 1), head, 0.0]
-    rings = np.stack([path[i] + r * unit[i] for i, r in zip(where, radii, strict=True)])
-    count = len(rings)
+def _skin() -> NDArray[np.uint32]:
+    """Return the triangles over a row of rings, the same for every arrow."""
     i, j = np.arange(_SIDES), (np.arange(_SIDES) + 1) % _SIDES
-    faces = []
-    for row in range(count - 1):
-        low, high = row * _SIDES, (row + 1) * _SIDES
-        faces.append(np.stack([low + i, high + j, low + j], axis=1))
-        faces.append(np.stack([low + i, high + i, high + j], axis=1))
-    return rings.reshape(-1, 3), np.vstack(faces)
+    low = _SIDES * np.arange(_RINGS - 1)[:, None]
+    high = low + _SIDES
+    pairs = [
+        np.stack([low + i, high + j, low + j], -1),
+        np.stack([low + i, high + i, high + j], -1),
+    ]
+    return np.stack(pairs, axis=2).reshape(-1, 3).astype(np.uint32)
 
 
-def _size(fraction: float) -> tuple[float, float]:
-    """Return the radii of shaft and head for a value as a fraction of full scale."""
-    radius = THIN + (THICK - THIN) * min(abs(fraction), 1.0)
-    return radius, 2.7 * radius
+FACES: Final = _skin()
+"""Triangles of every arrow."""
 
 
-def arc_arrow(fraction: float) -> tuple[Array, NDArray[np.int64]]:
-    """Return an arc arrow about z for a torque as a fraction of full scale.
+def _rings(fraction: float, length: float, scale: float) -> tuple[Array, Array]:
+    """Return where the rings of an arrow lie along it and how wide they are, both (rings,).
 
-    Positive values turn counter-clockwise seen from above. The arc is centred on the direction x
-    and longer than full scale nowhere.
+    The shaft is ``length`` long, the head follows; ``scale`` turns metres into units of length.
+    """
+    radius = THIN + (THICK - THIN) * abs(fraction)
+    along = np.empty(_RINGS)
+    along[0] = 0.0
+    along[1:-2] = np.linspace(0.0, length, _RINGS - 3)
+    along[-2:] = length, length + 4.5 * radius * scale
+    wide = np.full(_RINGS, radius)
+    wide[0] = wide[-1] = 0.0
+    wide[-2] = 2.7 * radius
+    return along, wide
+
+
+def arc_arrow(fraction: float) -> Array:
+    """Return the corners of an arc arrow about z for a torque as a fraction of full scale.
+
+    Positive values turn counter-clockwise seen from above. The arc's shaft is centred on the
+    direction x; values beyond full scale are drawn as full.
     """
     fraction = float(np.clip(fraction, -1.0, 1.0))
-    radius, head = _size(fraction)
-    tip = 4.5 * radius / ARC_RADIUS
     sweep = max(abs(fraction) * FULL_TURN, 1e-3)
-    direction = 1.0 if fraction >= 0 else -1.0
-    angle = direction * np.append(np.linspace(-sweep / 2, sweep / 2, _RINGS), sweep / 2 + tip)
-    path = ARC_RADIUS * np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=1)
-    return arrow_along(path, radius, head)
+    along, wide = _rings(fraction, sweep, 1 / ARC_RADIUS)
+    turning = 1.0 if fraction >= 0 else -1.0
+    angle = turning * (along - sweep / 2)
+    out = np.empty((_RINGS, _SIDES, 3))
+    distance = ARC_RADIUS + wide[:, None] * _COS
+    out[..., 0] = distance * np.cos(angle)[:, None]
+    out[..., 1] = distance * np.sin(angle)[:, None]
+    out[..., 2] = wide[:, None] * _SIN
+    return out.reshape(-1, 3)
 
 
-def force_arrow(fraction: float) -> tuple[Array, NDArray[np.int64]]:
-    """Return an upright arrow from the origin for a force as a fraction of full scale, + up."""
+def force_arrow(fraction: float) -> Array:
+    """Return the corners of an upright arrow from the origin for a force as a fraction, + up."""
     fraction = float(np.clip(fraction, -1.0, 1.0))
-    radius, head = _size(fraction)
-    length = max(abs(fraction) * FULL_LENGTH, 1e-3)
-    direction = 1.0 if fraction >= 0 else -1.0
-    height = direction * np.append(np.linspace(0.0, length, _RINGS), length + 4.5 * radius)
-    path = np.stack([np.zeros_like(height), np.zeros_like(height), height], axis=1)
-    return arrow_along(path, radius, head)
+    along, wide = _rings(fraction, max(abs(fraction) * FULL_LENGTH, 1e-3), 1.0)
+    out = np.empty((_RINGS, _SIDES, 3))
+    out[..., 0] = wide[:, None] * _COS
+    out[..., 1] = wide[:, None] * _SIN
+    out[..., 2] = (along if fraction >= 0 else -along)[:, None]
+    return out.reshape(-1, 3)
 
 
 class EffortArrows:
@@ -150,18 +152,18 @@ class EffortArrows:
         drawn = np.nan_to_num(self._fractions, nan=0.0, posinf=1.0, neginf=-1.0)
         shapes = [*map(arc_arrow, drawn[:3]), force_arrow(drawn[3])]
         if not self._nodes:
-            for index, (vertices, faces) in enumerate(shapes):
+            for index, vertices in enumerate(shapes):
                 colour = palette.rgb(palette.ACTUATOR_COLOURS[index])
                 turn = AXIS_ANGLES[index] / 2 if index < 3 else 0.0
                 node = self._scene.add_mesh_simple(
-                    f"{self._root}/m{index + 1}", vertices.astype(np.float32), faces,
+                    f"{self._root}/m{index + 1}", vertices.astype(np.float32), FACES,
                     color=colour, side="double", cast_shadow=False, receive_shadow=False,
                     wxyz=(float(np.cos(turn)), 0.0, 0.0, float(np.sin(turn))),
                 )  # fmt: skip
                 self._nodes.append(node)
             self._place()
         else:
-            for node, (vertices, _) in zip(self._nodes, shapes, strict=True):
+            for node, vertices in zip(self._nodes, shapes, strict=True):
                 node.vertices = vertices.astype(np.float32)
         for node, fraction in zip(self._nodes, self._fractions, strict=True):
             node.visible = bool(np.isfinite(fraction) and abs(fraction) > 1e-4)

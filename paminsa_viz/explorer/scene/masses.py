@@ -13,7 +13,7 @@ from paminsa_viz import palette
 from paminsa_viz.explorer.scene.tint import drawn
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Posture
-from paminsa_viz.shapes.bodies import payload_centre
+from paminsa_viz.shapes.load import payload_centre
 
 Array = NDArray[np.float64]
 

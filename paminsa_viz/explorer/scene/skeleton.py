@@ -100,14 +100,18 @@ class Skeleton:
     def _number(self, posture: Posture) -> None:
         dots = _dots(posture)
         if not self._labels:
+            names = [(leg, joint) for leg in (1, 2, 3) for joint in JOINTS]
             self._labels = [
                 self._scene.add_label(
-                    f"{self._root}/numbers/{leg}/{joint}", str(joint),
-                    font_screen_scale=0.95, anchor="bottom-left",
+                    f"{self._root}/numbers/{leg}/{joint}",
+                    str(joint),
+                    position=dot,
+                    font_screen_scale=0.95,
+                    anchor="bottom-left",
                 )
-                for leg in (1, 2, 3)
-                for joint in JOINTS
-            ]  # fmt: skip
+                for (leg, joint), dot in zip(names, dots, strict=True)
+            ]
+            return
         for label, dot in zip(self._labels, dots, strict=True):
             label.position = dot
 

@@ -1,0 +1,115 @@
+"""Bodies follow the design's lengths, and only those they say they follow."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz import palette
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Geometry
+from paminsa_viz.shapes import layers as at
+from paminsa_viz.shapes.bodies import STANDING, body_glb, colour_of, lengths_of, make_body
+from paminsa_viz.shapes.placement import BODIES
+from tests.samples import random_design
+
+GEOMETRY = APPENDIX_4.geometry
+ALL = (*STANDING, *BODIES)
+
+CHANGES = {
+    "magnification": 3.2, "base_radius": 0.36, "platform_radius": 0.11, "arm_length": 0.3,
+    "shaft_length": 0.45, "crank_length": 0.43, "coupler_length": 0.64,
+    "platform_joint_height": 0.03, "guide_link_length": 0.38, "guide_stroke": 0.3,
+    "axis_clearance": 0.02,
+}  # fmt: skip
+
+
+def outline(body: str, geometry: Geometry, assembly: Assembly) -> bytes:
+    """The body's shape, to the byte."""
+    return make_body(body, geometry, assembly).glb()
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("field", CHANGES)
+def test_a_body_changes_exactly_when_its_lengths_do(field: str, assembly: Assembly) -> None:
+    other = replace(GEOMETRY, **{field: CHANGES[field]})
+    for body in (*STANDING, *BODIES[:10]):
+        told = lengths_of(body, GEOMETRY, assembly) != lengths_of(body, other, assembly)
+        drawn = outline(body, GEOMETRY, assembly) != outline(body, other, assembly)
+        assert told == drawn, body
+
+
+def test_every_length_of_the_geometry_is_tried() -> None:
+    assert set(CHANGES) == set(Geometry.__dataclass_fields__)
+
+
+@given(st.integers(0, 10_000), st.sampled_from(Assembly))
+def test_any_design_can_be_drawn(seed: int, assembly: Assembly) -> None:
+    geometry = random_design(np.random.default_rng(seed)).geometry
+    for body in (*STANDING, *BODIES[:10]):
+        for piece in make_body(body, geometry, assembly).pieces:
+            assert np.isfinite(piece.mesh.vertices).all()
+            assert np.isfinite(piece.mesh.vertex_normals).all()
+            assert len(piece.mesh.faces)
+
+
+@pytest.mark.parametrize(
+    ("body", "length"),
+    [
+        ("leg2/b4", GEOMETRY.coupler_length), ("leg1/b8", GEOMETRY.crank_length),
+        ("leg3/b7", GEOMETRY.short_coupler_length),
+    ],
+)  # fmt: skip
+def test_a_bar_reaches_from_barrel_to_barrel(body: str, length: float) -> None:
+    low, high = make_body(body, GEOMETRY).bounds()[:, 0]
+    assert low == pytest.approx(-at.BARREL_RADIUS, abs=1e-9)
+    assert high == pytest.approx(length + at.BARREL_RADIUS, abs=1e-9)
+
+
+def test_an_arm_reaches_its_joint_and_is_as_long_as_the_design_says() -> None:
+    geometry = replace(GEOMETRY, arm_length=0.2)
+    carriage = make_body("carriage", geometry)
+    arms = [p.mesh for p in carriage.pieces if p.material == "accent"]
+    leg_3 = [m for m in arms if m.bounds[0, 1] > 0.05 and m.bounds[1, 1] < geometry.base_radius]
+    assert len(leg_3) == 1
+    assert leg_3[0].bounds[0, 1] == pytest.approx(geometry.base_radius - 0.2, abs=0.01)
+    reach = make_body("carriage", GEOMETRY).bounds()[1, 1]
+    assert GEOMETRY.base_radius < reach < GEOMETRY.base_radius + 0.04
+
+
+def test_colours() -> None:
+    assert [colour_of(f"leg{k}/b3") for k in (1, 2, 3)] == list(palette.LEG_COLOURS)
+    assert [colour_of(f"m{k}") for k in (1, 2, 3, 4)] == list(palette.ACTUATOR_COLOURS)
+    assert colour_of("carriage") == palette.LIFT_COLOUR
+
+
+def test_legs_differ_in_colour_alone() -> None:
+    first, second = body_glb("leg1/b4", GEOMETRY), body_glb("leg2/b4", GEOMETRY)
+    assert first != second
+    assert outline("leg1/b4", GEOMETRY, Assembly.PRINTED) == outline(
+        "leg2/b4", GEOMETRY, Assembly.PRINTED
+    )
+
+
+def test_the_robot_is_light_enough_for_a_page() -> None:
+    """About one megabyte after the transport's compression; this guards against fine meshes."""
+    assert sum(len(body_glb(body, GEOMETRY)) for body in ALL) < 3_000_000
+
+
+@pytest.mark.parametrize("body", ["leg4/b3", "b3", "", "leg1", "leg1/b9"])
+def test_unknown_body(body: str) -> None:
+    with pytest.raises(KeyError):
+        make_body(body, GEOMETRY)
+    with pytest.raises(KeyError):
+        lengths_of(body, GEOMETRY)
+
+
+def test_a_part_handed_out_can_be_added_to_without_harm() -> None:
+    make_body("leg1/b8", GEOMETRY).join(make_body("leg1/b3", GEOMETRY))
+    assert len(make_body("leg1/b8", GEOMETRY).pieces) < 40
+    assert outline("leg1/b8", GEOMETRY, Assembly.PRINTED) == outline(
+        "leg3/b8", GEOMETRY, Assembly.PRINTED
+    )
