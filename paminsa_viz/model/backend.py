@@ -137,7 +137,7 @@ def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array, out: Arra
         inner: (columns, 4) parts of poses; the third column is not used.
         out: (rows, results of the formula, columns), contiguous; filled.
     """
-    c, s = np.cos(outer[:, 2]), np.sin(outer[:, 2])
+    c, s = _cos_sin(outer[:, 2])
     kernels = _kernels.get(len(outer) * len(inner))
     if kernels is not None:
         rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])

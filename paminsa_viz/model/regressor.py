@@ -61,13 +61,13 @@ def torque_regressor(
     return y.reshape(*shape, 4, terms.shape[1])
 
 
-@np.errstate(all="ignore")
 def regressor_torques(y: Array, c: Array) -> Array:
     """Return Q = Y c, (..., 4) [N m, N], for Y of `torque_regressor` and c (18,)."""
     # Not `@`: threads of a BLAS that wait for each other on a busy machine cost 50 times as much.
     return np.einsum("...i,i->...", y, c)
 
 
+@np.errstate(all="ignore")
 def _unit_terms(
     geometry: Geometry, p: Array, v: Array, a: Array, assembly: Assembly, gravity: float
 ) -> Array:
