@@ -1,0 +1,167 @@
+"""What a session can be asked to save: figures, data, the robot and the view, as file and name."""
+
+from __future__ import annotations
+
+import io
+import math
+import unicodedata
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import viser
+
+from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
+from paminsa_viz.explorer.state import State
+from paminsa_viz.figures.from_model import TORQUES
+from paminsa_viz.model import InvalidInput, PaminsaError, Quantity, solve_posture
+
+WIDTHS = (80.0, 400.0)
+"""Widths of a figure [mm]."""
+RESOLUTIONS = (50.0, 600.0)
+"""Resolutions of a figure [pixels per inch]."""
+VIEW_SIDES = (64, 4096)
+"""Sides of a picture of the 3D view [pixels]."""
+VIEW_TIMEOUT = 30.0
+"""How long a page may take for a picture of the 3D view [s]."""
+
+LONGEST_NAME = 40
+
+
+class File(NamedTuple):
+    """A file to download."""
+
+    name: str
+    content: bytes
+
+
+class NoView(PaminsaError):
+    """The page did not give a picture of its 3D view."""
+
+
+def file_name(state: State, what: str, ending: str, at_pose: bool = False) -> str:
+    """Return a file name that says what, of which design, and where; plain letters only.
+
+    Args:
+        state: What is saved.
+        what: Kind of content, such as ``torque-maps``.
+        ending: Ending of the name, without the dot.
+        at_pose: Whether x and y belong to it, as they do for the robot but not for maps.
+    """
+    document = state.document
+    x, y, theta, z = state.standing.pose if at_pose else document.pose
+    place = [f"x{round(1e3 * x)}", f"y{round(1e3 * y)}"] if at_pose else []
+    place += [f"theta{round(math.degrees(theta))}", f"z{round(1e3 * z)}"]
+    parts = ["paminsa", plain(document.design.name), what, *place]
+    return "_".join(part for part in parts if part) + f".{ending}"
+
+
+def plain(name: str) -> str:
+    """Return a name as letters, digits and hyphens that any file system takes."""
+    ascii_only = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode().lower()
+    words = "".join(c if c.isalnum() else " " for c in ascii_only).split()
+    return "-".join(words)[:LONGEST_NAME].strip("-")
+
+
+def shown_quantities(state: State, single: bool) -> tuple[Quantity, ...]:
+    """Return what the figure of one map, or of three torques, shows."""
+    return (state.map_view.quantity,) if single else TORQUES
+
+
+def _what(state: State, single: bool) -> str:
+    what = state.map_view.quantity.value.replace("_", "-") if single else "torque-maps"
+    return f"{what}-difference" if shows_difference(state) else what
+
+
+def figure(
+    state: State, store: MapStore, kind: str, single: bool, width_mm: float, dpi: float
+) -> File:
+    """Draw maps for print, with the colours of the page.
+
+    Args:
+        state: What to show.
+        store: Where maps come from.
+        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        single: One map of the chosen quantity instead of the three torques.
+        width_mm: Width [mm].
+        dpi: Pixels per inch.
+
+    Raises:
+        InvalidInput: If kind, width or resolution is not possible.
+    """
+    # Late: matplotlib takes a second to load, and most sessions never print.
+    from paminsa_viz.figures.paper import KINDS, render
+
+    for name, value, (low, high) in (("width", width_mm, WIDTHS), ("dpi", dpi, RESOLUTIONS)):
+        if not low <= value <= high:
+            raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
+    for known in KINDS:
+        if known == kind:
+            quantities = shown_quantities(state, single)
+            data = store.data(state, FULL, quantities)
+            scales = store.scales(state, data, quantities)
+            content = render(data, scales, known, width_mm=width_mm, dpi=dpi)
+            return File(file_name(state, _what(state, single), kind), content)
+    raise InvalidInput("kind", f"one of {', '.join(KINDS)} is needed")
+
+
+def table(state: State, store: MapStore, kind: str, single: bool) -> File:
+    """Write the numbers of maps, with where they come from.
+
+    Args:
+        state: What to show.
+        store: Where maps come from.
+        kind: ``"csv"`` or ``"npz"``.
+        single: One map of the chosen quantity instead of the three torques.
+
+    Raises:
+        InvalidInput: If there is no such kind.
+    """
+    from paminsa_viz.files.map_table import map_csv, map_npz
+
+    writers = {"csv": map_csv, "npz": map_npz}
+    if kind not in writers:
+        raise InvalidInput("kind", "csv or npz is needed")
+    data = store.data(state, FULL, shown_quantities(state, single))
+    return File(file_name(state, _what(state, single), kind), writers[kind](data))
+
+
+def robot(state: State) -> File:
+    """Write the robot as it stands as a GLB."""
+    from paminsa_viz.shapes import assemble_glb
+
+    standing = state.standing
+    design = replace(state.document.design, geometry=standing.geometry)
+    posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
+    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, posture))
+
+
+def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:
+    """Take a picture of the 3D view, as the page draws it.
+
+    Args:
+        state: What it shows, for the name.
+        client: The page.
+        size: Width and height [pixels], or None for those of the page.
+
+    Raises:
+        NoView: If the page does not answer in time.
+    """
+    from PIL import Image
+
+    camera = client.camera
+    low, high = VIEW_SIDES
+    width, height = size or (camera.image_width, camera.image_height)
+    width, height = (int(min(max(side, low), high)) for side in (width, height))
+    try:
+        pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
+        if pixels.dtype != np.uint8 or pixels.shape[:2] != (height, width):
+            raise ValueError(f"a picture of shape {pixels.shape}")
+        image = Image.fromarray(pixels)
+    except Exception as error:  # what a page sends may break any decoder in any way
+        raise NoView(
+            "the page did not give a picture of the 3D view; keep its tab in front and try again"
+        ) from error
+    stream = io.BytesIO()
+    image.save(stream, format="png")
+    return File(file_name(state, "view", "png", at_pose=True), stream.getvalue())

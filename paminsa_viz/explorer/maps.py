@@ -1,0 +1,221 @@
+"""From a state to the maps it shows: what is solved again, what is kept, and what colours mean.
+
+A field holds all that the geometry decides on a grid at one theta and z. It is kept, so that a
+mass, a position, a reference or a choice of colours only rescales what is there.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.state import MapView, RangeMode, State
+from paminsa_viz.figures import ticks
+from paminsa_viz.figures.from_model import TORQUES, map_data
+from paminsa_viz.figures.maps import MapData, difference
+from paminsa_viz.figures.ranges import choose_scales
+from paminsa_viz.figures.scale import Kind, Scale, ScaleChoice
+from paminsa_viz.model import Assembly, Design, Field, Geometry, Quantity, solve_field, xy_grid
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.reach import workspace_radius
+
+COARSE = 72
+"""Cells along each side while the hand moves; also what the colour range is found from, so that it
+stays when the fine map follows."""
+FULL = 200
+"""Cells along each side at rest and in files."""
+
+KEPT = 8
+"""Fields that are kept: coarse and full, of the design and of the reference, twice."""
+
+LEAST_HALF_WIDTH = 0.1
+"""Half width of a map of a robot that reaches next to nothing [m]."""
+
+LARGEST_END = 1e9
+"""Largest size of a manual range, in its SI unit."""
+
+_Key = tuple[Geometry, Assembly, float, float, float, int]
+
+
+def half_width(geometry: Geometry) -> float:
+    """Return half the side of the square that maps of a geometry cover [m].
+
+    It holds every position within reach at any theta and z, so that a map stays where it is while
+    they are dragged; rounded up to a centimetre.
+    """
+    radius = max(1.005 * workspace_radius(geometry), LEAST_HALF_WIDTH)
+    return float(np.ceil(round(100 * radius, 6)) / 100)
+
+
+def cell_centres(half: float, cells: int) -> Array:
+    """Return the centres of ``cells`` equal cells from ``-half`` to ``half``, (cells,) [m]."""
+    return half * ((2 * np.arange(cells) + 1) / cells - 1)
+
+
+class MapStore:
+    """Makes the maps of one session and keeps the fields behind them. Safe to use from threads."""
+
+    def __init__(self, kept: int = KEPT) -> None:
+        self._kept = kept
+        self._fields: OrderedDict[_Key, Field] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def field(
+        self,
+        geometry: Geometry,
+        assembly: Assembly,
+        theta: float,
+        z: float,
+        cells: int,
+        half: float,
+        dexterity: bool = False,
+    ) -> Field:
+        """Return a field over the square of side ``2 * half`` [m], solved or kept.
+
+        Args:
+            geometry, assembly: What to solve.
+            theta: Angle of the platform [rad].
+            z: Its height [m].
+            cells: Cells along each side.
+            half: Half the side [m].
+            dexterity: Whether determinant and condition number are needed.
+        """
+        key = (geometry, assembly, theta, z, half, cells)
+        with self._lock:
+            found = self._fields.get(key)
+            if found is not None:
+                self._fields.move_to_end(key)
+        if found is not None and (found.condition is not None or not dexterity):
+            return found
+        centres = cell_centres(half, cells)
+        made = solve_field(
+            geometry, xy_grid(centres, centres, theta, z), assembly, dexterity=dexterity
+        )
+        with self._lock:
+            self._fields[key] = made
+            self._fields.move_to_end(key)
+            while len(self._fields) > self._kept:
+                self._fields.popitem(last=False)
+        return made
+
+    def data(
+        self, state: State, cells: int = FULL, quantities: Sequence[Quantity] = TORQUES
+    ) -> MapData:
+        """Return the maps of a state, at the theta and z asked for.
+
+        With ``map_view.difference`` and a pinned reference, they show the design minus the
+        reference, each with its own geometry, masked where either is out of reach.
+
+        Args:
+            state: What to show.
+            cells: Cells along each side.
+            quantities: What to show, one a panel, all in one unit.
+        """
+        present = self.present(state, cells, quantities)
+        reference = state.document.reference
+        if not shows_difference(state) or reference is None:
+            return present
+        return difference(present, self._of(state, reference, cells, quantities))
+
+    def present(
+        self, state: State, cells: int = FULL, quantities: Sequence[Quantity] = TORQUES
+    ) -> MapData:
+        """Return the maps of the present design, whether or not the difference is shown."""
+        return self._of(state, state.document.design, cells, quantities)
+
+    def _of(
+        self, state: State, design: Design, cells: int, quantities: Sequence[Quantity]
+    ) -> MapData:
+        document = state.document
+        theta, z = document.pose[2:]
+        field = self.field(
+            design.geometry,
+            document.assembly,
+            theta,
+            z,
+            cells,
+            half_width(document.design.geometry),
+            any(quantity.needs_dexterity for quantity in quantities),
+        )
+        return map_data(field, design, document.pose, quantities)
+
+    def scales(
+        self, state: State, data: MapData, quantities: Sequence[Quantity] = TORQUES
+    ) -> tuple[Scale, ...]:
+        """Return the colour scales for maps of a state, one a panel.
+
+        Args:
+            state: The state that ``data`` was made from.
+            data: The maps, of any resolution.
+            quantities: What they show.
+        """
+        sample = data if data.x.size == COARSE else self.data(state, COARSE, quantities)
+        return choose(data, sample, state.map_view)
+
+
+def shows_difference(state: State) -> bool:
+    """Return whether maps show the difference from the reference."""
+    return state.map_view.difference and state.document.reference is not None
+
+
+def go_to(state: State, x: float, y: float) -> State:
+    """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
+    half = half_width(state.document.design.geometry)
+    x, y = (round(min(max(value, -half), half), 4) + 0.0 for value in (x, y))
+    return actions.move(state, x=x, y=y)
+
+
+def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
+    """Return the colour scales that a person asked for, one a panel.
+
+    A manual range counts for maps in the unit of ``view.quantity`` only; others get the robust
+    range. Its ends may be given in either order.
+
+    Args:
+        data: The maps; their extremes decide on the full range.
+        sample: The same maps, coarse; they decide on the robust range.
+        view: What was asked for.
+    """
+    kind: Kind = "symlog" if view.logarithmic else "linear"
+    robust = ScaleChoice(shared=view.shared, kind=kind)
+    if view.range_mode is RangeMode.MANUAL and view.quantity.unit == data.unit:
+        ends = _usable(view.low, view.high)
+        if ends is not None:
+            return choose_scales(data, replace(robust, low=ends[0], high=ends[1]))
+    if view.range_mode is RangeMode.FULL:
+        if view.shared:
+            return choose_scales(data, _spanning(data, robust))
+        panels = [data.panel(i) for i in range(data.panels)]
+        return tuple(choose_scales(panel, _spanning(panel, robust))[0] for panel in panels)
+    return choose_scales(sample, robust)
+
+
+def _usable(low: float, high: float) -> tuple[float, float] | None:
+    low, high = min(low, high), max(low, high)
+    size = max(abs(low), abs(high))
+    if not size <= LARGEST_END or high - low <= 1e-9 * size:
+        return None
+    return low, high
+
+
+def _spanning(data: MapData, robust: ScaleChoice) -> ScaleChoice:
+    """Return the range that holds every value, with round ends; symmetric for signed maps."""
+    finite = data.values[np.isfinite(data.values)]
+    if finite.size == 0:
+        return robust
+    low, high = float(finite.min()), float(finite.max())
+    ends = _usable(low, high)
+    if ends is None:
+        return robust
+    if data.signed:
+        high = ticks.nice_limit(max(abs(low), abs(high)))
+        return replace(robust, low=-high, high=high)
+    step = ticks.nice_step(high - low, 20)
+    # Rounded, so that the ends are written without the dust of the multiplication.
+    low, high = (float(f"{step * n:.12g}") for n in (np.floor(low / step), np.ceil(high / step)))
+    return replace(robust, low=low, high=high)

@@ -1,0 +1,180 @@
+"""One picture of maps in the panel: an image that follows the hand, values under the pointer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from html import escape
+from typing import Any, cast
+
+import numpy as np
+
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.panels.hover import HoverFigure
+from paminsa_viz.explorer.panels.slots import Slots, marker
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.figures import ticks
+from paminsa_viz.figures.live import live_image, screen_layout
+from paminsa_viz.figures.maps import MapData
+from paminsa_viz.figures.scale import Scale
+from paminsa_viz.model import Quantity
+from paminsa_viz.palette import INK, MUTED
+
+Quantities = Callable[[State], tuple[Quantity, ...]]
+
+LIVE_QUALITY = 88
+"""Quality of the JPEG that follows the hand; at rest the picture is without loss."""
+
+# viser stacks what a container holds. Here the container becomes a grid: the picture with the
+# hover figure over it, the caption and the inputs side by side below, or one below the other at
+# the right.
+_STYLE = """
+<style>
+div:has(> div > [data-paminsa-slot="%(name)s"]) {
+  display: grid; grid-template-columns: %(columns)s; align-items: center; padding: 6px 0 4px 0;
+  & > div { min-width: 0; padding: 0 5px 2px 5px; }
+  & > div:has(> [data-paminsa-slot]) { display: none; }
+  & > div:has(> div > img), & > div:has(> .mantine-Paper-root) {
+    grid-row: %(rows)s; grid-column: %(span)s; padding: 0; align-self: start; }
+  & > div:has(> .paminsa-line) { grid-column: %(line)s; padding: 0; }
+  & > div:has(> .mantine-Paper-root) { z-index: 1; }
+  & > div > .mantine-Paper-root { margin: 0; padding: 0; border: 0; background: transparent; }
+  & > div > div > img { width: 100%%; }
+  & > div:has(> .mantine-Paper-root) .mantine-ActionIcon-root { display: none; }
+  & .nsewdrag { cursor: crosshair; }
+  & .mantine-Button-root { padding: 0 4px; }
+  & > div > .mantine-Flex-root > div:first-child {
+    width: %(label)s !important; white-space: nowrap; padding-right: 5px; }
+}
+</style>
+"""
+
+
+@dataclass(frozen=True)
+class Arrangement:
+    """How a picture and its inputs share the panel.
+
+    Attributes:
+        columns: Widths of the inputs side by side below the picture, as CSS
+            ``grid-template-columns``; empty for inputs one below the other at the right.
+        share: What the picture takes of the panel's width.
+    """
+
+    columns: str = ""
+    share: float = 1.0
+
+    def style(self, name: str) -> str:
+        """Return the style of the container that holds the place ``name``."""
+        fill = {"name": name, "columns": self.columns, "rows": "1", "span": "1 / -1",
+                "line": "1 / -1", "label": "auto"}  # fmt: skip
+        if not self.columns:
+            fill |= {"columns": f"{100 * self.share:g}% 1fr", "rows": "1 / span 12", "span": "1",
+                     "line": "2", "label": "6em"}  # fmt: skip
+        return _STYLE % fill
+
+
+class MapPicture:
+    """The picture of some maps, its caption, and what lies under the pointer.
+
+    Made in the current container of the page, which is turned into a grid; inputs that are added
+    to the container afterwards come below or at the right.
+
+    Attributes:
+        scales: The colour scales drawn last, one a panel.
+        data: The maps drawn last, or None before the first.
+    """
+
+    def __init__(
+        self,
+        session: Session,
+        store: MapStore,
+        slots: Slots,
+        name: str,
+        quantities: Quantities,
+        arrangement: Arrangement,
+    ) -> None:
+        """Make the picture.
+
+        Args:
+            session: The tab it is for.
+            store: Where maps come from.
+            slots: Knows how wide the place is.
+            name: Name of the place; it comes back with clicks.
+            quantities: What to show, one a panel.
+            arrangement: Where the inputs go.
+        """
+        gui = session.client.gui
+        self._gui, self._store, self._slots = gui, store, slots
+        self._name, self._quantities = name, quantities
+        self.scales: tuple[Scale, ...] = ()
+        self.data: MapData | None = None
+        gui.add_html(marker(name, arrangement.share) + arrangement.style(name))
+        blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
+        self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
+        self._place = gui.add_folder(None)
+        self._hover: Any = None
+        self._caption = gui.add_html("")
+        self._drawn: tuple[Any, ...] = ()
+
+    def draw(self, state: State, moving: bool) -> None:
+        """Draw what the state shows, unless it is drawn already or nobody sees it."""
+        width = self._slots.width(self._name)
+        if not width:
+            return
+        quantities = self._quantities(state)
+        document, view = state.document, state.map_view
+        reference = document.reference if shows_difference(state) else None
+        shown = (
+            document.design, document.assembly, document.pose, reference, view, quantities, width,
+            self._slots.ratio,
+        )  # fmt: skip
+        if self._drawn and self._drawn[0] == shown and (moving or self._drawn[1]):
+            return
+        data = self._store.data(state, COARSE if moving else FULL, quantities)
+        scales = self._store.scales(state, data, quantities)
+        ratio = 1.0 if moving else self._slots.ratio
+        picture = live_image(data, scales, round(width * ratio), pixel_ratio=ratio)
+        if not moving:
+            opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
+            picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
+        self._image.image = picture
+        self.data, self.scales = data, scales
+        self._say(state, data)
+        if not moving:
+            self._offer_values(data, scales, width)
+        self._drawn = (shown, not moving)
+
+    def _offer_values(self, data: MapData, scales: tuple[Scale, ...], width: int) -> None:
+        layout = screen_layout(data, scales, width)
+        figure = cast(Any, HoverFigure(data, layout, self._name))
+        height = layout.height / layout.width
+        if self._hover is None:
+            # Not before the first rest: it sends Plotly's own code, a few megabytes.
+            with self._place:
+                self._hover = self._gui.add_plotly(figure, aspect=height)
+            return
+        self._hover.figure = figure
+        if self._hover.aspect != height:
+            self._hover.aspect = height
+
+    def _say(self, state: State, data: MapData) -> None:
+        text = caption(state, data)
+        if text != self._caption.content:
+            self._caption.content = text
+
+
+def caption(state: State, data: MapData) -> str:
+    """Return the line below a picture: what it shows, where, and what its marks mean."""
+    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(1e3 * data.z)} mm"
+    reference = state.document.reference
+    title = "Static torques" if data.panels > 1 else data.title
+    if shows_difference(state) and reference is not None:
+        title = f"{title.removesuffix(', difference')}, difference from “{reference.name}”,"
+    marks = "◎ pose · dashed: singular · hatched: out of reach · click: go there"
+    return (
+        '<div class="paminsa-line" style="display:flex;flex-wrap:wrap;gap:2px 16px;'
+        'justify-content:space-between;font-size:12px;line-height:1.3;padding:0 8px 5px 8px">'
+        f'<span style="color:{INK}"><b>{escape(title)}</b> at {pose}</span>'
+        f'<span style="color:{MUTED}">{marks}</span></div>'
+    )

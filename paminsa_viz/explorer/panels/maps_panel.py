@@ -1,0 +1,108 @@
+"""The floating panel with the torque maps, the map of one quantity, and the export."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import viser
+
+from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.maps import MapStore, go_to
+from paminsa_viz.explorer.panels.export_panel import ExportPanel
+from paminsa_viz.explorer.panels.incoming import number
+from paminsa_viz.explorer.panels.map_controls import MapControls
+from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
+from paminsa_viz.explorer.panels.slots import Slots
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.figures.from_model import TORQUES
+from paminsa_viz.model import Quantity
+
+TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
+
+MARGIN = 15
+"""Room to the edges of the 3D view [px]."""
+WIDEST, NARROWEST = 900, 640
+"""Width of the panel at the start [px]."""
+BESIDE = 380 + 2 * MARGIN
+"""What the control panel at the right takes, with margins [px]."""
+SHARE = 0.46
+"""Largest share of the window's height that the panel takes at the start."""
+
+
+def start_width(window_width: float, window_height: float) -> int:
+    """Return the width of the panel for a window [px]: as large as leaves room for the robot.
+
+    Three panels side by side take a width of about three times their height, and everything else
+    in the panel about 105 px of height.
+    """
+    fits = window_width - BESIDE
+    by_height = 3 * (SHARE * window_height - 105 - 55) + 149
+    wanted = min(fits, by_height, WIDEST)
+    return int(max(wanted, NARROWEST)) if math.isfinite(wanted) else NARROWEST
+
+
+class MapsPanel:
+    """Three tabs over the 3D view: torque maps, single map, export.
+
+    Attributes:
+        store: Where the maps come from; the floor map can share it.
+    """
+
+    def __init__(self, session: Session, bridge: Bridge) -> None:
+        client = session.client
+        self._session = session
+        self.store = MapStore()
+        width = start_width(client.camera.image_width, client.camera.image_height)
+        slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0})
+        panel = client.gui.add_panel()
+        with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
+            self._torques = MapPicture(
+                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES,
+                Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"),
+            )  # fmt: skip
+            self._torque_inputs = MapControls(
+                session, self._torques, "torque maps", lambda _: Quantity.TAU_1.unit, brief=True
+            )
+            self._torque_inputs.range()
+            self._torque_inputs.shared()
+            self._torque_inputs.switches()
+            self._torque_inputs.figure_3()
+        with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
+            self._single = MapPicture(
+                session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
+                Arrangement(share=0.56),
+            )  # fmt: skip
+            self._single_inputs = MapControls(
+                session, self._single, "single map", lambda s: s.map_view.quantity.unit
+            )
+            self._single_inputs.quantity()
+            self._single_inputs.range()
+            self._single_inputs.switches()
+        with panel.add_tab("Export", viser.Icon.DOWNLOAD):
+            self.export = ExportPanel(session, self.store)
+        panel.float(x=MARGIN, y=-MARGIN, width=width)
+        bridge.on("click", self._click)
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Draw the maps that are seen, and what holds in the inputs."""
+        self._torques.draw(frame.state, moving)
+        self._torque_inputs.draw(frame, moving)
+        self._single.draw(frame.state, moving)
+        self._single_inputs.draw(frame, moving)
+        self.export.draw(frame, moving)
+
+    def _click(self, data: Any) -> None:
+        """Move the robot to where a map was clicked; ``data`` comes from the page."""
+        place = clicked_place(data)
+        if place is not None:
+            self._session.ask("map click", lambda state: go_to(state, *place))
+
+
+def clicked_place(data: Any) -> tuple[float, float] | None:
+    """Read a click on one of the maps, sent in mm; return (x, y) [m], or None if it is not one."""
+    if not isinstance(data, dict) or data.get("title") not in (TORQUE_SLOT, SINGLE_SLOT):
+        return None
+    x, y = number(data.get("x")), number(data.get("y"))
+    return None if x is None or y is None else (x / 1e3, y / 1e3)

@@ -1,0 +1,85 @@
+"""What the page says of the places for pictures: whether they are seen, and how wide they are.
+
+A picture in a tab that is not open, or in a minimised panel, is not drawn; one that a person made
+wider is drawn wider. viser does not tell either, so a script in the page looks and reports.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.panels.incoming import number
+from paminsa_viz.explorer.session import Session
+
+NARROWEST, WIDEST = 300, 2400
+"""Widths that a picture can have [page pixels]."""
+FINEST = 2.0
+"""Most device pixels for one page pixel that pictures are made for."""
+
+_SCRIPT = """
+(() => {
+  clearInterval(window.__paminsaSlots);
+  let known = "", again = 0;
+  window.__paminsaSlots = setInterval(() => {
+    const found = {ratio: window.devicePixelRatio};
+    for (const mark of document.querySelectorAll("[data-paminsa-slot]")) {
+      const host = mark.parentElement && mark.parentElement.parentElement;
+      if (!host) continue;
+      const seen = host.clientHeight > 0 && host.getClientRects().length > 0;
+      const width = Math.floor(host.clientWidth * mark.dataset.share);
+      found[mark.dataset.paminsaSlot] = seen ? width : 0;
+    }
+    const now = JSON.stringify(found);
+    if (now !== known) { known = now; again = 3; }
+    if (again > 0 && window.__paminsaSend && window.__paminsaSend("slots", found)) again -= 1;
+  }, 200);
+})();
+"""
+
+
+def marker(name: str, share: float = 1.0) -> str:
+    """Return the HTML that marks the container it lies in as a place of this name.
+
+    Args:
+        name: Name of the place.
+        share: What the picture takes of the container's width.
+    """
+    return f'<span data-paminsa-slot="{name}" data-share="{share:g}"></span>'
+
+
+class Slots:
+    """Widths of the named places, as last reported.
+
+    Attributes:
+        ratio: Device pixels for one page pixel.
+    """
+
+    def __init__(self, session: Session, bridge: Bridge, widths: dict[str, int]) -> None:
+        """Start with assumed widths [page pixels], 0 for a place that is not seen."""
+        self._session = session
+        self._widths = dict(widths)
+        self.ratio = 1.0
+        bridge.on("slots", self._hear)
+        bridge.run(_SCRIPT)
+
+    def width(self, name: str) -> int:
+        """Return how wide a place is [page pixels], 0 if it is not seen."""
+        return self._widths.get(name, 0)
+
+    def _hear(self, data: Any) -> None:
+        if not isinstance(data, dict):
+            return
+        widths = {name: _width(data.get(name)) for name in self._widths}
+        fine = min(max(number(data.get("ratio")) or 1.0, 1.0), FINEST)
+        if widths == self._widths and fine == self.ratio:
+            return
+        self._widths, self.ratio = widths, fine
+        # A new object, so that what has become visible is drawn.
+        self._session.ask("slots", lambda state: replace(state))
+
+
+def _width(value: Any) -> int:
+    width = number(value)
+    return int(min(max(width, NARROWEST), WIDEST)) if width is not None and width > 0 else 0

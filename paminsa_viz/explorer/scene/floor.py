@@ -1,0 +1,203 @@
+"""The chosen map on the ground below the robot, at its true place and scale; click it to go there.
+
+With it lie the boundary of the workspace and the singular circle, and a ring below the platform.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width, shows_difference
+from paminsa_viz.explorer.scene.curves import Curve
+from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.figures import colours, lines
+from paminsa_viz.figures.maps import MapData
+from paminsa_viz.figures.raster import map_image
+from paminsa_viz.figures.scale import Scale
+from paminsa_viz.palette import INK, rgb
+from paminsa_viz.shapes.layout import layout
+
+ABOVE: Final = {
+    "map": 0.0024,
+    "legend": 0.0026,
+    "boundary": 0.0034,
+    "circle": 0.0040,
+    "ring": 0.0050,
+}
+"""Heights over the ground, above its soft shadows, so that nothing flickers through [m]."""
+
+DASH: Final = 0.022
+RING: Final = 0.032
+"""Radius of the mark below the platform [m]."""
+
+
+POSE_MARK: Final = {
+    "back": (((0.0, RING),), "#ffffff", 0.0),
+    "mark": (((0.0, 0.28 * RING), (0.64 * RING, 0.86 * RING)), INK, 0.0006),
+}
+"""The mark below the platform: rings (inner and outer radius), colour, and height [m]."""
+
+
+class FloorMap:
+    """The map on the ground of one session.
+
+    Args:
+        session: The tab.
+        store: Where maps come from; with the panel's store, nothing is solved twice.
+    """
+
+    def __init__(self, session: Session, store: MapStore | None = None) -> None:
+        self._session = session
+        self._store = MapStore() if store is None else store
+        scene = session.client.scene
+        self._height = 0.0
+        flat: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False, "visible": False}
+        clear = np.zeros((2, 2, 4), dtype=np.uint8)
+        self._map = scene.add_image("/floor/map", clear, 1.0, 1.0, **flat)
+        self._map.on_click(self._click)
+        self._legend = scene.add_image("/floor/legend", clear, *LEGEND_SIZE, **flat)
+        self._ring = scene.add_frame("/floor/pose", show_axes=False, visible=False)
+        # Solid, not pictures: what is clear in a picture still hides what lies below it.
+        for name, (parts, colour, height) in POSE_MARK.items():
+            points, faces = rings(parts)
+            points[:, 2] = height
+            scene.add_mesh_simple(
+                f"/floor/pose/{name}", points, faces, color=rgb(colour), side="double",
+                cast_shadow=False, receive_shadow=False,
+            )  # fmt: skip
+        self._boundary = Curve(scene, "/floor/workspace", INK, 2.5)
+        self._circle = Curve(scene, "/floor/singularity", INK, 2.5, dash=DASH)
+        self._key: tuple[Any, ...] = ()
+        self._curves_key: tuple[Any, ...] = ()
+        self._legend_key: tuple[Any, ...] = ()
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Draw what has changed; nothing is computed for layers that are hidden."""
+        state = frame.state
+        layers, standing = state.layers, state.standing
+        self._stand(layout(standing.geometry, standing.assembly).ground)
+        x, y = standing.pose[:2]
+        _put(self._ring, x, y, self._height + ABOVE["ring"])
+        if layers.floor_map:
+            self._draw_map(state, moving)
+        if layers.workspace or layers.singularity:
+            self._draw_curves(state, moving)
+        for node in (self._map, self._legend, self._ring):
+            _show(node, layers.floor_map)
+        for curve, visible in (
+            (self._boundary, layers.workspace),
+            (self._circle, layers.singularity),
+        ):
+            if curve.visible != visible:
+                curve.visible = visible
+
+    def _stand(self, height: float) -> None:
+        if height == self._height:
+            return
+        self._height = height
+        _put(self._map, 0.0, 0.0, height + ABOVE["map"])
+        self._curves_key = self._legend_key = ()
+
+    def _draw_map(self, state: State, moving: bool) -> None:
+        document, view, opacity = state.document, state.map_view, state.layers.floor_opacity
+        reference = document.reference if shows_difference(state) else None
+        theta, z = document.pose[2:]
+        shown = (document.design, document.assembly, theta, z, reference, view, opacity)
+        if self._key and self._key[0] == shown and (moving or self._key[1]):
+            return
+        quantities = (view.quantity,)
+        data = self._store.data(state, COARSE if moving else FULL, quantities)
+        scale = self._store.scales(state, data, quantities)[0]
+        self._map.image = floor_image(data, scale, opacity)
+        side = 2 * half_width(document.design.geometry)
+        if self._map.scale != (side, side, 1.0):
+            self._map.scale = (side, side, 1.0)
+        self._draw_legend(data, scale, state)
+        self._key = (shown, not moving)
+
+    def _draw_legend(self, data: MapData, scale: Scale, state: State) -> None:
+        geometry = state.standing.geometry
+        key = (data.names, scale, geometry, state.standing.assembly)
+        if key == self._legend_key:
+            return
+        self._legend_key = key
+        self._legend.image = legend_image(data, scale)
+        (x, y), wxyz = legend_place(geometry, state.standing.assembly)
+        _put(self._legend, x, y, self._height + ABOVE["legend"])
+        self._legend.wxyz = wxyz
+
+    def _draw_curves(self, state: State, moving: bool) -> None:
+        document = state.document
+        theta, z = document.pose[2:]
+        shown = (document.design.geometry, document.assembly, theta, z)
+        if self._curves_key and self._curves_key[0] == shown and (moving or self._curves_key[1]):
+            return
+        # Shapes of the reach alone: the same for every quantity, and without a reference.
+        data = self._store.present(state, COARSE if moving else FULL)
+        self._boundary.draw(lines.boundary(data), self._height + ABOVE["boundary"])
+        self._circle.draw(lines.singular_circle(data), self._height + ABOVE["circle"])
+        self._curves_key = (shown, not moving)
+
+    def _click(self, event: Any) -> None:
+        place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
+        if place is not None:
+            self._session.ask("floor click", lambda state: go_to(state, *place))
+
+
+def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:
+    """Return one map as RGBA with row 0 at the smallest y, clear where nothing is reached."""
+    pixels = map_image(data.values[0], data.status, scale)
+    clear = pixels[..., 3] == 0
+    # Pixels are blended with their neighbours on the screen, clear ones too.
+    pixels[clear, :3] = rgb(colours.REACHLESS)
+    pixels[~clear, 3] = round(255 * min(max(opacity, 0.0), 1.0))
+    return pixels
+
+
+def rings(parts: tuple[tuple[float, float], ...], count: int = 40) -> tuple[Any, Any]:
+    """Return flat rings about the origin as points (n, 3) [m] and faces (m, 3).
+
+    Args:
+        parts: Inner and outer radius of each [m].
+        count: Corners around.
+    """
+    angle = 2 * np.pi * np.arange(count) / count
+    around = np.stack([np.cos(angle), np.sin(angle), np.zeros(count)], axis=1)
+    points = np.concatenate([radius * around for part in parts for radius in part])
+    i = np.arange(count)
+    j = (i + 1) % count
+    strip = np.concatenate(
+        [np.stack([i, i + count, j], axis=1), np.stack([j, i + count, j + count], axis=1)]
+    )
+    faces = np.concatenate([strip + 2 * count * k for k in range(len(parts))])
+    return points, faces.astype(np.uint32)
+
+
+def where_on_floor(
+    origin: tuple[float, float, float], direction: tuple[float, float, float], height: float
+) -> tuple[float, float] | None:
+    """Return where a ray meets the plane at a height, (x, y) [m], or None if it does not."""
+    if not all(map(math.isfinite, (*origin, *direction))) or abs(direction[2]) < 1e-9:
+        return None
+    way = (height - origin[2]) / direction[2]
+    if way <= 0:
+        return None
+    x, y = (origin[i] + way * direction[i] for i in (0, 1))
+    return (x, y) if math.isfinite(x) and math.isfinite(y) else None
+
+
+def _put(node: Any, x: float, y: float, z: float) -> None:
+    if tuple(node.position) != (x, y, z):
+        node.position = (x, y, z)
+
+
+def _show(node: Any, visible: bool) -> None:
+    if node.visible != visible:
+        node.visible = visible
