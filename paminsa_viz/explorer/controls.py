@@ -25,36 +25,31 @@ class Control:
     def __init__(self, session: Session, handle: Any, name: str, apply: Apply, show: Show) -> None:
         self.session, self.handle, self.name = session, handle, name
         self._apply, self._show = apply, show
-        self._read: Any = None
-        self._touched = False
+        # What the input held when it was last read or written here. If it holds something else,
+        # the page has just set it, and the callback that says so is on its way.
+        self._known: Any = handle.value
         handle.on_update(self._on_update)
 
     def _on_update(self, event: Any) -> None:
         if event.client is None:  # set by this program
+            self._known = self.handle.value
             return
-        self._touched = True
         self.session.ask(self.name, self._intent)
 
     def _intent(self, state: State) -> State:
-        self._touched = False
-        value = self.handle.value
-        self._read = value
+        value = self._known = self.handle.value
         check_value(self.name, value)
         return self._apply(state, value)
 
     def draw(self, frame: Frame, moving: bool) -> None:
-        """Show what holds, unless the person's hand is on this input right now."""
+        """Show what holds, unless the person has set something newer that was not read yet."""
         del moving
+        if not same(self.handle.value, self._known):
+            return
         value = self._show(frame.state)
-        if self._touched:
-            return
-        if self._read is not None and same(self._read, value):
-            # The person's own entry holds; it may have moved on since, so it is not written over.
-            self._read = None
-            return
-        self._read = None
-        if not same(self.handle.value, value):
+        if not same(self._known, value):
             self.handle.value = value
+            self._known = value  # and not what the page may have set in this very moment
 
 
 def check_value(name: str, value: Any) -> None:
@@ -72,5 +67,7 @@ def check_value(name: str, value: Any) -> None:
 def same(a: Any, b: Any) -> bool:
     """Whether two input values are the same to the eye of the state."""
     if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+        if math.isnan(a) and math.isnan(b):
+            return True
         return math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-9)
     return a == b

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 import viser
 
 from paminsa_viz.explorer import actions, session
+from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
@@ -256,3 +259,54 @@ def test_a_tab_that_goes_while_it_is_drawn_leaves_quietly(
     assert not desk.session._thread.is_alive()
     assert not caplog.records
     assert not desk.page.told
+
+
+class Input:
+    """Stands in for an input of the page: its value is set at once, its callback comes later."""
+
+    def __init__(self, value: float) -> None:
+        self.value = value
+        self.callback: Callable[[Any], None] = lambda event: None
+
+    def on_update(self, callback: Callable[[Any], None]) -> None:
+        self.callback = callback
+
+    def told(self) -> None:
+        """Run the callback of a value that the page has set."""
+        self.callback(SimpleNamespace(client=self))
+
+
+def test_a_value_that_was_set_while_another_frame_is_drawn_is_not_lost(desk: Desk) -> None:
+    handle = Input(0.0)
+    control = Control(
+        desk.session,
+        handle,
+        "x",
+        lambda state, value: actions.move(state, x=value),
+        lambda state: state.document.pose[0],
+    )
+    desk.session.first.append(control)
+    handle.value = 0.07  # the callback is still on its way
+    desk.session.ask("y", lambda state: actions.move(state, y=0.02))
+    eventually(lambda: desk.session.state.document.pose[1] == 0.02)
+    desk.rest()
+    assert handle.value == 0.07
+    handle.told()
+    eventually(lambda: desk.x == 0.07)
+    desk.session.undo()
+    eventually(lambda: handle.value == 0.0)
+
+
+def test_an_input_is_set_back_after_a_value_that_is_refused(desk: Desk) -> None:
+    def refuse(state: State, value: float) -> State:
+        raise InvalidInput("x", "it is not liked")
+
+    for wrong in (0.07, math.nan, math.inf):
+        handle = Input(0.0)
+        show = Control(desk.session, handle, "x", refuse, lambda state: state.document.pose[0])
+        desk.session.first.append(show)
+        handle.value = wrong
+        handle.told()
+        eventually(lambda handle=handle: handle.value == 0.0)
+        desk.session.first.remove(show)
+    assert len(desk.page.told) == 3

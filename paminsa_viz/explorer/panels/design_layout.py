@@ -33,18 +33,18 @@ def _row(path: str, name: str, high: float, step: float, *, low: float = 0.0) ->
 
 def _mass(path: str, name: str) -> Row:
     high = round_up(3 * PARAMETER[path].default) or 10.0
-    return _row(path, name, high, 0.001)
+    return _row(path, name, high, 0.0005)
 
 
 def _inertia(path: str, name: str) -> Row:
     high = round_up(3 * PARAMETER[path].default) or 0.1
-    return _row(path, name, high, 0.0001)
+    return _row(path, name, high, 0.00005)
 
 
 def _length(path: str, name: str, high: float | None = None) -> Row:
     # Twice Appendix 4's length: with the other lengths unchanged, the pantograph can still close.
     high = round_up(2 * edge(path).shown(PARAMETER[path].default)) if high is None else high
-    return _row(path, name, high, 0.5)
+    return _row(path, name, high, 0.25)
 
 
 def _friction(path: str, high: float, step: float) -> Row:
@@ -97,7 +97,7 @@ GROUPS: tuple[Group, ...] = (
         "Geometry",
         "Pantograph [mm]",
         (
-            _row("geometry.magnification", "[no unit]", 6.0, 0.05, low=1.35),
+            _row("geometry.magnification", "[no unit]", 6.0, 0.025, low=1.35),
             _length("geometry.crank_length", ""),
             _length("geometry.coupler_length", ""),
         ),
@@ -128,16 +128,16 @@ GROUPS: tuple[Group, ...] = (
         (_inertia("platform.inertia", "platform"), _inertia("payload.inertia", "payload")),
     ),
     Group("Motion", "Inertias of the links [kg·m²]", _INERTIA_ROWS, open=False),
-    Group("Motion", "Gravity", (_row("gravity", "[m/s²]", 20.0, 0.01),)),
+    Group("Motion", "Gravity", (_row("gravity", "[m/s²]", 20.0, 0.005),)),
     Group(
         "Motion",
         "Friction of the actuators",
         (
-            _friction("friction.viscous_rotary", 2.0, 0.01),
-            _friction("friction.coulomb_rotary", 2.0, 0.01),
+            _friction("friction.viscous_rotary", 2.0, 0.005),
+            _friction("friction.coulomb_rotary", 2.0, 0.005),
             _friction("friction.viscous_linear", 100.0, 0.5),
             _friction("friction.coulomb_linear", 50.0, 0.5),
-            _friction("friction.transition_speed", 0.1, 0.001),
+            _friction("friction.transition_speed", 0.1, 0.0005),
         ),
         open=False,
     ),

@@ -7,13 +7,13 @@ from typing import Any
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group
-from paminsa_viz.explorer.panels.number_row import NumberRow
+from paminsa_viz.explorer.panels.number_row import NumberRow, Row
 from paminsa_viz.explorer.panels.readout import number as fixed
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.model import APPENDIX_4, Geometry, balance_distance, lumped_matrix
+from paminsa_viz.model import APPENDIX_4, Design, Geometry, balance_distance, lumped_matrix
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.palette import INK, MUTED, OK, REFERENCE
 
@@ -28,7 +28,8 @@ class GroupFolder:
         gui = session.client.gui
         self._session = session
         with gui.add_folder(group.title, expand_by_default=group.open):
-            self.rows = [NumberRow(session, row) for row in group.rows]
+            design = session.state.document.design
+            self.rows = [NumberRow(session, row, full_hint(row, design)) for row in group.rows]
             self.reset = gui.add_button_group(
                 "Reset to App. 4",
                 (WHOLE_GROUP,),
@@ -66,6 +67,11 @@ def balance_hint(path: str, geometry: Geometry, gravity: float) -> str:
         return "No part in M_p2: the static torques of M1–M3 do not depend on it."
     word = "raises" if share > 0 else "lowers"
     return f"Each kg {word} M_p2 by {number(abs(share), 4)} N."
+
+
+def full_hint(row: Row, design: Design) -> str:
+    """Return all that is said of a number where the pointer rests on it."""
+    return f"{row.hint} {balance_hint(row.path, design.geometry, design.gravity)}".strip()
 
 
 def balance_html(state: State, balance: float) -> str:
@@ -112,7 +118,7 @@ class DesignPanel:
                     GroupFolder(session, group) for group in GROUPS if group.tab == name
                 ]
         self._rows = [row for folder in self.folders for row in folder.rows]
-        self._hinted: tuple[Geometry, float] | None = None
+        self._hinted = _told_by_hints(session.state.document.design)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state; hints follow once the hand rests."""
@@ -122,7 +128,13 @@ class DesignPanel:
         for folder in self.folders:
             folder.draw(frame, moving)
         design = frame.state.document.design
-        if not moving and self._hinted != (design.geometry, design.gravity):
-            self._hinted = (design.geometry, design.gravity)
+        if not moving and self._hinted != _told_by_hints(design):
+            self._hinted = _told_by_hints(design)
             for row in self._rows:
-                row.add_hint(balance_hint(row.row.path, *self._hinted))
+                hint = full_hint(row.row, design)
+                if row.slider.hint != hint:
+                    row.slider.hint = hint
+
+
+def _told_by_hints(design: Design) -> tuple[Geometry, float]:
+    return design.geometry, design.gravity

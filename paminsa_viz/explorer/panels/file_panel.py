@@ -9,6 +9,7 @@ from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, sharing
+from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.patient import PatientControl
@@ -17,7 +18,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
 
 
 def file_name(design: Design) -> str:
@@ -35,7 +36,10 @@ def uploaded_design(name: str, content: bytes) -> Design:
     """
     if not content:
         raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
-    return read_design(content, name)
+    try:
+        return require_workable(read_design(content, name))
+    except InvalidDesign as error:
+        raise DesignFileError(name, str(error)) from error
 
 
 def _open_code(state: State, code: str) -> State:

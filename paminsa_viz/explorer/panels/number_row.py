@@ -23,8 +23,9 @@ class Row:
     Attributes:
         path: Its dotted path.
         name: A word or two beside the symbol.
-        low, high, step: The slider's range and step in the unit shown. A larger or smaller number
-            can be typed, and the slider grows to it.
+        low, high: The slider's range in the unit shown. A larger or smaller number can be typed,
+            and the slider grows to it.
+        step: The slider's step in the unit shown; as many decimals can be typed.
     """
 
     path: str
@@ -72,7 +73,7 @@ class NumberRow:
         slider: viser's handle.
     """
 
-    def __init__(self, session: Session, row: Row) -> None:
+    def __init__(self, session: Session, row: Row, hint: str) -> None:
         self.row = row
         self._edge = edge(row.path)
         value = self._show(session.state)
@@ -80,10 +81,8 @@ class NumberRow:
         default = self._edge.shown(PARAMETER[row.path].default)
         tick = ((default, number(default)),)
         self.slider = session.client.gui.add_slider(
-            row.label, self._low, self._high, row.step, value, marks=tick, hint=row.hint
+            row.label, self._low, self._high, row.step, value, marks=tick, hint=hint
         )
-        # one figure more than the slider's steps can be typed
-        self.slider.precision = 1 + max(0, -math.floor(math.log10(row.step)))
         self._control = PatientControl(
             session, self.slider, f"design.{row.path}", self._apply, self._show
         )
@@ -92,12 +91,6 @@ class NumberRow:
     def name(self) -> str:
         """The symbol, by which a button names the number."""
         return self._edge.symbol
-
-    def add_hint(self, text: str) -> None:
-        """Say something more about the number, in place of what was said before."""
-        hint = f"{self.row.hint} {text}".strip()
-        if self.slider.hint != hint:
-            self.slider.hint = hint
 
     def _show(self, state: State) -> float:
         return self._edge.shown(state.document.design.value(self.row.path))

@@ -33,7 +33,7 @@ class PatientControl(Control):
         try:
             return super()._intent(state)
         except PaminsaError:
-            self._standing = self._read
+            self._standing = self._known
             self._timer = threading.Timer(PATIENCE, self._insist)
             self._timer.daemon = True
             self._timer.start()

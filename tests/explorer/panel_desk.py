@@ -1,0 +1,75 @@
+"""A panel on a real session and server, driven over a socket instead of by a browser."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import viser
+
+from paminsa_viz.explorer.session import Session, View
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import Design
+
+from .raw_page import RawPage, eventually, update
+
+
+class Desk:
+    """A panel and its session.
+
+    Attributes:
+        panel: The panel.
+        session: The session.
+        page: The socket's end.
+        told: Notices so far, title and text.
+    """
+
+    def __init__(self, server: viser.ViserServer, make: Callable[[Session], View]) -> None:
+        self.page = RawPage(server)
+        self.session = Session(self.page.client, initial_state())
+        self.told: list[tuple[str, str]] = []
+        self.session.tell = self._tell  # type: ignore[method-assign]
+        self.panel: Any = make(self.session)
+        self.session.first.append(self.panel)
+        self.session.start()
+
+    def _tell(self, title: str, body: str, *, bad: bool = False) -> None:
+        del bad
+        self.told.append((title, body))
+
+    @property
+    def state(self) -> State:
+        """The newest state."""
+        return self.session.state
+
+    @property
+    def design(self) -> Design:
+        """The present design."""
+        return self.state.document.design
+
+    def set(self, handle: Any, value: Any) -> None:
+        """Do what the page does when a person sets an input or presses a button."""
+        self.page.send(update(handle._impl.uuid, value))
+
+    def until(self, condition: Callable[[], Any]) -> Any:
+        """Wait until something holds."""
+        return eventually(condition)
+
+    def ask(self, intent: Callable[[State], State]) -> None:
+        """Change the state from elsewhere, and wait until it has been taken."""
+        done: list[bool] = []
+        self.session.ask("elsewhere", intent)
+        self.session.do(lambda: done.append(True))
+        eventually(lambda: done)
+
+
+@contextmanager
+def desk_with(server: viser.ViserServer, make: Callable[[Session], View]) -> Iterator[Desk]:
+    """Set a panel up, and clear away after it."""
+    desk = Desk(server, make)
+    try:
+        yield desk
+    finally:
+        desk.session.close()
+        desk.page.socket.close()

@@ -1,0 +1,142 @@
+"""The panel that compares the present design with a reference."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.panels.compare_panel import (
+    PIN,
+    SWAP,
+    UNPIN,
+    ComparePanel,
+    differences_html,
+    names_html,
+    torques_html,
+)
+from paminsa_viz.explorer.panels.number_row import is_changed
+from paminsa_viz.explorer.server import open_server
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETERS,
+    Design,
+    balance_distance,
+    static_torques,
+)
+
+from .panel_desk import Desk, desk_with
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    running = open_server(port=0)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def desk(server: viser.ViserServer) -> Iterator[Desk]:
+    with desk_with(server, ComparePanel) as desk:
+        yield desk
+
+
+def cells(table: str) -> list[list[str]]:
+    """Return the texts of a table's cells, row by row."""
+    rows = re.findall(r"<tr>(.*?)</tr>", table)
+    found = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in rows]
+    return [[re.sub(r"<[^>]*>", "", cell) for cell in row] for row in found]
+
+
+def value(text: str) -> float:
+    """Read a number as a person would."""
+    return float(text.replace("−", "-").split("\u202f")[0])
+
+
+@given(
+    changes=st.dictionaries(
+        st.sampled_from([p.path for p in PARAMETERS if not p.path.startswith("geometry")]),
+        st.floats(0.1, 9),
+        max_size=6,
+    )
+)
+def test_the_table_lists_exactly_what_differs(changes: dict[str, float | None]) -> None:
+    design = APPENDIX_4.vary(changes)
+    differ = [p for p in PARAMETERS if design.value(p.path) != APPENDIX_4.value(p.path)]
+    rows = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
+    assert len(rows) == len(differ)
+    for row, parameter in zip(rows, differ, strict=True):
+        assert value(row[1]) == pytest.approx(APPENDIX_4.value(parameter.path), rel=1e-5)
+        assert value(row[2]) == pytest.approx(design.value(parameter.path), rel=1e-5)
+
+
+def test_a_stroke_that_was_set_differs_from_one_that_follows_its_guide() -> None:
+    design = APPENDIX_4.vary({"geometry.guide_stroke": APPENDIX_4.geometry.stroke})
+    assert is_changed(design, "geometry.guide_stroke")
+    (row,) = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
+    assert row[1:3] == ["363.5\u202fmm (lB10)", "363.5\u202fmm"]
+
+
+def test_torques_stand_beside_each_other() -> None:
+    pose = (0.05, -0.03, 0.4, -0.6)
+    design = APPENDIX_4.vary({"links.b4": 1.0})
+    now, then = static_torques(design, pose), static_torques(APPENDIX_4, pose)
+    rows = cells(torques_html(now, then, design, APPENDIX_4, "reference"))[1:]
+    for j in range(4):
+        assert value(rows[j][1]) == pytest.approx(then[j], abs=6e-3)
+        assert value(rows[j][2]) == pytest.approx(now[j], abs=6e-3)
+        assert value(rows[j][3]) == pytest.approx(now[j] - then[j], abs=6e-3)
+    assert len({row[4] for row in rows[:3]}) == 1  # torques scale with M_p2
+    assert rows[4][4] == rows[0][4]
+    assert value(rows[4][2]) == pytest.approx(balance_distance(design), abs=1e-4)
+
+
+def test_a_reference_that_can_not_stand_here_has_no_torques() -> None:
+    held = np.full(4, np.nan)
+    text = torques_html(np.ones(4), held, APPENDIX_4, APPENDIX_4, "reference")
+    assert [row[1] for row in cells(text)[1:5]] == ["–"] * 4
+    assert "can not take this pose" in text
+    assert "nan" not in text
+
+
+def test_names_can_not_bring_markup_into_the_page() -> None:
+    evil = Design(name="<img src=x onerror=alert(1)>")
+    for reference in (None, evil):
+        text = names_html(evil, reference)
+        assert "<img" not in text
+        assert "&lt;img" in text
+
+
+def test_pin_swap_and_unpin(desk: Desk) -> None:
+    buttons = desk.panel.buttons
+    _, torques, differences = desk.panel._texts
+    desk.until(lambda: "No number differs" in differences.content)
+    assert tuple(buttons.options) == (PIN,)
+    desk.set(buttons, PIN)
+    desk.until(lambda: tuple(buttons.options) == (PIN, SWAP, UNPIN))
+    desk.ask(lambda s: actions.vary(s, {"links.b3": 1.0}))
+    desk.until(lambda: len(cells(differences.content)) == 2)
+    assert cells(differences.content)[1][1:] == ["0.406\u202fkg", "1\u202fkg", "+146 %"]
+    desk.set(buttons, SWAP)
+    desk.until(lambda: desk.design == APPENDIX_4)
+    desk.until(lambda: cells(differences.content)[1][1:3] == ["1\u202fkg", "0.406\u202fkg"])
+    desk.ask(lambda s: actions.move(s, x=0.05))
+    desk.until(lambda: value(cells(torques.content)[1][1]) != 0)
+    desk.set(buttons, UNPIN)
+    desk.until(lambda: desk.state.document.reference is None)
+    desk.until(lambda: tuple(buttons.options) == (PIN,))
+    desk.until(lambda: cells(torques.content)[0][1] == "App. 4")
+
+
+def test_a_button_that_is_not_there_does_nothing(desk: Desk) -> None:
+    before = desk.state
+    desk.set(desk.panel.buttons, SWAP)
+    desk.set(desk.panel.buttons, "anything")
+    desk.ask(lambda s: s)
+    assert desk.state == before
