@@ -1,0 +1,250 @@
+"""Maps: the values of the pointwise functions at every pose, whatever the axes and the blocks."""
+
+from __future__ import annotations
+
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Field,
+    Grid,
+    InvalidInput,
+    Limit,
+    Quantity,
+    backend,
+    check_reach,
+    grids,
+    measure_singularity,
+    rotary_torques,
+    solve_field,
+    static_torques,
+    unit_torques,
+    xy_grid,
+)
+from tests.model.cases import BOTH, Case, cases
+
+VALUES = {
+    "x": np.linspace(-0.25, 0.3, 4),
+    "y": np.linspace(-0.3, 0.22, 3),
+    "theta": np.array([-1.4, -0.2, 0.3, 0.9, 1.6]),
+    "z": np.array([-0.9, -0.5]),
+}
+FIXED = (0.02, -0.03, 0.25, -0.45)
+NAMES = [names for n in range(5) for names in permutations(VALUES, n)]
+"""Every choice of axes in every order, 65 of them."""
+
+
+def near(got: Any, expected: Any, relative: float = 1e-11) -> None:
+    """Equal but for rounding; NaN in the same places."""
+    size = np.nanmax(np.abs(expected), initial=1e-300)
+    np.testing.assert_allclose(got, expected, rtol=relative, atol=relative * size)
+
+
+def check_field(field: Field, design: Design, pose: Any, assembly: Assembly) -> None:
+    """Compare a field with the pointwise functions at its poses."""
+    geometry = design.geometry
+    reach = check_reach(geometry, pose)
+    np.testing.assert_array_equal(field.status, reach.status)
+    np.testing.assert_array_equal(field.leg, reach.leg)
+    near(field.margin, reach.margins.min(axis=(-1, -2)))
+    gamma = unit_torques(geometry, pose, assembly)
+    near(field.gamma, np.moveaxis(gamma, -1, 0))
+    measured = measure_singularity(geometry, pose)
+    near(field.determinant, measured.determinant)
+    near(field.condition, measured.condition, 1e-9)
+    torque = np.moveaxis(static_torques(design, pose, assembly), -1, 0)
+    near(field.torques(design), torque)
+    expected = {
+        Quantity.TAU_1: torque[0],
+        Quantity.TAU_2: torque[1],
+        Quantity.TAU_3: torque[2],
+        Quantity.F_4: torque[3],
+        Quantity.MAX_TORQUE: np.abs(torque[:3]).max(axis=0),
+        Quantity.RMS_TORQUE: np.sqrt((torque[:3] ** 2).sum(axis=0) / 3),
+        Quantity.CONDITION: measured.condition,
+        Quantity.DETERMINANT: measured.determinant,
+        Quantity.REACH_MARGIN: reach.margins.min(axis=(-1, -2)),
+    }
+    assert set(expected) == set(Quantity)
+    for quantity, values in expected.items():
+        got = field.values(design, quantity)
+        assert np.shape(got) == pose.shape[:-1]
+        near(got, values, 1e-9)
+
+
+@pytest.mark.parametrize("names", NAMES, ids="-".join)
+def test_any_axes_in_any_order(names: tuple[str, ...]) -> None:
+    grid = Grid.over(FIXED, **{name: VALUES[name] for name in names})
+    assert grid.shape == tuple(VALUES[name].size for name in names)
+    assert grid.size == int(np.prod(grid.shape, dtype=int))
+    pose = grid.poses()
+    assert pose.shape == (*grid.shape, 4)
+    for axis, name in enumerate(names):
+        coordinate = np.moveaxis(pose[..., grids.COORDINATES.index(name)], axis, -1)
+        np.testing.assert_array_equal(coordinate, np.broadcast_to(VALUES[name], coordinate.shape))
+    for index, name in enumerate(grids.COORDINATES):
+        if name not in names:
+            np.testing.assert_array_equal(pose[..., index], FIXED[index])
+    field = solve_field(APPENDIX_4.geometry, grid, dexterity=True)
+    check_field(field, APPENDIX_4, pose, Assembly.PRINTED)
+    assert field.gamma.shape == (4, *grid.shape)
+    torques = rotary_torques(APPENDIX_4, grid)
+    near(torques, field.torques(APPENDIX_4)[:3])
+
+
+@given(case=cases(), names=st.sampled_from(NAMES))
+def test_any_robot(case: Case, names: tuple[str, ...]) -> None:
+    rng = np.random.default_rng(case.seed)
+    g = case.geometry
+    size = {"x": g.base_radius, "y": g.base_radius, "theta": np.pi, "z": 2 * g.coupler_length}
+    axes = {name: rng.uniform(-1, 1, rng.integers(1, 7)) * size[name] for name in names}
+    grid = Grid.over([0.0, 0.0, 0.1, -0.6 * g.coupler_length], **axes)
+    field = solve_field(g, grid, case.assembly, dexterity=True)
+    check_field(field, case.design, grid.poses(), case.assembly)
+    assert (field.geometry, field.assembly, field.grid) == (g, case.assembly, grid)
+
+
+@pytest.mark.parametrize("numpy", [False, True])
+@pytest.mark.parametrize("names", [("y", "x"), ("x", "theta"), ("z", "theta", "x"), ("theta",)])
+def test_blocks_and_threads_change_nothing(
+    monkeypatch: pytest.MonkeyPatch, names: tuple[str, ...], numpy: bool
+) -> None:
+    axes = {name: np.linspace(VALUES[name][0], VALUES[name][-1], 7) for name in names}
+    grid = Grid.over(FIXED, **axes)
+    reference = solve_field(APPENDIX_4.geometry, grid, dexterity=True, threads=1)
+
+    def compare() -> None:
+        for threads in (None, 1, 3):
+            field = solve_field(APPENDIX_4.geometry, grid, dexterity=True, threads=threads)
+            np.testing.assert_array_equal(field.status, reference.status)
+            np.testing.assert_array_equal(field.leg, reference.leg)
+            for name in ("gamma", "margin", "determinant", "condition"):
+                near(getattr(field, name), getattr(reference, name))
+            near(
+                rotary_torques(APPENDIX_4, grid, threads=threads), reference.torques(APPENDIX_4)[:3]
+            )
+
+    for block in (1, 5, 7, 20, 2**15):
+        monkeypatch.setattr(grids, "BLOCK", block)
+        if numpy:
+            with backend.use_numpy():
+                compare()
+        else:
+            compare()
+
+
+@BOTH
+def test_masked_cells_carry_their_reason(assembly: Assembly) -> None:
+    """Stretched, folded, guide, axis, not finite and singular ones in one map; no warning."""
+    design = APPENDIX_4.vary(
+        {
+            "geometry.base_radius": 0.5,
+            "geometry.platform_radius": 0.25,
+            "geometry.guide_stroke": 0.3,
+        }
+    )
+    x = np.array([0.0, 0.25, 0.45, np.nan])
+    z = np.array([-1.2, -0.5, -0.0275])
+    field = solve_field(design.geometry, Grid.over([0.0, 0.0, 0.0, 0.0], z=z, x=x), assembly)
+    words = [[Limit(s).word for s in row] for row in field.status]
+    assert words == [
+        ["stretched", "stretched", "stretched", "not-finite"],
+        ["ok", "singular", "stretched", "not-finite"],
+        ["ok", "folded", "guide", "not-finite"],
+    ]
+    on_axis = solve_field(design.geometry, Grid.over([0.0, 0.25, 0.0, -0.5]), assembly)
+    assert on_axis.status == Limit.AXIS
+    assert on_axis.leg == 2
+    assert np.isnan(field.gamma).any(axis=0).tolist() == (field.status != Limit.OK).tolist()
+    for quantity in Quantity:
+        if not quantity.needs_dexterity and quantity is not Quantity.REACH_MARGIN:
+            values = field.values(design, quantity)
+            np.testing.assert_array_equal(np.isnan(values), field.status != Limit.OK)
+
+
+def test_masses_only_rescale_a_field() -> None:
+    """What a mass slider costs: no solving, one factor."""
+    axis = np.linspace(-0.2, 0.2, 9)
+    field = solve_field(APPENDIX_4.geometry, xy_grid(axis, axis, np.pi / 3, -0.5))
+    heavy = APPENDIX_4.vary({"joints.j9": 2.0, "links.b4": 1.5, "gravity": 3.7})
+    check = static_torques(heavy, field.grid.poses())
+    near(field.torques(heavy), np.moveaxis(check, -1, 0))
+    before = field.gamma.copy()
+    field.torques(heavy)
+    np.testing.assert_array_equal(field.gamma, before)
+
+
+def test_a_map_has_its_rows_along_y() -> None:
+    grid = xy_grid([0.1, 0.2, 0.3], [-0.1, 0.1], 0.4, -0.5)
+    assert grid.shape == (2, 3)
+    np.testing.assert_array_equal(grid.poses()[1, 2], [0.3, 0.1, 0.4, -0.5])
+
+
+@given(
+    names=st.sampled_from(NAMES),
+    sizes=st.lists(st.integers(1, 6), min_size=4, max_size=4),
+    poses=st.integers(1, 200),
+)
+def test_splitting_covers_a_grid_once(names: tuple[str, ...], sizes: list[int], poses: int) -> None:
+    axes = {name: np.arange(size) + 0.5 for name, size in zip(names, sizes, strict=False)}
+    grid = Grid.over(FIXED, **axes)
+    seen = np.zeros(grid.shape, dtype=int)
+    whole = grid.poses()
+    for index, piece in grid.split(poses):
+        assert 1 <= piece.size <= poses
+        np.testing.assert_array_equal(piece.poses(), whole[index])
+        seen[index] += 1
+    np.testing.assert_array_equal(seen, 1)
+
+
+@pytest.mark.parametrize(
+    ("axes", "argument", "problem"),
+    [
+        ({"u": [0.0]}, "u", "a grid varies x, y, theta, z"),
+        ({"x": []}, "x", "one axis of values"),
+        ({"x": 0.3}, "x", "one axis of values"),
+        ({"theta": [[0.1, 0.2]]}, "theta", "one axis of values"),
+        ({"y": ["a"]}, "y", "real numbers"),
+        ({"z": [1j]}, "z", "real numbers"),
+    ],
+)
+def test_axes_that_are_none(axes: Any, argument: str, problem: str) -> None:
+    with pytest.raises(InvalidInput, match=problem) as caught:
+        Grid.over(FIXED, **axes)
+    assert caught.value.argument == argument
+
+
+def test_other_input_that_can_not_be_used() -> None:
+    with pytest.raises(InvalidInput, match=r"fixed: one pose \(4,\)"):
+        Grid.over(np.zeros((2, 4)))
+    with pytest.raises(InvalidInput, match="fixed: the last axis"):
+        Grid.over([0.0, 0.0])
+    field = solve_field(APPENDIX_4.geometry, Grid.over(FIXED, x=[0.0]))
+    assert field.determinant is None
+    assert field.condition is None
+    for quantity in (Quantity.CONDITION, Quantity.DETERMINANT):
+        assert quantity.needs_dexterity
+        with pytest.raises(InvalidInput, match="dexterity"):
+            field.values(APPENDIX_4, quantity)
+
+
+def test_units() -> None:
+    assert {q.value: q.unit for q in Quantity} == {
+        "tau_1": "N m",
+        "tau_2": "N m",
+        "tau_3": "N m",
+        "f_4": "N",
+        "max_torque": "N m",
+        "rms_torque": "N m",
+        "condition": "1",
+        "determinant": "m",
+        "reach_margin": "m",
+    }

@@ -1,0 +1,169 @@
+"""Sweeps: the figures of the whole grid, in pieces of any size and bounded memory."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Grid,
+    Limit,
+    Quantity,
+    check_reach,
+    measure_singularity,
+    static_torques,
+    sweep,
+    sweep_blocks,
+)
+from tests.model.cases import BOTH, Case, cases
+
+ALL = tuple(Quantity)
+AXES = {
+    "x": np.linspace(-0.3, 0.3, 7),
+    "y": np.linspace(-0.3, 0.25, 6),
+    "theta": np.linspace(-1.5, 1.4, 5),
+    "z": np.linspace(-0.95, 0.9, 8),
+}
+FIXED = (0.0, 0.0, 0.0, -0.5)
+
+
+def pointwise(case_design: Any, pose: Any, assembly: Any) -> tuple[Any, dict[Quantity, Any]]:
+    """Status and every quantity at every pose, from the pointwise functions."""
+    torque = static_torques(case_design, pose, assembly)
+    reach = check_reach(case_design.geometry, pose)
+    measured = measure_singularity(case_design.geometry, pose)
+    return reach.status, {
+        Quantity.TAU_1: torque[:, 0],
+        Quantity.TAU_2: torque[:, 1],
+        Quantity.TAU_3: torque[:, 2],
+        Quantity.F_4: torque[:, 3],
+        Quantity.MAX_TORQUE: np.abs(torque[:, :3]).max(axis=-1),
+        Quantity.RMS_TORQUE: np.sqrt((torque[:, :3] ** 2).mean(axis=-1)),
+        Quantity.CONDITION: measured.condition,
+        Quantity.DETERMINANT: measured.determinant,
+        Quantity.REACH_MARGIN: reach.margins.min(axis=(-1, -2)),
+    }
+
+
+@given(
+    case=cases(),
+    names=st.sampled_from([n for k in range(5) for n in permutations(AXES, k)]),
+    block=st.sampled_from([1, 3, 10, 64, 1000, 2**20]),
+    threads=st.sampled_from([None, 1, 3]),
+)
+def test_the_summary_is_that_of_numpy(
+    case: Case, names: tuple[str, ...], block: int, threads: int | None
+) -> None:
+    design, assembly = case.design, case.assembly
+    size = design.geometry.base_radius / 0.35
+    scale = {"x": size, "y": size, "theta": 1.0, "z": design.geometry.coupler_length / 0.6}
+    fixed = np.array(FIXED) * [1, 1, 1, scale["z"]]
+    # a little off, so that no pose is exactly symmetrical and no two values tie
+    axes = {name: (AXES[name][:4] + 0.00123 * (1 + len(name))) * scale[name] for name in names}
+    grid = Grid.over(fixed, **axes)
+    summary = sweep(design, grid, ALL, assembly, block=block, threads=threads)
+    pose = grid.poses().reshape(-1, 4)
+    status, quantities = pointwise(design, pose, assembly)
+    assert summary.poses == len(pose) == grid.size
+    assert list(summary.counts) == list(Limit)
+    for limit in Limit:
+        assert summary.counts[limit] == np.count_nonzero(status == limit)
+    ok = status == Limit.OK
+    for quantity, values in quantities.items():
+        chosen = values[ok]
+        if not ok.any():
+            figures = summary.largest, summary.smallest, summary.mean, summary.rms
+            assert all(np.isnan(figure[quantity]) for figure in figures)
+            assert np.isnan(summary.largest_at[quantity]).all()
+            continue
+        largest, smallest = summary.largest[quantity], summary.smallest[quantity]
+        spread = 1e-11 * np.abs(chosen).max()
+        rough = 1e-9 if quantity is Quantity.CONDITION else 1e-11
+        assert largest == pytest.approx(chosen.max(), rel=rough, abs=spread)
+        assert smallest == pytest.approx(chosen.min(), rel=rough, abs=spread)
+        assert summary.mean[quantity] == pytest.approx(chosen.mean(), rel=rough, abs=spread)
+        rms = np.sqrt(np.mean(chosen**2))
+        assert summary.rms[quantity] == pytest.approx(rms, rel=rough, abs=spread)
+        place = np.array(summary.largest_at[quantity])
+        assert (np.abs(pose[ok] - place).max(axis=-1) == 0).sum() == 1
+        there = pointwise(design, place[None], assembly)[1][quantity][0]
+        assert there == pytest.approx(largest, rel=rough, abs=spread)
+
+
+@BOTH
+@pytest.mark.parametrize("block", [1, 7, 56, 300, 10**6])
+def test_blocks_make_up_the_grid(assembly: Any, block: int) -> None:
+    grid = Grid.over(FIXED, theta=AXES["theta"], z=AXES["z"], x=AXES["x"])
+    whole = np.full((len(ALL), *grid.shape), -1.0)
+    status = np.full(grid.shape, 99)
+    for index, field, values in sweep_blocks(APPENDIX_4, grid, ALL, assembly, block=block):
+        assert field.status.size <= block
+        status[index] = field.status
+        for number, quantity in enumerate(ALL):
+            whole[(number, *index)] = values[quantity]
+    expected, quantities = pointwise(APPENDIX_4, grid.poses().reshape(-1, 4), assembly)
+    np.testing.assert_array_equal(status.ravel(), expected)
+    for number, quantity in enumerate(ALL):
+        np.testing.assert_allclose(
+            whole[number].ravel(), quantities[quantity], rtol=1e-9, atol=1e-11
+        )
+
+
+def test_a_sweep_out_of_reach_finds_nothing() -> None:
+    summary = sweep(APPENDIX_4, Grid.over((0.0, 0.0, 0.0, -3.0), x=AXES["x"]), ALL)
+    assert summary.counts[Limit.STRETCHED] == summary.poses == 7
+    for figure in (summary.largest, summary.smallest, summary.mean, summary.rms):
+        assert all(np.isnan(value) for value in figure.values())
+    assert all(np.isnan(place).all() for place in summary.largest_at.values())
+
+
+def test_singular_poses_do_not_count() -> None:
+    """Lengths that are exact in binary, so that one of the two poses is exactly singular."""
+    design = APPENDIX_4.vary({"geometry.base_radius": 0.5, "geometry.platform_radius": 0.25})
+    summary = sweep(design, Grid.over(FIXED, x=[0.25, 0.1]))
+    assert (summary.counts[Limit.SINGULAR], summary.counts[Limit.OK]) == (1, 1)
+    assert summary.largest[Quantity.MAX_TORQUE] < 100
+    assert summary.largest_at[Quantity.MAX_TORQUE] == (0.1, 0.0, 0.0, -0.5)
+
+
+_MEASURE = """
+import json, sys, tracemalloc
+import numpy as np
+from paminsa_viz.model import APPENDIX_4, Grid, Quantity, backend, sweep
+
+backend.compile_now()
+sizes, block = json.loads(sys.argv[1]), int(sys.argv[2])
+names = ("x", "y", "theta", "z")
+spans = ((-0.3, 0.3), (-0.3, 0.3), (-1.0, 1.0), (-0.9, -0.2))
+axes = {n: np.linspace(*s, size) for n, s, size in zip(names, spans, sizes)}
+grid = Grid.over((0.0, 0.0, 0.0, -0.5), **axes)
+quantities = (Quantity.MAX_TORQUE, Quantity.CONDITION)
+sweep(APPENDIX_4, Grid.over((0.0, 0.0, 0.0, -0.5), x=[0.0, 0.1]), quantities)
+tracemalloc.start()
+summary = sweep(APPENDIX_4, grid, quantities, block=block)
+print(json.dumps([summary.poses, tracemalloc.get_traced_memory()[1]]))
+"""
+
+
+@pytest.mark.parametrize("sizes", [(2_000_000, 1, 1, 1), (1, 1, 1, 2_000_000), (100, 100, 20, 10)])
+def test_memory_does_not_grow_with_the_sweep(sizes: tuple[int, ...]) -> None:
+    """Two million poses, 32 MB of results if kept, whichever axis is the long one."""
+    block = 2**14
+    out = subprocess.run(
+        [sys.executable, "-c", _MEASURE, json.dumps(sizes), str(block)],
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    poses, peak = json.loads(out.stdout)
+    assert poses == 2_000_000
+    assert peak < 300 * block  # bytes: some 40 numbers for each pose of a block
