@@ -21,6 +21,7 @@ from paminsa_viz.figures import colours, lines
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.raster import map_image
 from paminsa_viz.figures.scale import Scale
+from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.shapes.layout import layout
 
@@ -140,7 +141,8 @@ class FloorMap:
         if self._curves_key and self._curves_key[0] == shown and (moving or self._curves_key[1]):
             return
         # Shapes of the reach alone: the same for every quantity, and without a reference.
-        data = self._store.present(state, COARSE if moving else FULL)
+        cells = COARSE if moving else FULL
+        data = self._store.present(state, cells, (Quantity.REACH_MARGIN,))
         self._boundary.draw(lines.boundary(data), self._height + ABOVE["boundary"])
         self._circle.draw(lines.singular_circle(data), self._height + ABOVE["circle"])
         self._curves_key = (shown, not moving)

@@ -19,7 +19,7 @@ from paminsa_viz.shapes.frame import plinth_radius
 
 LEGEND_SIZE: Final = (0.48, 0.1286)
 """Width and height on the ground [m]."""
-PIXELS: Final = 640
+PIXELS: Final = 400
 """Pixels along the width."""
 DIRECTION: Final = np.radians(-52.0)
 """Where it lies, seen from the robot's axis: in front for the 3D camera."""
@@ -45,8 +45,8 @@ def legend_image(data: MapData, scale: Scale) -> NDArray[np.uint8]:
     canvas = Canvas(width, height)
     factor, unit = data.display
     words = f"{data.names[0]}  {axes.unit_label(unit)}".rstrip()
-    canvas.text(width / 2, 2, words, 52, INK, down="top", bold=True)
-    side, thick, top, size = 60, 40, 66, 48
+    canvas.text(width / 2, 4, words, 30, INK, down="top", bold=True)
+    side, thick, top, size = 38, 25, 41, 30
     arrow = round(0.8 * thick)
     table = lut(scale)[:, :3]
     length = width - 2 * side - 2 * arrow
@@ -59,8 +59,8 @@ def legend_image(data: MapData, scale: Scale) -> NDArray[np.uint8]:
     canvas.paste(side, top, bar)
     for mark in axes.bar_marks(factor, scale, length, lambda text: 1.6 * text_width(text, size)):
         x = side + arrow + mark.where * length
-        canvas.fill(round(x) - 2, top + thick, 4, 8, INK)
-        canvas.text(x, top + thick + 8, mark.words, size, INK, down="top")
+        canvas.fill(round(x) - 1, top + thick, 3, 5, INK)
+        canvas.text(x, top + thick + 5, mark.words, size, INK, down="top")
     return _on_clear(canvas.pixels, slice(top, top + thick))[::-1]
 
 
