@@ -1,0 +1,224 @@
+"""One source, two ways to run it: compiled loops and NumPy arrays, for any batch of poses."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import paminsa_viz.model as model
+from paminsa_viz.model import APPENDIX_4, Assembly, Design, InvalidInput, backend, compiled
+from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
+from paminsa_viz.model.leg import mechanism
+from tests.model.cases import BOTH, BY_HAND, Case, cases
+
+Call = Callable[[Design, Any, Any, Any, Assembly], list[Any]]
+"""A function of the model on (design, pose, velocity, third, assembly), and its arrays."""
+
+
+def dynamics(result: InverseDynamics) -> list[Any]:
+    return [result.torque, result.multipliers, result.status, result.leg]
+
+
+def breakdown(parts: TorqueBreakdown) -> list[Any]:
+    return [parts.gravity, parts.inertial, parts.velocity, parts.friction, parts.total]
+
+
+def posture(found: model.Posture) -> list[Any]:
+    return [found.actuators, found.beta, found.psi, found.phi, *found.points.values()]
+
+
+def motion(found: model.Motion) -> list[Any]:
+    joints = (*found.velocity.values(), *found.acceleration.values())
+    return [found.actuators_velocity, found.actuators_acceleration, found.psi_acceleration, *joints]
+
+
+CALLS: dict[str, Call] = {
+    "solve_posture": lambda d, p, v, a, m: posture(model.solve_posture(d.geometry, p, m)),
+    "solve_motion": lambda d, p, v, a, m: motion(model.solve_motion(d.geometry, p, v, a, m)),
+    "forward_kinematics": lambda d, p, v, a, m: [
+        *vars(model.forward_kinematics(d.geometry, p)).values()
+    ],
+    "continue_pose": lambda d, p, v, a, m: [model.continue_pose(d.geometry, p, v)],
+    "closure": lambda d, p, v, a, m: [model.closure(d.geometry, p, v)],
+    "closure_matrix": lambda d, p, v, a, m: [model.closure_matrix(d.geometry, p, v)],
+    "jacobian": lambda d, p, v, a, m: [model.jacobian(d.geometry, p)],
+    "inverse_jacobian": lambda d, p, v, a, m: [model.inverse_jacobian(d.geometry, p)],
+    "inverse_jacobian_rate": lambda d, p, v, a, m: [model.inverse_jacobian_rate(d.geometry, p, v)],
+    "check_reach": lambda d, p, v, a, m: [*vars(model.check_reach(d.geometry, p)).values()],
+    "measure_singularity": lambda d, p, v, a, m: [
+        *vars(model.measure_singularity(d.geometry, p)).values()
+    ],
+    "unit_torques": lambda d, p, v, a, m: [model.unit_torques(d.geometry, p, m)],
+    "static_torques": lambda d, p, v, a, m: [model.static_torques(d, p, m)],
+    "static_breakdown": lambda d, p, v, a, m: [
+        model.static_breakdown(d, p, m).per_leg,
+        model.static_breakdown(d, p, m).total,
+    ],
+    "potential_energy": lambda d, p, v, a, m: [model.potential_energy(d, p, m)],
+    "kinetic_energy": lambda d, p, v, a, m: [model.kinetic_energy(d, p, v, m)],
+    "mass_matrix": lambda d, p, v, a, m: [model.mass_matrix(d, p, m)],
+    "inverse_dynamics": lambda d, p, v, a, m: dynamics(model.inverse_dynamics(d, p, v, a, m)),
+    "torque_breakdown": lambda d, p, v, a, m: breakdown(model.torque_breakdown(d, p, v, a, m)),
+    "forward_dynamics": lambda d, p, v, a, m: [model.forward_dynamics(d, p, v, a, m)],
+    "torque_regressor": lambda d, p, v, a, m: [model.torque_regressor(d.geometry, p, v, a, m)],
+    "actuator_velocity": lambda d, p, v, a, m: [model.actuator_velocity(d, p, v)],
+    "actuator_power": lambda d, p, v, a, m: [model.actuator_power(d, p, v, a)],
+}
+EACH = pytest.mark.parametrize("name", CALLS)
+THIRD = {"forward_dynamics": "torque", "actuator_power": "torque"}
+NEEDS = {
+    "velocity": {"solve_motion", "inverse_jacobian_rate", "kinetic_energy", "actuator_velocity",
+                 "actuator_power", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
+                 "torque_regressor"},
+    "third": {"solve_motion", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
+              "torque_regressor", "actuator_power"},
+}  # fmt: skip
+FIRST = {"forward_kinematics": "actuators", "continue_pose": "actuators"}
+SECOND = {"continue_pose": "near", "closure": "actuators", "closure_matrix": "actuators"}
+
+
+def near(got: Any, expected: Any, name: str, relative: float = 1e-11) -> None:
+    """Equal but for rounding, in every result; NaN and infinities in the same places."""
+    assert len(got) == len(expected)
+    for one, two in zip(got, expected, strict=True):
+        assert np.shape(one) == np.shape(two)
+        finite = np.abs(two)[np.isfinite(two)] if np.size(two) else np.zeros(0)
+        size = finite.max(initial=1e-300)
+        np.testing.assert_allclose(one, two, rtol=relative, atol=relative * size, err_msg=name)
+
+
+def mixed_states(case: Case) -> tuple[Any, Any, Any]:
+    """States of which some are out of reach or not finite."""
+    pose, v, a = (np.concatenate([array, array[:4]]) for array in case.states(6))
+    pose[6:] = [[9.0, 0, 0, 0], [0, 0, 0, -5.0], [0, np.nan, 0, -0.5], [0, 0, 0, np.inf]]
+    return pose, v, a
+
+
+@given(case=cases())
+def test_compiled_and_numpy_agree_on_everything(case: Case) -> None:
+    states = mixed_states(case)
+    backend.compile_now()
+    for name, call in CALLS.items():
+        with_kernels = call(case.design, *states, case.assembly)
+        with backend.use_numpy():
+            assert not backend.is_compiled()
+            without = call(case.design, *states, case.assembly)
+        assert backend.is_compiled()
+        near(with_kernels, without, name, 1e-9 if name == "measure_singularity" else 1e-11)
+
+
+@EACH
+@pytest.mark.parametrize("numpy", [False, True])
+@given(case=cases(), shape=st.sampled_from([(), (0,), (1,), (3,), (2, 3), (2, 0, 3), (1, 2, 1)]))
+def test_any_batch_is_its_poses_one_by_one(
+    name: str, numpy: bool, case: Case, shape: tuple[int, ...]
+) -> None:
+    call = CALLS[name]
+    n = int(np.prod(shape))
+    states = [array[np.arange(n) % len(array)] for array in mixed_states(case)]
+    batch = [array.reshape(*shape, 4) for array in states]
+
+    def compare() -> None:
+        results = call(case.design, *batch, case.assembly)
+        for result in results:
+            assert np.shape(result)[: len(shape)] == shape
+        for i in range(n):
+            alone = call(case.design, *(array[i] for array in states), case.assembly)
+            these = [np.asarray(r).reshape(n, *np.shape(r)[len(shape) :])[i] for r in results]
+            near(these, alone, name)
+
+    if numpy:
+        with backend.use_numpy():
+            compare()
+    else:
+        compare()
+
+
+@EACH
+def test_numbers_of_any_kind(name: str) -> None:
+    """Lists, tuples, integers and narrower floats; always computed in float64."""
+    call = CALLS[name]
+    pose, v, a = [[0, 0, 0, -0.5], [0.25, -0.125, 0.5, -0.625]], [1, -1, 2, 0], [0, 3, -4, 1]
+    expected = call(APPENDIX_4, np.array(pose), np.array(v, float), np.array(a, float),
+                    Assembly.PRINTED)  # fmt: skip
+    for made in (
+        (pose, v, a),
+        (tuple(map(tuple, pose)), tuple(v), tuple(a)),
+        tuple(np.array(array, np.float32) for array in (pose, v, a)),  # exact in binary
+        (np.array(pose), np.array(v, np.int8), np.array(a, np.int64)),
+        (np.asfortranarray(pose), np.array(v)[::-1][::-1], np.array(a)),
+    ):
+        results = call(APPENDIX_4, *made, Assembly.PRINTED)
+        for result in results:
+            assert np.asarray(result).dtype in (np.float64, np.uint8, np.int8, np.bool_)
+        near(results, expected, name, 1e-13)
+
+
+@EACH
+@pytest.mark.parametrize("bad", [np.zeros(3), np.zeros((2, 5)), 0.0, ["a"] * 4, [1j] * 4])
+def test_the_argument_that_can_not_be_used_is_named(name: str, bad: Any) -> None:
+    good = (BY_HAND, np.zeros(4), np.zeros(4))
+    wrong = {FIRST.get(name, "pose"): (bad, *good[1:])}
+    if name in NEEDS["velocity"] or name in SECOND:
+        wrong[SECOND.get(name, "velocity")] = (good[0], bad, good[2])
+    if name in NEEDS["third"]:
+        wrong[THIRD.get(name, "acceleration")] = (*good[:2], bad)
+    for argument, states in wrong.items():
+        with pytest.raises(InvalidInput) as caught:
+            CALLS[name](APPENDIX_4, *states, Assembly.PRINTED)
+        assert caught.value.argument == argument
+        assert ("4 entries" in caught.value.problem) or ("real numbers" in caught.value.problem)
+
+
+@EACH
+@BOTH
+def test_inputs_are_left_alone(name: str, assembly: Assembly) -> None:
+    arrays = BY_HAND.copy(), np.full((3, 4), 0.1), np.full((3, 4), 0.2)
+    copies = [array.copy() for array in arrays]
+    CALLS[name](APPENDIX_4, *arrays, assembly)
+    for array, copy in zip(arrays, copies, strict=True):
+        np.testing.assert_array_equal(array, copy)
+
+
+def test_every_formula_is_compiled() -> None:
+    assert set(backend.FORMULAE) == set(compiled.OVER_POSES) == set(compiled.COUNTS)
+    m = mechanism(APPENDIX_4.geometry)
+    for name, formula in backend.FORMULAE.items():
+        assert len(formula(m, 0.0, 0.0, 1.0, 0.0, -0.5)) == compiled.COUNTS[name]
+
+
+_START = """
+import numpy as np
+from paminsa_viz.model import APPENDIX_4, backend, static_torques
+pose = np.tile([0.0, 0.0, 0.0, -0.5], (1000, 1))
+static_torques(APPENDIX_4, pose)
+print(backend.is_compiled())
+{more}
+print(backend.is_compiled())
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "setting", "expected"),
+    [
+        ("static_torques(APPENDIX_4, np.tile(pose, (200, 1)))", "", ["False", "True"]),
+        ("for _ in range(2500): static_torques(APPENDIX_4, pose[0])", "", ["False", "True"]),
+        ("static_torques(APPENDIX_4, np.tile(pose, (200, 1)))", "numpy", ["False", "False"]),
+        ("backend.compile_in_background().join()", "", ["False", "True"]),
+    ],
+)
+def test_kernels_are_loaded_when_they_pay(
+    more: str, setting: str, expected: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PAMINSA_VIZ_BACKEND", setting)
+    out = subprocess.run(
+        [sys.executable, "-c", _START.format(more=more)], check=True, capture_output=True, text=True
+    )
+    assert out.stdout.split() == expected
