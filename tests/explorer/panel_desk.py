@@ -12,7 +12,7 @@ from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design
 
-from .raw_page import RawPage, eventually, update
+from .raw_page import PATIENCE, RawPage, eventually, update
 
 
 class Desk:
@@ -72,4 +72,5 @@ def desk_with(server: viser.ViserServer, make: Callable[[Session], View]) -> Ite
         yield desk
     finally:
         desk.session.close()
+        desk.session._thread.join(PATIENCE)
         desk.page.socket.close()

@@ -123,14 +123,14 @@ GROUPS: tuple[Group, ...] = (
         ),
     ),
     Group(
-        "Motion",
+        "Inertia, friction, g",
         "Platform and payload [kg·m²]",
         (_inertia("platform.inertia", "platform"), _inertia("payload.inertia", "payload")),
     ),
-    Group("Motion", "Inertias of the links [kg·m²]", _INERTIA_ROWS, open=False),
-    Group("Motion", "Gravity", (_row("gravity", "[m/s²]", 20.0, 0.005),)),
+    Group("Inertia, friction, g", "Inertias of the links [kg·m²]", _INERTIA_ROWS, open=False),
+    Group("Inertia, friction, g", "Gravity", (_row("gravity", "[m/s²]", 20.0, 0.005),)),
     Group(
-        "Motion",
+        "Inertia, friction, g",
         "Friction of the actuators",
         (
             _friction("friction.viscous_rotary", 2.0, 0.005),
