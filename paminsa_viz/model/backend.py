@@ -82,6 +82,11 @@ def compile_now() -> None:
     _kernels.load()
 
 
+def worth_compiled(size: int) -> bool:
+    """Say whether work that counts as ``size`` poses runs compiled; loads the kernels if so."""
+    return _kernels.get(size) is not None
+
+
 def is_compiled() -> bool:
     """Whether compiled kernels are in use."""
     return _kernels.module is not None

@@ -1,0 +1,77 @@
+"""Limits that a motion shall keep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.errors import InvalidInput
+
+ACTUATOR_NAMES = ("M1", "M2", "M3", "M4")
+
+
+@dataclass(frozen=True)
+class MotionLimits:
+    """Largest values that a motion may take; None where there is no limit.
+
+    Speeds, accelerations and jerks of the platform's position are lengths of their vectors.
+
+    Attributes:
+        speed: [m/s].
+        turn_speed: [rad/s].
+        acceleration: [m/s^2].
+        turn_acceleration: [rad/s^2].
+        jerk: [m/s^3].
+        turn_jerk: [rad/s^3].
+        torque: Of M1, M2, M3 each, to both sides [N m].
+        force: Of M4, to both sides [N].
+
+    Raises:
+        InvalidInput: If a limit is not a positive number.
+    """
+
+    speed: float | None = None
+    turn_speed: float | None = None
+    acceleration: float | None = None
+    turn_acceleration: float | None = None
+    jerk: float | None = None
+    turn_jerk: float | None = None
+    torque: float | None = None
+    force: float | None = None
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            value = getattr(self, item.name)
+            if value is not None and not (np.isfinite(value) and value > 0):
+                raise InvalidInput(item.name, f"a finite limit above 0 is needed, not {value!r}")
+
+    @property
+    def rates(self) -> Array:
+        """Limits of position and turn, (3 orders, 2); infinite where there is none."""
+        found = [
+            [self.speed, self.turn_speed],
+            [self.acceleration, self.turn_acceleration],
+            [self.jerk, self.turn_jerk],
+        ]
+        return np.array([[np.inf if v is None else v for v in row] for row in found])
+
+    @property
+    def actuators(self) -> Array:
+        """Limits of the actuators, (4,) [N m, N]; infinite where there is none."""
+        torque = np.inf if self.torque is None else self.torque
+        return np.array([torque, torque, torque, np.inf if self.force is None else self.force])
+
+    @property
+    def needs_torques(self) -> bool:
+        """Whether a limit of an actuator is among them."""
+        return self.torque is not None or self.force is not None
+
+
+QUANTITIES = (
+    "speed", "turning speed", "acceleration", "turning acceleration", "jerk", "turning jerk",
+    "torque of M1", "torque of M2", "torque of M3", "force of M4",
+)  # fmt: skip
+"""What a limit is of, in the order in which `timing` looks at them."""
+UNITS = ("m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", "N m", "N m", "N m", "N")

@@ -1,0 +1,128 @@
+"""A motion as a list of samples: what everything that computes or draws a trajectory takes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.errors import InvalidInput
+
+
+RATE = 1000.0
+"""Samples a second unless said otherwise [1/s]."""
+
+MOST_SAMPLES = 1_000_000
+"""Longest list of samples; with all that is computed along it some 2 GB."""
+
+
+def sample_times(begin: float, end: float, rate: float) -> Array:
+    """Return times in equal steps, both ends among them, at about a rate [1/s].
+
+    Raises:
+        InvalidInput: If the rate is not positive, or there would be more than `MOST_SAMPLES`.
+    """
+    if not (np.isfinite(rate) and rate > 0):
+        raise InvalidInput("rate", f"a finite rate above 0 is needed, not {rate!r}")
+    count = (end - begin) * rate
+    if count > MOST_SAMPLES:
+        raise InvalidInput("rate", f"{count:.3g} samples are more than {MOST_SAMPLES:,}")
+    return np.linspace(begin, end, max(2, round(count) + 1))
+
+
+class States(NamedTuple):
+    """Poses with their rates at some instants, each (..., 4)."""
+
+    pose: Array
+    velocity: Array
+    acceleration: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Trajectory:
+    """A sampled motion of the platform; its arrays are read-only.
+
+    Attributes:
+        t: (n,) increasing times, at least two [s].
+        pose: (n, 4) = (x, y, theta, z) [m, m, rad, m].
+        velocity: (n, 4) [m/s, m/s, rad/s, m/s].
+        acceleration: (n, 4) [m/s^2, m/s^2, rad/s^2, m/s^2]; at a jump the value after it.
+        name: What a person calls it.
+        kind: How it was made, for example ``"arch, s-curve"``.
+        notes: What a person should know about it, a sentence each.
+
+    Raises:
+        InvalidInput: If shapes do not fit, a number is not finite, or times do not increase.
+    """
+
+    t: Array
+    pose: Array
+    velocity: Array
+    acceleration: Array
+    name: str = "trajectory"
+    kind: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        t = np.array(as_numbers(self.t, "t"))
+        if t.ndim != 1 or t.size < 2:
+            raise InvalidInput("t", f"a list of at least two times is needed; got {t.shape}")
+        if not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
+            raise InvalidInput("t", "times have to be finite and to increase")
+        found = {"t": t}
+        for name in States._fields:
+            array = np.array(as_vectors(getattr(self, name), name))
+            if array.shape != (t.size, 4):
+                raise InvalidInput(name, f"the shape has to be {(t.size, 4)}, not {array.shape}")
+            if not np.isfinite(array).all():
+                raise InvalidInput(name, "all numbers have to be finite")
+            found[name] = array
+        for name, array in found.items():
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @property
+    def duration(self) -> float:
+        """Time from the first to the last sample [s]."""
+        return float(self.t[-1] - self.t[0])
+
+    @property
+    def size(self) -> int:
+        """Number of samples."""
+        return self.t.size
+
+    def at(self, t: ArrayLike) -> States:
+        """Return the state at any times (...), (..., 4) each; before and after, the end states.
+
+        Between samples it is the polynomial of fifth degree that has their poses, velocities and
+        accelerations: all three are continuous, and exact at the samples.
+        """
+        t = np.clip(as_numbers(t, "t"), self.t[0], self.t[-1])
+        right = np.clip(np.searchsorted(self.t, t, "right"), 1, self.t.size - 1)
+        left = right - 1
+        h = (self.t[right] - self.t[left])[..., None]
+        u = (t - self.t[left])[..., None] / h
+        p0, v0, a0 = self.pose[left], self.velocity[left] * h, self.acceleration[left] * h**2
+        p1, v1, a1 = self.pose[right], self.velocity[right] * h, self.acceleration[right] * h**2
+        gap = p1 - p0 - v0 - 0.5 * a0
+        c3 = 10 * gap - 4 * (v1 - v0 - a0) + 0.5 * (a1 - a0)
+        c4 = -15 * gap + 7 * (v1 - v0 - a0) - (a1 - a0)
+        c5 = 6 * gap - 3 * (v1 - v0 - a0) + 0.5 * (a1 - a0)
+        return States(
+            p0 + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5)))),
+            (v0 + u * (a0 + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))) / h,
+            (a0 + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))) / h**2,
+        )
+
+    def resampled(self, rate: float = RATE) -> Trajectory:
+        """Return the same motion in equal steps at about another rate [1/s], as `at` has it.
+
+        Raises:
+            InvalidInput: As `sample_times`.
+        """
+        t = sample_times(float(self.t[0]), float(self.t[-1]), rate)
+        pose, velocity, acceleration = self.at(t)
+        return replace(self, t=t, pose=pose, velocity=velocity, acceleration=acceleration)

@@ -1,0 +1,288 @@
+"""Forward simulation: what the robot does when a controller drives it along a trajectory.
+
+The controller works with a model of the robot that may differ from the robot in masses, payload,
+gravity and friction. The equations of motion are solved by SciPy; the balance of energy along the
+solution tells how well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import solve_ivp
+
+from paminsa_viz.model import backend
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.dynamics import kinetic_energy
+from paminsa_viz.model.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.lumped import EnergyTerms, energy_terms, lumped_coefficients
+from paminsa_viz.model.statics import potential_energy
+from paminsa_viz.model.trajectory import plant
+from paminsa_viz.model.trajectory.check import (
+    GUIDES,
+    SINGULAR_CLEARANCE,
+    PathEvent,
+    check_path,
+    limit_margins,
+    worst_event,
+)
+from paminsa_viz.model.trajectory.control import Controller
+from paminsa_viz.model.trajectory.sampled import States, Trajectory
+
+PANTOGRAPH_CLEARANCE = 1e-4
+"""Distance from a stretched or folded pantograph at which a simulation stops [m].
+
+Beyond the limit there is no motion to compute, and accelerations grow without bound before it.
+"""
+
+_TOLERANCE = 1e-8
+"""Relative error of a step that the solver aims at."""
+
+_NEAR = 1e-2
+"""Margin below which a solver that gives up has come to a limit [m]."""
+
+_WORK = 1_000_000
+"""Poses that a simulation counts as when it is decided whether to load compiled kernels."""
+
+_LOADING = Lock()
+
+_LONGEST_STEP = 0.02
+"""Longest step [s], so that nothing of the wanted motion is stepped over."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What the robot did, at n instants: the samples of the trajectory until it stopped.
+
+    Attributes:
+        design: The robot.
+        controller: What drove it.
+        t: (n,) [s].
+        pose: (n, 4) [m, m, rad, m].
+        velocity: (n, 4) [m/s, m/s, rad/s, m/s].
+        torque: (n, 4) commanded torques of M1..M3 [N m] and force of M4 [N].
+        wanted: States of the trajectory, (n, 4) each.
+        work: (n,) energy that the actuators have put in [J].
+        loss: (n,) energy that friction has taken [J].
+        stopped: Why it stopped before the trajectory's end; None if it did not.
+        evaluations: Number of times the equations of motion were evaluated.
+    """
+
+    design: Design
+    assembly: Assembly
+    controller: Controller
+    t: Array
+    pose: Array
+    velocity: Array
+    torque: Array
+    wanted: States
+    work: Array
+    loss: Array
+    stopped: PathEvent | None
+    evaluations: int
+
+    @property
+    def error(self) -> Array:
+        """Pose minus wanted pose, (n, 4) [m, m, rad, m]."""
+        return self.pose - self.wanted.pose
+
+    @cached_property
+    def distance(self) -> Array:
+        """Distance of the platform from where it should be, (n,) [m]."""
+        return np.linalg.norm(self.error[:, [0, 1, 3]], axis=1)
+
+    @cached_property
+    def energy(self) -> Array:
+        """Kinetic plus potential energy of the robot, (n,) [J]."""
+        moving = kinetic_energy(self.design, self.pose, self.velocity, self.assembly)
+        return moving + potential_energy(self.design, self.pose, self.assembly)
+
+    @cached_property
+    def energy_drift(self) -> Array:
+        """Growth of energy minus work put in plus friction losses, (n,) [J].
+
+        Zero but for the error of the solution: how far it is from a motion of the robot.
+        """
+        return self.energy - self.energy[0] - (self.work - self.loss)
+
+
+class SimulationFailed(PaminsaError):
+    """A simulation that the solver could not carry on, for no limit that is known.
+
+    Attributes:
+        t: How far it came [s].
+    """
+
+    def __init__(self, t: float, message: str) -> None:
+        self.t = t
+        super().__init__(f"the simulation failed at {t:.4g} s: {message}")
+
+
+def simulate(
+    design: Design,
+    trajectory: Trajectory,
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    model: Design | None = None,
+    controller: Controller | None = None,
+    offset: ArrayLike = (0.0, 0.0, 0.0, 0.0),
+    clearance: float = SINGULAR_CLEARANCE,
+    tolerance: float = _TOLERANCE,
+) -> Simulation:
+    """Let a controller drive a robot along a trajectory.
+
+    It stops, and says why, where the robot comes to a limit of its workspace or too close to a
+    singular pose. Without feedback the robot is unstable: a hanging load apart, any error grows.
+
+    Args:
+        design: The robot itself, with its friction and its payload.
+        trajectory: The wanted motion.
+        assembly: Root of the knee.
+        model: What the controller takes the robot for; by default the robot itself. It may differ
+            in masses, payload, gravity and friction, not in geometry.
+        controller: By default feed-forward with PD at the actuators.
+        offset: (4,) pose error at the start [m, m, rad, m].
+        clearance: Least distance from singular positions [m].
+        tolerance: Relative error of a step.
+
+    Raises:
+        ImpossibleTrajectory: If the robot can not run the trajectory at all.
+        InvalidInput: If the model's geometry is another, or the start with its offset is out of
+            reach.
+        SimulationFailed: If the solver gives up away from any limit.
+    """
+    model = model or design
+    controller = controller or Controller()
+    if model.geometry != design.geometry:
+        raise InvalidInput("model", "its geometry has to be that of the robot")
+    check = check_path(design.geometry, trajectory, clearance)
+    check.require()
+    start = _start(trajectory, offset)
+    stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE)
+    stop_at[12:] = 0.0  # the singular distances hold a clearance already
+    side = np.array(check.side)
+
+    def margins(pose: Array) -> Array:
+        return limit_margins(design.geometry, pose[None], side, clearance)[0] - stop_at
+
+    if not margins(start[:4]).min() > 0:
+        raise InvalidInput("offset", "the robot can not start there")
+
+    gains = controller.gains(model, trajectory.pose[0], assembly)
+    derivative, torques = _equations(design, model, gains, assembly, trajectory)
+
+    def least_margin(_: float, state: Array) -> float:
+        return float(margins(state[:4]).min())
+
+    least_margin.terminal = True  # type: ignore[attr-defined]
+    solution = solve_ivp(
+        derivative, (trajectory.t[0], trajectory.t[-1]), start, method="DOP853",
+        t_eval=trajectory.t, events=least_margin, rtol=tolerance, atol=0.01 * tolerance,
+        max_step=_LONGEST_STEP,
+    )  # fmt: skip
+    t, states = solution.t, solution.y.T
+    stopped = None
+    if solution.status != 0:
+        stopped, t, states = _end(trajectory, solution, margins)
+    return Simulation(
+        design, assembly, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
+        trajectory.at(t), states[:, 8], states[:, 9], stopped, int(solution.nfev),
+    )  # fmt: skip
+
+
+def _start(trajectory: Trajectory, offset: ArrayLike) -> Array:
+    """Return the state (10,) at the start: pose, velocity, work, losses."""
+    shift = as_vectors(offset, "offset")
+    if shift.shape != (4,) or not np.isfinite(shift).all():
+        raise InvalidInput("offset", "four finite numbers are needed")
+    return np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
+
+
+def _end(
+    trajectory: Trajectory, solution: Any, margins: Callable[[Array], Array]
+) -> tuple[PathEvent, Array, Array]:
+    """Return why a solution stopped, with its times and states up to there."""
+    t, states = solution.t, solution.y.T
+    if solution.status == 1:
+        end, state = solution.t_events[0][-1], solution.y_events[0][-1]
+        if end > t[-1]:
+            t, states = np.append(t, end), np.vstack([states, state])
+    left = margins(states[-1, :4])
+    if solution.status != 1 and left.min() > _NEAR:
+        raise SimulationFailed(float(t[-1]), str(solution.message))
+    return worst_event(t[-1], states[-1, :4], left), t, states
+
+
+def load_kernel() -> None:
+    """Compile the equations of motion, or load them from disk; a page does it beforehand."""
+    from paminsa_viz.model.trajectory import plant_kernel
+
+    with _LOADING:
+        plant_kernel.warm_up()
+
+
+def _robot(design: Design, assembly: Assembly) -> plant.Robot:
+    """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
+    m = mechanism(design.geometry, assembly)._replace(rho2_min=-np.inf, rho2_max=np.inf)
+    e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
+    f = design.friction
+    losses = plant.Losses(
+        design.gravity, f.viscous_rotary, f.coulomb_rotary, f.viscous_linear, f.coulomb_linear,
+        f.transition_speed,
+    )  # fmt: skip
+    return m, e, losses
+
+
+def _equations(
+    design: Design,
+    model: Design,
+    gains: plant.Gains,
+    assembly: Assembly,
+    trajectory: Trajectory,
+) -> tuple[Callable[[float, Array], Array], Callable[[Array, Array], Array]]:
+    """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10)."""
+    true, believed = _robot(design, assembly), _robot(model, assembly)
+    times = np.array(trajectory.t)
+    track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration])
+    if backend.worth_compiled(_WORK):
+        from paminsa_viz.model.trajectory import plant_kernel
+
+        load_kernel()
+        numbers = plant_kernel.pack(true, believed, gains)
+
+        def compiled(t: float, state: Array) -> Array:
+            growth = np.empty(10)
+            plant_kernel.derivative(t, state, numbers, times, track, growth)
+            return growth
+
+        def compiled_torques(t: Array, states: Array) -> Array:
+            torque = np.empty((len(t), 4))
+            state = np.ascontiguousarray(states)
+            plant_kernel.torques(t, state, numbers, times, track, torque)
+            return torque
+
+        return compiled, compiled_torques
+
+    def derivative(t: float, state: Array) -> Array:
+        growth = np.full(10, np.nan)
+        with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
+            plant.derivative(t, state, true, believed, gains, times, track, growth)
+        return growth
+
+    def torques(t: Array, states: Array) -> Array:
+        rows = [
+            plant.commanded(now, state, believed, gains, times, track)
+            for now, state in zip(t, states, strict=True)
+        ]
+        return np.array(rows, dtype=np.float64).reshape(-1, 4)
+
+    return derivative, torques
