@@ -10,6 +10,7 @@ import webbrowser
 
 import viser
 
+from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.explorer.page import build
 from paminsa_viz.explorer.server import exposure_notice, open_server, server_url
 from paminsa_viz.explorer.session import Session
@@ -63,7 +64,7 @@ def run(options: AppOptions) -> None:
     Raises:
         PaminsaError: If the design file is not usable or the port is taken.
     """
-    design = APPENDIX_4 if options.design is None else load_design(options.design)
+    design = APPENDIX_4 if options.design is None else require_workable(load_design(options.design))
     app = App(options, design)
     notice = exposure_notice(options.host)
     if notice:

@@ -9,6 +9,7 @@ input of the same tab, which the server's guard checks like any other input.
 from __future__ import annotations
 
 import json
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -22,41 +23,50 @@ MESSAGE_LIMIT = 64_000
 
 _SETUP = """
 (() => {
-  const uuid = %(uuid)s;
+  const uuid = __UUID__;
+  const recent = [];
+  let count = 0;
   const send = (kind, data) => {
     const viewer = window.__viserMutable;
     if (!viewer) return false;
+    recent.push([++count, kind, data]);
+    while (recent.length > 4) recent.shift();
     viewer.sendMessage({type: "GuiUpdateMessage", uuid: uuid,
-      updates: {value: JSON.stringify({kind: kind, data: data, count: (send.count = (send.count || 0) + 1)})}});
+      updates: {value: JSON.stringify(recent)}});
     return true;
   };
   window.__paminsaSend = send;
   const hello = () => {
     let saved = null;
-    try { saved = sessionStorage.getItem(%(key)s); } catch (error) { saved = null; }
+    try { saved = sessionStorage.getItem(__KEY__); } catch (error) { saved = null; }
     if (!send("hello", saved)) setTimeout(hello, 50);
   };
   hello();
-  if (window.__paminsaClicks) document.removeEventListener("click", window.__paminsaClicks, true);
-  let down = null;
-  document.addEventListener("mousedown", (event) => { down = [event.clientX, event.clientY]; }, true);
+  if (window.__paminsaClicks)
+    for (const kind of ["mousedown", "click"])
+      document.removeEventListener(kind, window.__paminsaClicks, true);
+  let down = [0, 0];
   window.__paminsaClicks = (event) => {
+    if (event.type === "mousedown") { down = [event.clientX, event.clientY]; return; }
     const plot = event.target.closest && event.target.closest(".js-plotly-plot");
     if (!plot || !plot._fullLayout || !event.target.closest(".draglayer, .nsewdrag")) return;
-    if (down && Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
-    for (const id of Object.keys(plot._fullLayout._plots || {})) {
-      const part = plot._fullLayout._plots[id];
-      const box = plot.getBoundingClientRect();
+    if (Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
+    const box = plot.getBoundingClientRect();
+    for (const part of Object.values(plot._fullLayout._plots || {})) {
       const x = event.clientX - box.left - part.xaxis._offset;
       const y = event.clientY - box.top - part.yaxis._offset;
       if (x < 0 || y < 0 || x > part.xaxis._length || y > part.yaxis._length) continue;
-      send("click", {title: String(plot._fullLayout.meta || ""), x: part.xaxis.p2d(x), y: part.yaxis.p2d(y)});
+      send("click", {title: String(plot._fullLayout.meta || ""),
+        x: part.xaxis.p2d(x), y: part.yaxis.p2d(y)});
       return;
     }
   };
-  document.addEventListener("click", window.__paminsaClicks, true);
+  for (const kind of ["mousedown", "click"])
+    document.addEventListener(kind, window.__paminsaClicks, true);
 })();
 """
+"""The tab's side. Each message repeats the last few: the input holds only the newest text, and one
+that follows another at once would otherwise take its place before it is read."""
 
 
 class Bridge:
@@ -65,14 +75,15 @@ class Bridge:
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
         self._listeners: dict[str, Callable[[Any], None]] = {}
+        self._last = 0
+        self._lock = threading.Lock()
         self._inbox = client.gui.add_text("bridge", "", visible=False)
         self._inbox.on_update(self._receive)
 
     def open(self) -> None:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back."""
-        self.run(
-            _SETUP % {"uuid": json.dumps(self._inbox._impl.uuid), "key": json.dumps(STORE_KEY)}
-        )
+        script = _SETUP.replace("__UUID__", json.dumps(self._inbox._impl.uuid))
+        self.run(script.replace("__KEY__", json.dumps(STORE_KEY)))
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:
         """Call ``listener`` with the data of every message of one kind."""
@@ -80,10 +91,8 @@ class Bridge:
 
     def save(self, text: str) -> None:
         """Keep a text in the tab's own store, where a reload finds it."""
-        self.run(
-            "try { sessionStorage.setItem(%s, %s); } catch (error) { console.warn(error); }"
-            % (json.dumps(STORE_KEY), json.dumps(text))
-        )
+        store = f"sessionStorage.setItem({json.dumps(STORE_KEY)}, {json.dumps(text)})"
+        self.run(f"try {{ {store}; }} catch (error) {{ console.warn(error); }}")
 
     def run(self, script: str) -> None:
         """Run a script in the tab."""
@@ -92,13 +101,18 @@ class Bridge:
         )
 
     def _receive(self, event: Any) -> None:
-        if event.client is None or len(self._inbox.value) > MESSAGE_LIMIT:
+        text = self._inbox.value
+        if event.client is None or len(text) > MESSAGE_LIMIT:
             return
         try:
-            message = json.loads(self._inbox.value)
-            listener = self._listeners.get(message["kind"])
-            data = message["data"]
-        except (ValueError, KeyError, TypeError, RecursionError):
+            messages = [(int(number), str(kind), data) for number, kind, data in json.loads(text)]
+        except (ValueError, KeyError, TypeError, OverflowError, RecursionError):
             return  # not from this page's script
-        if listener is not None:
-            listener(data)
+        with self._lock:
+            fresh = sorted((m for m in messages if m[0] > self._last), key=lambda m: m[0])
+            if fresh:
+                self._last = fresh[-1][0]
+        for _, kind, data in fresh:
+            listener = self._listeners.get(kind)
+            if listener is not None:
+                listener(data)

@@ -76,7 +76,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         files = FilePanel(session)
     maps = MapsPanel(session, bridge)
     session.first += [RobotView(session), Gizmo(session), readout, pose, design_panel, view]
-    session.later += [FloorMap(session), maps, compare, files, TabStore(bridge)]
+    session.later += [FloorMap(session, maps.store), maps, compare, files, TabStore(bridge)]
     commands.register(session)
 
     def restore(saved: object) -> None:

@@ -64,6 +64,7 @@ class Session:
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closed = False
+        self._turn = 0
         self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
 
     @property
@@ -189,8 +190,11 @@ class Session:
             for view in self.first:
                 view.draw(frame, moving)
         self.client.flush()
-        for view in self.later:
+        for _ in range(len(self.later)):
+            view = self.later[self._turn % len(self.later)]
+            self._turn += 1
             view.draw(frame, moving)
-            if moving and self._intents:  # the hand is already further; keep the scene quick
+            if moving and self._intents:
+                # The hand is already further: the robot first, then the views that are still owed.
                 break
         self.client.flush()

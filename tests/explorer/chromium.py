@@ -78,10 +78,8 @@ class Tab:
 
     def type_number(self, label: str, value: float) -> None:
         """Type into the number box of a slider."""
-        box = self.page.locator(f'[id="{self.handle(label)._impl.uuid}"]').locator(
-            "xpath=ancestor-or-self::*[.//input][1]"
-        )
-        field = box.locator("input").last
+        track = self.page.locator(f'[id="{self.handle(label)._impl.uuid}"]')
+        field = track.locator("xpath=..").locator("input:not([type=hidden])")
         field.fill(str(value))
         field.press("Enter")
         self.page.wait_for_timeout(80)

@@ -22,7 +22,8 @@ from paminsa_viz.explorer.panels.map_controls import (
     show_figure_3,
 )
 from paminsa_viz.explorer.panels.map_picture import caption
-from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place, start_width
+from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
+from paminsa_viz.explorer.placing import start_width
 from paminsa_viz.explorer.panels.slots import NARROWEST, WIDEST, Slots
 from paminsa_viz.explorer.server import open_server
 from paminsa_viz.explorer.state import RangeMode, initial_state
@@ -127,7 +128,7 @@ class TestClicks:
 
 
 class TestStart:
-    @pytest.mark.parametrize(("window", "width"), [((1400, 900), 900), ((1280, 720), 662)])
+    @pytest.mark.parametrize(("window", "width"), [((1400, 900), 749), ((1280, 720), 640)])
     def test_two_windows(self, window: tuple[int, int], width: int) -> None:
         assert start_width(*window) == width
 
@@ -318,8 +319,8 @@ class TestPanel:
 
     def test_a_click_in_the_page_moves_the_robot(self, desk: Desk) -> None:
         inbox = named(desk, "bridge")
-        click = {"kind": "click", "data": {"title": "torques", "x": 40.04, "y": -60.0}}
-        desk.set(inbox, json.dumps(click))
+        click = [7, "click", {"title": "torques", "x": 40.04, "y": -60.0}]
+        desk.set(inbox, json.dumps([click]))
         desk.until(lambda: desk.state.standing.pose[:2] == (0.04, -0.06))
 
     def test_at_rest_the_picture_is_fine_and_what_nobody_sees_is_not_drawn(
@@ -329,8 +330,8 @@ class TestPanel:
         desk.until(lambda: torques.data is not None and torques.data.x.size == FULL)
         assert single.data is None
         inbox = named(desk, "bridge")
-        report = {"kind": "slots", "data": {"torques": 0, "single": 420, "ratio": 1}}
-        desk.set(inbox, json.dumps(report))
+        report = [8, "slots", {"torques": 0, "single": 420, "ratio": 1}]
+        desk.set(inbox, json.dumps([report]))
         desk.until(lambda: single.data is not None and single.data.x.size == FULL)
         before = torques.data
         desk.ask(lambda s: actions.move(s, theta=0.2))

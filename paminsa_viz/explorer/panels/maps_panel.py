@@ -15,33 +15,12 @@ from paminsa_viz.explorer.panels.incoming import number
 from paminsa_viz.explorer.panels.map_controls import MapControls
 from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
 from paminsa_viz.explorer.panels.slots import Slots
+from paminsa_viz.explorer.placing import MARGIN, start_width
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.model import Quantity
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
-
-MARGIN = 15
-"""Room to the edges of the 3D view [px]."""
-WIDEST, NARROWEST = 900, 640
-"""Width of the panel at the start [px]."""
-BESIDE = 380 + 2 * MARGIN
-"""What the control panel at the right takes, with margins [px]."""
-SHARE = 0.46
-"""Largest share of the window's height that the panel takes at the start."""
-
-
-def start_width(window_width: float, window_height: float) -> int:
-    """Return the width of the panel for a window [px]: as large as leaves room for the robot.
-
-    Three panels side by side take a width of about three times their height, and everything else
-    in the panel about 105 px of height.
-    """
-    fits = window_width - BESIDE
-    by_height = 3 * (SHARE * window_height - 105 - 55) + 149
-    wanted = min(fits, by_height, WIDEST)
-    return int(max(wanted, NARROWEST)) if math.isfinite(wanted) else NARROWEST
-
 
 class MapsPanel:
     """Three tabs over the 3D view: torque maps, single map, export.

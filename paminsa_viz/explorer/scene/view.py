@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
 import viser
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.cameras import VIEWS, preset, take
+from paminsa_viz.explorer.placing import covered_share
+from paminsa_viz.explorer.scene.cameras import VIEWS, View, preset, take
 from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Layers, State
@@ -16,7 +20,7 @@ CAMERAS = VIEWS
 
 
 def look(client: viser.ClientHandle, name: str, state: State) -> None:
-    """Move a tab's camera to a preset.
+    """Move a tab's camera to a preset, with the robot in the part of the view that is free.
 
     Args:
         client: The tab.
@@ -26,8 +30,29 @@ def look(client: viser.ClientHandle, name: str, state: State) -> None:
     standing = state.standing
     posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
     width, height = client.camera.image_width, client.camera.image_height
-    aspect = width / height if height else 1.4
-    take(client, preset(name, standing.geometry, standing.assembly, posture, aspect))
+    covered = covered_share(width, height)
+    aspect = width / (height * (1 - covered)) if height else 1.4
+    view = preset(name, standing.geometry, standing.assembly, posture, aspect)
+    take(client, raised(view, covered))
+
+
+def raised(view: View, covered: float) -> View:
+    """Return a view that shows the same in the upper part of the picture.
+
+    Args:
+        view: A camera for the whole picture.
+        covered: Share of the picture's height that is covered from below.
+    """
+    position, target = np.array(view.position), np.array(view.look_at)
+    back = position - target
+    distance = float(np.linalg.norm(back)) / (1 - covered)
+    back /= np.linalg.norm(back)
+    right = np.cross(view.up, back)
+    upward = np.cross(back, right / np.linalg.norm(right))
+    shift = covered * distance * np.tan(view.fov / 2) * upward
+    look_at = target - shift
+    moved = look_at + distance * back
+    return replace(view, position=tuple(map(float, moved)), look_at=tuple(map(float, look_at)))
 
 
 def arrow_scales(design: Design) -> tuple[float, float]:
