@@ -6,13 +6,15 @@ A curve knows nothing of its duration; `Plan` scales it. Poses (..., 4) = (x, y,
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from scipy.interpolate import BSpline
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.trajectory.laws import Law
+
+if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them
+    from scipy.interpolate import BSpline
 
 
 class Curve(Protocol):

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import BSpline, make_interp_spline
 
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.trajectory.sampled import Trajectory
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 COORDINATES = ("x", "y", "theta", "z")
 UNITS = ("m", "m", "rad", "m")
@@ -48,8 +52,9 @@ def from_samples(
     poses = np.array(as_vectors(pose, "pose"))
     zero = np.zeros((times.size, 4))
     # Checks shapes and values, before anything is made of them.
-    Trajectory(times, poses, zero if velocity is None else velocity,
-               zero if acceleration is None else acceleration)  # fmt: skip
+    speeds = zero if velocity is None else as_vectors(velocity, "velocity")
+    growth = zero if acceleration is None else as_vectors(acceleration, "acceleration")
+    Trajectory(times, poses, speeds, growth)
     notes: list[str] = []
     if times[0] != 0.0:
         notes.append(f"The times are shifted by {-times[0]:.6g} s, to start at zero.")
@@ -66,18 +71,19 @@ def from_samples(
         notes.append(f"Velocity and acceleration are those of a spline of degree {spline.k}.")
         notes += _rounding(times, poses)
     elif acceleration is None:
-        speeds = np.array(as_vectors(velocity, "velocity"))
         spline = _spline(times, speeds, False)
         growth = spline(times, 1)
         notes.append(f"The acceleration is that of a spline of degree {spline.k}.")
-    else:
-        speeds, growth = as_vectors(velocity, "velocity"), as_vectors(acceleration, "acceleration")
-    made = Trajectory(times, poses, speeds, growth, name, "imported samples")
-    notes += _mismatch(made)
+    if velocity is not None:
+        notes += _mismatch("velocity", times, poses, speeds)
+    if acceleration is not None:
+        notes += _mismatch("acceleration", times, speeds, growth)
     return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes))
 
 
 def _spline(t: Array, values: Array, rest: bool) -> BSpline:
+    from scipy.interpolate import make_interp_spline  # slow to load
+
     if rest:
         still = np.zeros(4)
         ends = [(1, still), (2, still)]
@@ -105,34 +111,27 @@ def _rounding(t: Array, pose: Array) -> list[str]:
 
 def _last_digit(values: Array) -> float:
     """Return the decimal step in which numbers are written, 0 if it is finer than 1e-9."""
-    for digits in range(0, 10):
+    for digits in range(10):
         if np.abs(values - np.round(values, digits)).max() < 1e-12:
             return 10.0**-digits
     return 0.0
 
 
-def _mismatch(trajectory: Trajectory) -> list[str]:
-    """Say if velocities are not those of the poses, or accelerations not those of the velocities.
+def _mismatch(what: str, t: Array, values: Array, rate: Array) -> list[str]:
+    """Say if a given rate is not that of the values.
 
     Over a step, the change of a value is compared with the mean of its given rates.
     """
-    h = np.diff(trajectory.t)[:, None]
-    found = []
-    pairs = (
-        ("velocity", trajectory.pose, trajectory.velocity),
-        ("acceleration", trajectory.velocity, trajectory.acceleration),
-    )
-    for what, values, rate in pairs:
-        actual = np.diff(values, axis=0) / h
-        wrong = np.abs(actual - 0.5 * (rate[1:] + rate[:-1]))
-        size = np.maximum(np.abs(rate).max(axis=0), np.abs(actual).max(axis=0))
-        share = np.where(size > 1e-9, wrong / np.maximum(size, 1e-300), 0.0)
-        # A jump of a rate within one step is no mismatch; a wrong unit is one everywhere.
-        typical = np.median(share, axis=0)
-        column = int(np.argmax(typical))
-        if typical[column] > 0.05:
-            found.append(
-                f"The {what} of {COORDINATES[column]} is not the rate of change of the samples: "
-                f"typically {100 * typical[column]:.0f} % of its largest value is missing."
-            )
-    return found
+    actual = np.diff(values, axis=0) / np.diff(t)[:, None]
+    wrong = np.abs(actual - 0.5 * (rate[1:] + rate[:-1]))
+    size = np.maximum(np.abs(rate).max(axis=0), np.abs(actual).max(axis=0))
+    share = np.where(size > 1e-9, wrong / np.maximum(size, 1e-300), 0.0)
+    # A jump of a rate within one step is no mismatch; a wrong unit is one nearly everywhere.
+    typical = np.median(share, axis=0)
+    column = int(np.argmax(typical))
+    if typical[column] <= 0.05:
+        return []
+    return [
+        f"The {what} of {COORDINATES[column]} is not the rate at which the samples change: it is "
+        f"typically off by {100 * typical[column]:.0f} % of its largest value."
+    ]

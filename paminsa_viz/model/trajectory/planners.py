@@ -10,7 +10,6 @@ from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import make_interp_spline
 
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
@@ -179,6 +178,8 @@ def through(
         InvalidInput: If there are fewer than two poses, two neighbours are the same, or times do
             not increase.
     """
+    from scipy.interpolate import make_interp_spline  # slow to load
+
     way = as_vectors(poses, "poses")
     if way.ndim != 2 or len(way) < 2:
         raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {way.shape}")

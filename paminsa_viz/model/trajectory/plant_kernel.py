@@ -20,8 +20,8 @@ from paminsa_viz.model.trajectory import plant
 for _formula in (
     plant.legs, plant.turn_rate, plant.speeds, plant._leg_load, plant.platform_load,
     plant.to_actuators, plant.to_platform, plant.friction, plant.inverse_torques, plant.solve,
-    plant.acceleration_under, plant.turn_error, plant._toward, plant.command, plant.hermite, plant.reference,
-    plant.commanded, plant.derivative,
+    plant.acceleration_under, plant.turn_error, plant._toward, plant.command, plant.hermite,
+    plant.reference, plant.commanded, plant.derivative,
 ):  # fmt: skip
     register_jitable(_formula)
 

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
 
-
 RATE = 1000.0
 """Samples a second unless said otherwise [1/s]."""
 

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.integrate import solve_ivp
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -160,6 +159,8 @@ def simulate(
             reach.
         SimulationFailed: If the solver gives up away from any limit.
     """
+    from scipy.integrate import solve_ivp  # slow to load
+
     model = model or design
     controller = controller or Controller()
     if model.geometry != design.geometry:
