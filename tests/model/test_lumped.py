@@ -133,6 +133,21 @@ def test_gravity_scales_the_weights_alone(case: Case, gravity: float) -> None:
     np.testing.assert_array_equal(other[3:], c[3:])
 
 
+@given(case=cases(), share=st.floats(0.1, 0.9))
+def test_limits_of_reach_and_the_arm_are_no_part_of_the_coefficients(
+    case: Case, share: float
+) -> None:
+    """B10's mass centre is at l_B10 / 2 whatever the stroke; B1 moves up and down wherever it is."""
+    design = case.design.vary(
+        {
+            "geometry.guide_stroke": share * case.geometry.guide_link_length,
+            "geometry.axis_clearance": 0.01,
+            "geometry.arm_length": share * case.geometry.arm_length,
+        }
+    )
+    np.testing.assert_array_equal(lumped_coefficients(design), lumped_coefficients(case.design))
+
+
 def only(design: Design, path: str) -> Design:
     """The same robot with one unit mass or inertia and no other."""
     values = dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 1e-300}
