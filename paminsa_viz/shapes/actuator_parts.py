@@ -53,10 +53,10 @@ def rotary_actuator() -> Part:
     """
     top = at.MOTOR_HEIGHT
     bore = at.QUILL_RADIUS + 0.0006
-    ribs = [(0.056, 0.0095 + 0.0034 * i) for i in range(4)]
+    ribs = [(0.056, 0.0100 + 0.0045 * i) for i in range(3)]
     side: list[tuple[float, float]] = []
     for r, h in ribs:
-        side += [(r, h), (r, h + 0.0019), (r - 0.0022, h + 0.0020), (r - 0.0022, h + 0.0033)]
+        side += [(r, h), (r, h + 0.0026), (r - 0.0022, h + 0.0028), (r - 0.0022, h + 0.0044)]
     profile = [
         (bore, 0.0),
         (0.0635, 0.0),
@@ -70,9 +70,9 @@ def rotary_actuator() -> Part:
         (0.052, top),
         (bore, top),
     ]
-    part = Part().add("body", loft([circle(r, h, 40) for r, h in profile], closed=True))
-    part.add("accent", tube(0.055, 0.0566, 0.0240, 0.0305, 0.0006, 40))
-    part.add("steel", tube(bore, 0.030, top - 0.001, top + 0.0012, 0.0006, 36))
+    part = Part().add("body", loft([circle(r, h, 36) for r, h in profile], closed=True))
+    part.add("accent", tube(0.055, 0.0566, 0.0240, 0.0305, 0.0006, 36))
+    part.add("steel", tube(bore, 0.030, top - 0.001, top + 0.0012, 0.0006, 28))
     part.join(bolts(0.0605, 0.007, 6, start=np.pi / 6), bolts(0.041, top, 6, 0.0026))
     part.add("dark", box((0.022, 0.026, 0.018), (0.064, 0.0, 0.017), 0.003))
     gland = moved(rod(0.0055, 0.0, 0.014, 0.0015, 16), (0.074, 0.0, 0.017), ALONG)
@@ -100,14 +100,14 @@ def quill() -> Part:
 def lift_carriage() -> Part:
     """Return the carriage of M4; origin on the robot's axis at the height of the arms, +z up."""
     half = at.CARRIAGE_HALF
-    part = Part().add("accent", tube(0.0105, 0.042, -half, half, 0.003, 44))
-    part.add("steel", tube(0.0085, 0.0165, half - 0.001, half + 0.008, 0.0012, 28))
-    part.add("steel", tube(0.0085, 0.0165, -half - 0.002, 0.001 - half, 0.0008, 28))
+    part = Part().add("accent", tube(0.0105, 0.042, -half, half, 0.003, 32))
+    part.add("steel", tube(0.0085, 0.0165, half - 0.001, half + 0.008, 0.0012, 20))
+    part.add("steel", tube(0.0085, 0.0165, -half - 0.002, 0.001 - half, 0.0008, 20))
     for angle in ROD_ANGLES:
         where = (ROD_CIRCLE * np.cos(angle), ROD_CIRCLE * np.sin(angle), 0.0)
         for side in (-1.0, 1.0):
             inner, outer = sorted((side * (half - 0.001), side * (half + 0.003)))
-            part.add("dark", moved(tube(0.0055, 0.0098, inner, outer, 0.0008, 16), where))
+            part.add("dark", moved(tube(0.0055, 0.0098, inner, outer, 0.0008, 12), where))
     return part
 
 

@@ -47,8 +47,12 @@ def ground(geometry: Geometry, assembly: Assembly) -> Part:
     """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
     radius = plinth_radius(geometry, assembly)
     top = layout(geometry, assembly).ground
-    part = Part().add("floor", rod(radius, top - 0.018, top, 0.003, 96))
-    return part.add("platform", rod(radius - 0.025, top - 0.03, top - 0.0175, 0.001, 96))
+    part = Part().add("floor", rod(radius - 0.002, top - 0.004, top, 0.0005, 96))
+    part.add("rim", rod(radius, top - 0.020, top - 0.0015, 0.001, 80))
+    # Circles every 0.2 m for scale; they stand out by less than the pictures laid on the floor.
+    for line in np.arange(0.2, radius - 0.05, 0.2):
+        part.add("line", tube(line - 0.0012, line + 0.0012, top, top + 0.0005, 0.0002, 64))
+    return part
 
 
 def base(geometry: Geometry, assembly: Assembly) -> Part:

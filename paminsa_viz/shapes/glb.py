@@ -1,4 +1,4 @@
-"""A compact GLB of one body for the browser: one mesh node, 16-bit indices, no extensions.
+"""A compact GLB of one body for the browser: one mesh node, 16-bit indices.
 
 Normals go as plain floats: the viewer computes them anew in place, which bytes would not survive.
 Files meant for other programs are written by trimesh, see `paminsa_viz.shapes.library` and
@@ -16,6 +16,7 @@ import trimesh
 
 from paminsa_viz.shapes.materials import SURFACES, linear
 
+_UNLIT = "KHR_materials_unlit"
 _FLOAT, _UINT16, _UINT32 = 5126, 5123, 5125
 
 
@@ -85,10 +86,12 @@ def compact_glb(meshes: Mapping[str, trimesh.Trimesh], colours: Mapping[str, str
                     "metallicFactor": surface.metallic,
                     "roughnessFactor": surface.roughness,
                 },
+                **({} if surface.lit else {"extensions": {_UNLIT: {}}}),
             }
         )
     tree = {
         "asset": {"version": "2.0"},
+        "extensionsUsed": [_UNLIT],
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0}],

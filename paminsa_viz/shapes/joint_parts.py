@@ -44,7 +44,7 @@ def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Par
         if not headed:
             continue
         inner, outer = sorted((end - side * 0.0002, end + side * head))
-        part.add("steel", moved(rod(0.0105, inner, outer, 0.0012, 18), rotation=ACROSS))
+        part.add("steel", moved(rod(0.0105, inner, outer, 0.0012, 14), rotation=ACROSS))
         socket = end + side * head
         inner, outer = sorted((socket - side * 0.001, socket + side * 0.0002))
         part.add("dark", moved(rod(0.0048, inner, outer, 0.0001, 6), rotation=ACROSS))
@@ -53,16 +53,16 @@ def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Par
 
 def collar(low: float, high: float) -> trimesh.Trimesh:
     """Return a spacer on a pin across the leg plane."""
-    return moved(rod(0.0105, low, high, 0.0006, 18), rotation=ACROSS)
+    return moved(rod(0.0105, low, high, 0.0006, 14), rotation=ACROSS)
 
 
 def barrel() -> Part:
     """Return the bearing barrel at a joint of a bar; origin in its middle, its axis along y."""
     half, radius = at.BARREL / 2, at.BARREL_RADIUS
-    part = Part().add("steel", moved(rod(radius, -half, half, 0.0016, 28), rotation=ACROSS))
+    part = Part().add("steel", moved(rod(radius, -half, half, 0.0016, 24), rotation=ACROSS))
     for side in (-1.0, 1.0):
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0004)))
-        part.add("dark", moved(rod(0.0125, inner, outer, 0.0003, 20), rotation=ACROSS))
+        part.add("dark", moved(rod(0.0125, inner, outer, 0.0003, 16), rotation=ACROSS))
     return part
 
 
@@ -73,7 +73,7 @@ def bar_end() -> Part:
     bar fit into it.
     """
     profile = [(0.0125, 0.010), (0.0135, 0.013), (0.0135, 0.028), (0.0125, 0.0295), (0.009, 0.0295)]
-    return Part().add("steel", moved(revolve(profile, 20), rotation=ALONG))
+    return Part().add("steel", moved(revolve(profile, 16), rotation=ALONG))
 
 
 def slider() -> Part:
@@ -111,12 +111,12 @@ def arm_bearing() -> Part:
     """Return the bearing of joint 2 at the tip of an arm; origin at joint 2, +z up."""
     half = at.ARM_BEARING_HALF
     bore = at.SHAFT_RADIUS + 0.0003
-    part = Part().add("accent", tube(bore, 0.0265, -half, half, 0.003, 36))
+    part = Part().add("accent", tube(bore, 0.0265, -half, half, 0.003, 28))
     for side in (-1.0, 1.0):
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0006)))
-        part.add("dark", tube(bore, 0.0205, inner, outer, 0.0003, 24))
+        part.add("dark", tube(bore, 0.0205, inner, outer, 0.0003, 18))
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0012)))
-        part.add("steel", tube(bore, 0.0145, inner, outer, 0.0004, 20))
+        part.add("steel", tube(bore, 0.0145, inner, outer, 0.0004, 16))
     return part
 
 

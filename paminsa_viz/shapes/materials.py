@@ -14,21 +14,27 @@ ACCENT = "accent"
 
 @dataclass(frozen=True)
 class Surface:
-    """A colour (``#rrggbb``, as seen) with the two numbers of the metal-rough model, 0 to 1."""
+    """A colour (``#rrggbb``, as seen) with the two numbers of the metal-rough model, 0 to 1.
+
+    A surface that is not ``lit`` shows its colour as it is; it is the cheapest to draw.
+    """
 
     colour: str
     metallic: float
     roughness: float
+    lit: bool = True
 
 
 SURFACES: dict[str, Surface] = {
     "frame": Surface("#b7bfc8", 0.1, 0.48),
     "body": Surface("#3b434c", 0.15, 0.5),
     "dark": Surface("#20252b", 0.1, 0.6),
-    "steel": Surface("#c3c9cf", 0.85, 0.3),
-    "platform": Surface(palette.PLATFORM, 0.35, 0.42),
-    "floor": Surface("#dde3ea", 0.0, 0.85),
-    "load": Surface("#b8924a", 0.45, 0.42),
+    "steel": Surface("#c3c9d0", 0.25, 0.32),
+    "platform": Surface(palette.PLATFORM, 0.1, 0.42),
+    "floor": Surface("#edf1f6", 0.0, 0.85, lit=False),
+    "rim": Surface("#bcc4ce", 0.0, 0.85, lit=False),
+    "line": Surface("#d3d9e0", 0.0, 0.85, lit=False),
+    "load": Surface("#c39a4c", 0.2, 0.4),
     ACCENT: Surface("#8a929b", 0.1, 0.42),
 }
 """Every material that a part may carry, by name."""

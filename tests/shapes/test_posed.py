@@ -58,7 +58,7 @@ def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
         far = matrix @ [LOADED.geometry.coupler_length, 0.0, 0.0, 1.0]
         x, y, z = posture.points[5][leg]
         assert far[:3] == pytest.approx([x, z, -y], abs=1e-6)
-    assert scene.bounds[0, 1] == pytest.approx(layout(LOADED.geometry).ground - 0.03, abs=1e-6)
+    assert scene.bounds[0, 1] == pytest.approx(layout(LOADED.geometry).ground - 0.02, abs=1e-6)
 
 
 def test_the_file_tells_its_pose_and_design(posed: bytes) -> None:

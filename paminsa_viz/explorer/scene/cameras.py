@@ -76,7 +76,7 @@ def _outline(geometry: Geometry, assembly: Assembly) -> Array:
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     reach = geometry.base_radius + max(geometry.guide_link_length, geometry.crank_length)
     rings = [
-        (plinth_radius(geometry, assembly), place.ground - 0.03),
+        (plinth_radius(geometry, assembly), place.ground - 0.02),
         (reach + 0.02, 0.0),
         (reach + 0.02, -assembly.sign * geometry.crank_length),
         (0.04, lift_motor_height(geometry, assembly) + 0.06),

@@ -13,7 +13,7 @@ from paminsa_viz.shapes.frame import lift_motor_height
 
 def label_places(geometry: Geometry, assembly: Assembly) -> list[tuple[float, float, float]]:
     """Return where the names of M1..M4 stand [m]."""
-    radius = geometry.base_radius + 0.135
+    radius = geometry.base_radius + 0.165
     height = assembly.sign * (at.MOUNT + at.PLATE + 0.018)
     around = [(float(radius * np.cos(a)), float(radius * np.sin(a)), height) for a in AXIS_ANGLES]
     return [*around, (0.0, 0.0, lift_motor_height(geometry, assembly) + 0.02)]

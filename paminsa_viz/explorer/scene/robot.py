@@ -29,7 +29,7 @@ class Layer(Enum):
     GRAVITY = "Gravity arrows"
     EFFORTS = "Torque arrows"
     GROUND = "Ground"
-    SHADOWS = "Shadows"
+    SHADOWS = "Shadows and reflections"
 
 
 SHOWN_AT_START = frozenset({Layer.MESH, Layer.LABELS, Layer.GROUND})

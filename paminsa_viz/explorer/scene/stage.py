@@ -10,17 +10,24 @@ from viser import SceneApi
 
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.shapes.bodies import body_glb, lengths_of
-from paminsa_viz.shapes.frame import plinth_radius
 from paminsa_viz.shapes.layout import layout
 
 BACKDROP: Final = ((252, 253, 254), (216, 222, 229))
 """Colours at the top and the bottom of the backdrop."""
 
+SKY_PLAIN: Final = 1.75
+SKY_RICH: Final = 0.55
+"""Light from the sky without and with an environment map, which brings light of its own."""
+
 KEY_LIGHT: Final = (1.6, -2.2, 3.0)
 FILL_LIGHT: Final = (-2.0, -1.2, 0.4)
 """Directions that the two lamps shine from."""
 
-SHADE_PIXELS: Final = 256
+SKY: Final = (255, 255, 255)
+FLOOR_GLOW: Final = (168, 174, 184)
+"""Colours of the light from above and from below."""
+
+SHADE_PIXELS: Final = 128
 
 
 def backdrop() -> NDArray[np.uint8]:
@@ -42,7 +49,10 @@ def soft_spot(strength: float, sharpness: float = 2.0) -> NDArray[np.uint8]:
 
 
 class Stage:
-    """Lights, backdrop, plinth and soft shadows; what a pose moves here is one soft shadow.
+    """Lights, backdrop, plinth and a soft shadow below the platform, which is all a pose moves.
+
+    Unless `shadows` asks for it there is no environment map, and the ground is unlit: reflections
+    cost several times as much as all the rest where the browser draws without a graphics card.
 
     Args:
         scene: Scene of a client or a server.
@@ -52,25 +62,31 @@ class Stage:
 
     def __init__(self, scene: SceneApi, geometry: Geometry, assembly: Assembly) -> None:
         scene.configure_default_lights(False)
-        scene.configure_environment_map("warehouse", environment_intensity=0.62)
+        scene.configure_environment_map(None)
         scene.set_background_image(backdrop(), format="png")
-        self._key = scene.add_light_directional(
-            "/stage/key", intensity=1.5, position=KEY_LIGHT, cast_shadow=False
+        self._scene = scene
+        self._sky = scene.add_light_hemisphere(
+            "/stage/sky", sky_color=SKY, ground_color=FLOOR_GLOW, intensity=SKY_PLAIN
         )
-        scene.add_light_directional("/stage/fill", intensity=0.35, position=FILL_LIGHT)
+        self._key = scene.add_light_directional(
+            "/stage/key", intensity=2.1, position=KEY_LIGHT, cast_shadow=False
+        )
+        scene.add_light_directional("/stage/fill", intensity=0.7, position=FILL_LIGHT)
         self._lengths = lengths_of("ground", geometry, assembly)
         self._ground = scene.add_glb(
-            "/stage/ground", body_glb("ground", geometry, assembly),
-            cast_shadow=False, receive_shadow=0.25,
-        )  # fmt: skip
-        self._ambient = scene.add_image(
-            "/stage/ground/ambient", soft_spot(0.20, 1.2), 1.0, 1.0,
-            cast_shadow=False, receive_shadow=False,
-        )  # fmt: skip
+            "/stage/ground",
+            body_glb("ground", geometry, assembly),
+            cast_shadow=False,
+            receive_shadow=False,
+        )
         self._below = scene.add_image(
-            "/stage/ground/below", soft_spot(0.34, 1.5), 0.44, 0.44,
-            cast_shadow=False, receive_shadow=False,
-        )  # fmt: skip
+            "/stage/ground/below",
+            soft_spot(0.42, 1.6),
+            0.62,
+            0.62,
+            cast_shadow=False,
+            receive_shadow=False,
+        )
         self._place(geometry, assembly)
 
     def rebuild(self, geometry: Geometry, assembly: Assembly) -> bool:
@@ -85,14 +101,11 @@ class Stage:
 
     def _place(self, geometry: Geometry, assembly: Assembly) -> None:
         self._height = layout(geometry, assembly).ground
-        size = 2.0 * plinth_radius(geometry, assembly)
-        self._ambient.position = (0.0, 0.0, self._height + 0.0008)
-        self._ambient.scale = size
-        self._below.position = (0.0, 0.0, self._height + 0.0016)
+        self._below.position = (0.0, 0.0, self._height + 0.0012)
 
     def pose(self, x: float, y: float) -> None:
         """Move the soft shadow below the platform [m]."""
-        self._below.position = (x, y, self._height + 0.0016)
+        self._below.position = (x, y, self._height + 0.0012)
 
     @property
     def visible(self) -> bool:
@@ -105,10 +118,17 @@ class Stage:
 
     @property
     def shadows(self) -> bool:
-        """Whether the key light casts true shadows (about four times the drawing work)."""
+        """Whether there are true shadows and reflections; without a graphics card they are slow."""
         return self._key.cast_shadow
 
     @shadows.setter
     def shadows(self, shadows: bool) -> None:
+        if shadows == self._key.cast_shadow:
+            return
         self._key.cast_shadow = shadows
+        self._sky.intensity = SKY_RICH if shadows else SKY_PLAIN
+        self._scene.configure_environment_map(
+            "warehouse" if shadows else None, environment_intensity=0.45
+        )
+        self._ground.receive_shadow = 0.22 if shadows else False
         self._below.visible = not shadows
