@@ -30,7 +30,7 @@ class ActuatorLabels:
                 f"{root}/m{i + 1}",
                 f"M{i + 1}",
                 position=place,
-                font_screen_scale=1.2,
+                font_screen_scale=1.0,
                 anchor="bottom-center",
             )
             for i, place in enumerate(label_places(geometry, assembly))
