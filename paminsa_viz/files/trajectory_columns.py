@@ -83,6 +83,9 @@ def match_columns(header: tuple[str, ...], source: str, row: int = 1) -> tuple[C
     def refuse(problem: str, column: str = "") -> TableFileError:
         return TableFileError(source, problem, row=row, column=column)
 
+    if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
+        problem = "columns are separated by commas (and decimals written with a point)"
+        raise refuse(problem, header[0])
     found: list[Column] = []
     for place, text in enumerate(header):
         if not text:
@@ -91,7 +94,7 @@ def match_columns(header: tuple[str, ...], source: str, row: int = 1) -> tuple[C
             continue
         name, unit = _split(text)
         if name not in QUANTITIES:
-            raise refuse(f"there is no such column; {_hint(text, header)}", text)
+            raise refuse(f"there is no such column; {_hint(text)}", text)
         canonical, units = QUANTITIES[name]
         names = " or ".join(f"{name}_{known}" for known in units)
         if not unit:
@@ -127,9 +130,7 @@ def _split(text: str) -> tuple[str, str]:
     return {"time": "t", "θ": "theta"}.get(name, name), unit
 
 
-def _hint(text: str, header: tuple[str, ...]) -> str:
-    if len(header) == 1 and (";" in text or "\t" in text):
-        return "columns are separated by commas (and decimals written with a point)"
+def _hint(text: str) -> str:
     try:
         float(text)
     except ValueError:

@@ -10,8 +10,7 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
-from paminsa_viz.model.lumped import Misprint, lumped_coefficients
-from paminsa_viz.model.regressor import regressor_torques
+from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.model.trajectory.check import SINGULAR_CLEARANCE, PathCheck
 from paminsa_viz.model.trajectory.integrals import rms, running_integral
@@ -76,13 +75,7 @@ class TrajectoryAnalysis:
     @cached_property
     def breakdown(self) -> TorqueBreakdown:
         """The torque's parts, each (n, 4); they add up to it."""
-        design, solved = self.design, self.solved
-        c = lumped_coefficients(design, solved.misprints)
-        gravity, inertial, velocity = (regressor_torques(y, c) for y in solved.parts)
-        if design.gravity != solved.gravity:
-            gravity[:, 3] += solved.extra_weight(design)
-        friction = np.array(solved.friction(design.friction))
-        return TorqueBreakdown(gravity, inertial, velocity, friction)
+        return self.solved.breakdown(self.design)
 
     @cached_property
     def power(self) -> Array:

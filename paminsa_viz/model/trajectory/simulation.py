@@ -140,7 +140,8 @@ def simulate(
     """Let a controller drive a robot along a trajectory.
 
     It stops, and says why, where the robot comes to a limit of its workspace or too close to a
-    singular pose. Without feedback the robot is unstable: a hanging load apart, any error grows.
+    singular pose. Without feedback the robot is unstable: held by constant torques at Appendix 4's
+    home pose, an error of theta grows by a factor e in 0.18 s.
 
     Args:
         design: The robot itself, with its friction and its payload.

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Assembly, Design, Friction, Geometry
-from paminsa_viz.model.dynamics import friction_torque, frictionless
+from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
 from paminsa_viz.model.jacobian import inverse_jacobian
 from paminsa_viz.model.kinematics import solve_posture
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
@@ -26,6 +26,9 @@ from paminsa_viz.model.trajectory.check import (
     check_path,
 )
 from paminsa_viz.model.trajectory.sampled import Trajectory
+
+_WEIGHTS = slice(0, 3)
+"""Places of M_p1..3 among the lumped coefficients."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +59,7 @@ class SolvedTrajectory:
         """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
         torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
         if design.gravity != self.gravity:
-            torque[:, 3] += self.extra_weight(design)
+            torque[:, 3] += self._extra_weight(design)
         if friction and not frictionless(design.friction):
             torque += self.friction(design.friction)
         return torque
@@ -77,7 +80,7 @@ class SolvedTrajectory:
     def _friction(self) -> dict[Friction, Array]:
         return {}
 
-    def extra_weight(self, design: Design) -> float:
+    def _extra_weight(self, design: Design) -> float:
         """Return what the platform weighs on M4 beyond the gravity that Y was made with [N].
 
         The legs' weights stand in c.
@@ -86,22 +89,31 @@ class SolvedTrajectory:
         return self.geometry.magnification * (design.gravity - self.gravity) * mass
 
     @cached_property
-    def parts(self) -> tuple[Array, Array, Array]:
-        """Regressors of gravity, of the acceleration and of the velocity, each (n, 4, 18)."""
-        still, t = np.zeros_like(self.trajectory.pose), self.trajectory
-        motions = (still, still), (still, t.acceleration), (t.velocity, still)
-        gravities = (self.gravity, 0.0, 0.0)
-        found = []
-        for (velocity, acceleration), gravity in zip(motions, gravities, strict=True):
-            y = torque_regressor(
-                self.geometry, t.pose, velocity, acceleration, self.assembly,
-                gravity=gravity, misprints=self.misprints,
-            )  # fmt: skip
-            if gravity == 0.0:
-                y[..., :3] = 0.0  # the weights M_p
-            y[~self.check.good] = np.nan
-            found.append(y)
-        return found[0], found[1], found[2]
+    def inertial(self) -> Array:
+        """Regressor of what the acceleration alone adds in a world without gravity, (n, 4, 18)."""
+        t = self.trajectory
+        y = torque_regressor(
+            self.geometry, t.pose, np.zeros_like(t.pose), t.acceleration, self.assembly,
+            gravity=0.0, misprints=self.misprints,
+        )  # fmt: skip
+        y[..., _WEIGHTS] = 0.0
+        y[~self.check.good] = np.nan
+        return y
+
+    def breakdown(self, design: Design) -> TorqueBreakdown:
+        """Return the torques' parts for a design of this geometry, each (n, 4) [N m, N].
+
+        The weights M_p have columns of Y to themselves, so gravity's part needs no other Y, and
+        what is left beside it and the inertial part is the velocity's.
+        """
+        c = lumped_coefficients(design, self.misprints)
+        gravity = np.einsum("nji,i->nj", self.y[..., _WEIGHTS], c[_WEIGHTS])
+        mass = design.platform.mass + design.payload.mass
+        gravity[:, 3] += self.geometry.magnification * design.gravity * mass
+        inertial = regressor_torques(self.inertial, c)
+        velocity = self.torques(design, friction=False) - gravity - inertial
+        friction = np.array(self.friction(design.friction))
+        return TorqueBreakdown(gravity, inertial, velocity, friction)
 
     @cached_property
     def actuators(self) -> Array:

@@ -1,0 +1,149 @@
+"""Speed of what a page does with a trajectory: masses, geometry, durations, simulation, files.
+
+Run: ``python -m benchmarks.trajectory_speed``. The machine should be idle.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from io import StringIO
+
+import numpy as np
+
+from benchmarks.measure import best, heading, number, table
+from paminsa_viz.files.trajectory_series import analysis_series, series_csv, series_npz
+from paminsa_viz.files.trajectory_table import parse_trajectory
+from paminsa_viz.model import APPENDIX_4, Assembly, backend, inverse_dynamics, torque_regressor
+from paminsa_viz.model.trajectory import (
+    PRESET,
+    Control,
+    Controller,
+    MotionLimits,
+    analyse,
+    check_path,
+    load_kernel,
+    shortest,
+    simulate,
+)
+
+DESIGN = APPENDIX_4
+PLAN = PRESET["waypoints"].build(DESIGN.geometry, Assembly.PRINTED).lasting(10.0)
+SAMPLES = PLAN.sample(1000.0)
+"""The trajectory of the targets: 10 s at 1 kHz."""
+
+
+def milliseconds(run: Callable[[], object]) -> str:
+    """Time a call."""
+    return number(1e3 * best(run, seconds=0.7))
+
+
+def changes() -> None:
+    """Time what follows when a slider moves, and the parts of it."""
+    solved = analyse(DESIGN, SAMPLES).solved
+    heavier = DESIGN.vary({"links.b3": 0.5})
+    rough = DESIGN.vary({"friction.coulomb_rotary": 0.3, "friction.viscous_rotary": 1.0})
+    wider = DESIGN.vary({"geometry.base_radius": 0.36})
+    t = SAMPLES
+    motion = (t.pose, t.velocity, t.acceleration)
+
+    def on_numpy() -> None:
+        with backend.use_numpy():
+            torque_regressor(DESIGN.geometry, *motion)
+
+    heading("A trajectory of 10 s at 1 kHz (10,001 states)")
+    table(
+        ["what", "ms", "target"],
+        [
+            ["a mass changes: torques", milliseconds(lambda: analyse(heavier, t, keep=solved)),
+             "1"],
+            ["the same with friction", milliseconds(lambda: analyse(rough, t, keep=solved)), "1"],
+            ["a mass changes: the four parts",
+             milliseconds(lambda: analyse(heavier, t, keep=solved).breakdown), ""],
+            ["a mass changes: peaks, RMS, power, energy",
+             milliseconds(lambda: analyse(heavier, t, keep=solved).summary), ""],
+            ["the geometry changes: check, Y, torques", milliseconds(lambda: analyse(wider, t)),
+             "50"],
+            ["of which the check of the path",
+             milliseconds(lambda: check_path(wider.geometry, t)), ""],
+            ["of which the regressor Y",
+             milliseconds(lambda: torque_regressor(wider.geometry, *motion)), ""],
+            ["the geometry changes: with the four parts",
+             milliseconds(lambda: analyse(wider, t).breakdown), ""],
+            ["Y by the same formulae on NumPy arrays", milliseconds(on_numpy), ""],
+            ["torques by inverse dynamics",
+             milliseconds(lambda: inverse_dynamics(DESIGN, *motion)), ""],
+            ["a new motion: samples of the plan", milliseconds(lambda: PLAN.sample(1000.0)), ""],
+        ],
+    )  # fmt: skip
+
+
+def durations() -> None:
+    """Time the search for the shortest duration."""
+    limits = {
+        "speed and acceleration": MotionLimits(speed=0.5, acceleration=2.0),
+        "torque": MotionLimits(torque=10.0, force=350.0),
+    }
+    rows = []
+    for key in ("quintic", "s-curve", "waypoints", "arch"):
+        plan = PRESET[key].build(DESIGN.geometry, Assembly.PRINTED)
+        for name, limit in limits.items():
+            found = shortest(plan, limit, DESIGN)
+            run: Callable[[], object] = lambda p=plan, l=limit: shortest(p, l, DESIGN)  # noqa: E731, E741
+            rows.append([plan.name, name, f"{found.plan.duration:.4f}", milliseconds(run)])
+    heading("Shortest durations within limits, the check of the path included")
+    table(["motion", "limits", "duration [s]", "ms"], rows)
+
+
+def simulations() -> None:
+    """Time simulations, and tell how well they keep the energy."""
+    start = time.perf_counter()
+    load_kernel()
+    loading = time.perf_counter() - start
+    samples = PLAN.sample(200.0)
+    loaded = DESIGN.vary({"payload.mass": 0.5})
+    rough = loaded.vary({"friction.coulomb_rotary": 0.3, "friction.viscous_rotary": 0.5})
+    rows = []
+    for control in Control:
+        for name, robot in (("exact", DESIGN), ("0.5 kg", loaded), ("0.5 kg, friction", rough)):
+            controller = Controller(control)
+            found = simulate(robot, samples, model=DESIGN, controller=controller)
+            run: Callable[[], object] = lambda r=robot, c=controller: simulate(  # noqa: E731
+                r, samples, model=DESIGN, controller=c
+            )
+            drift = float(np.abs(found.energy_drift).max())
+            rows.append([
+                control.value, name, f"{found.t[-1]:.2f}", milliseconds(run),
+                f"{found.evaluations:,}", f"{1e3 * found.distance.max():.2g}", f"{drift:.1g}",
+            ])  # fmt: skip
+    heading("Simulation of 10 s, the controller believing in Appendix 4's robot")
+    columns = ["control", "robot", "until [s]", "ms", "evaluations", "error [mm]", "drift [J]"]
+    table(columns, rows)
+    print(f"Loading (or compiling) the equations of motion took {loading:.1f} s.\n")
+
+
+def files() -> None:
+    """Time reading and writing."""
+    series = analysis_series(analyse(DESIGN, SAMPLES))
+    text = series_csv(series).decode()
+    heading("Files of 10,001 rows, 45 columns")
+    table(
+        ["what", "ms", "MB"],
+        [
+            ["write CSV", milliseconds(lambda: series_csv(series)), number(len(text) / 1e6)],
+            ["write NPZ", milliseconds(lambda: series_npz(series)),
+             number(len(series_npz(series)) / 1e6)],
+            ["read CSV", milliseconds(lambda: parse_trajectory(StringIO(text), "t.csv")), ""],
+        ],
+    )  # fmt: skip
+
+
+def main() -> None:
+    """Run everything."""
+    backend.compile_now()
+    for part in (changes, durations, simulations, files):
+        part()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,233 @@
+"""Tables of trajectories: units in the header, faults by row and column, and back again."""
+
+from __future__ import annotations
+
+import io
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.files.errors import FileError, TableFileError
+from paminsa_viz.files.pose_columns import ACCELERATION, POSE, TORQUES, VELOCITY
+from paminsa_viz.files.trajectory_columns import QUANTITIES, RESULTS, WRITTEN, match_columns
+from paminsa_viz.files.trajectory_series import (
+    analysis_series,
+    series_csv,
+    series_npz,
+    simulation_series,
+    write_series,
+)
+from paminsa_viz.files.trajectory_table import parse_trajectory, read_trajectory
+from paminsa_viz.model import APPENDIX_4, Assembly, Misprint
+from paminsa_viz.model.trajectory import Control, Controller, Trajectory, analyse, move, simulate
+
+HEAD = "t_s,x_m,y_m,theta_rad,z_m"
+ROWS = "0,0,0,0,-0.5\n0.5,0.01,0,0,-0.5\n"
+HOME = np.array([0.0, 0.0, 0.0, -0.5])
+SAMPLES = move(HOME, [0.05, 0.02, 0.3, -0.45], 0.4, name="a move").sample(100)
+LEAVING = move(HOME, [0.3, 0.0, 0.0, -0.5], 0.4).sample(100)
+
+
+def parse(text: str, **options) -> Trajectory:
+    return parse_trajectory(io.StringIO(text, newline=""), "in.csv", **options)
+
+
+def refusal(text: str) -> TableFileError:
+    with pytest.raises(TableFileError) as caught:
+        parse(text)
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 500
+    return caught.value
+
+
+units = st.sampled_from(["m", "mm"]), st.sampled_from(["rad", "deg"]), st.sampled_from(["s", "ms"])
+
+
+@st.composite
+def tables(draw):
+    """A header with a unit for every column, in any order and spelling, and its numbers in SI."""
+    names = ["t", "x", "y", "theta", "z"]
+    groups = draw(st.integers(0, 2))
+    names += [["vx", "vy", "omega", "vz"], ["ax", "ay", "alpha", "az"]][0] if groups else []
+    names += ["ax", "ay", "alpha", "az"] if groups == 2 else []
+    names = draw(st.permutations(names))
+    header, factors = [], []
+    for name in names:
+        unit = draw(st.sampled_from(sorted(QUANTITIES[name][1])))
+        pretty = unit.replace("_", "/").replace("s2", "s^2")
+        pretty = draw(st.sampled_from([pretty, pretty.replace("deg", "°").replace("^2", "²")]))
+        header.append(draw(st.sampled_from([f"{name}_{unit}", f" {name} [{pretty}] "])))
+        factors.append(QUANTITIES[name][1][unit])
+    count = draw(st.integers(2, 9))
+    numbers = np.random.default_rng(draw(st.integers(0, 99))).uniform(-1, 1, (count, len(names)))
+    numbers[:, names.index("t")] = np.arange(count) / 7
+    return names, header, np.array(factors), numbers
+
+
+@given(tables(), st.sampled_from(["", "# a\n# b: c\n"]), st.sampled_from(["\n", "\r\n"]))
+def test_every_cell_arrives_in_its_unit(table, comment, end) -> None:
+    names, header, factors, numbers = table
+    lines = [",".join(header), *(",".join(map(repr, row)) for row in (numbers / factors).tolist())]
+    made = parse(comment.replace("\n", end) + end.join(lines) + end)
+    columns = {
+        "x": made.pose, "y": made.pose, "theta": made.pose, "z": made.pose,
+        "vx": made.velocity, "vy": made.velocity, "omega": made.velocity, "vz": made.velocity,
+        "ax": made.acceleration, "ay": made.acceleration, "alpha": made.acceleration,
+        "az": made.acceleration,
+    }  # fmt: skip
+    order = list(columns)
+    for name, values in zip(names, numbers.T, strict=True):
+        found = made.t if name == "t" else columns[name][:, order.index(name) % 4]
+        np.testing.assert_allclose(found, values, rtol=1e-12, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "row", "column", "words"),
+    [
+        ("", None, "", f"is empty; a header row with {HEAD}"),
+        ("# only\n# notes\n", None, "", "is empty"),
+        ("0,0,0,0,-0.5\n", 1, "0", "a row has to name the columns first"),
+        ("x_m,y_m,theta_rad,z_m\n", 1, "t_s", "the column is missing"),
+        ("t_s,x_m,y_m,z_m\n", 1, "theta_rad", "a trajectory needs"),
+        ("t_s;x_m\n", 1, "t_s;x_m", "separated by commas"),
+        ("t,x_m,y_m,theta_rad,z_m\n", 1, "t", "its unit is missing; write t_s or t_ms"),
+        ("t_s,x_m,y_m,theta,z_m\n", 1, "theta", "write theta_rad or theta_deg"),
+        ("t_s,x_inch,y_m,theta_rad,z_m\n", 1, "x_inch", "'inch' is no unit of it"),
+        ("t_s,x [rad],y_m,theta_rad,z_m\n", 1, "x [rad]", "'rad' is no unit of it"),
+        (f"{HEAD},x_mm\n", 1, "x_mm", "twice"),
+        (f"{HEAD},\n", 1, "", "column 6 has no name"),
+        (f"{HEAD},comment\n", 1, "comment", "there are t_s,"),
+        (f"{HEAD},velocityx_m_s\n", 1, "velocityx_m_s", "there is no such column"),
+        (f"T_S{HEAD[3:]}\n", 1, "T_S", "did you mean t_s?"),
+        (f"{HEAD},vx_m_s\n", 1, "vy_m_s", "with velocity columns come"),
+        (f"{HEAD},ax_m_s2\n", 1, "vx_m_s", "with acceleration columns come"),
+        (f"{HEAD}\n", None, "", "at least two rows; there are 0"),
+        (f"{HEAD}\n0,0,0,0,0\n", None, "", "at least two rows; there are 1"),
+        (f"{HEAD}\n{ROWS}0.5,0,0,0,0\n", 4, "t_s", "0.5 follows 0.5"),
+        (f"# a\n# b\n{HEAD}\n{ROWS}0.4,0,0,0,0\n", 6, "t_s", "0.4 follows 0.5"),
+        (f"{HEAD}\n{ROWS}1,0,0,x,0\n", 4, "theta_rad", "'x' is not a number"),
+        (f"{HEAD}\n{ROWS}1,0,0,,0\n", 4, "theta_rad", "the value is missing"),
+        (f"{HEAD}\n{ROWS}1,0,0,nan,0\n", 4, "theta_rad", "not a finite number"),
+        (f"{HEAD}\n{ROWS}1,0,0\n", 4, "theta_rad", "the value is missing"),
+        (f"{HEAD}\n{ROWS}1,0,0,0,0,0\n", 4, "", "there are 6 values for 5 columns"),
+        (f"{HEAD}\n{ROWS}\n1,0,0,0,0\n", 4, "", "the row is empty, but others follow"),
+        (f'# a\n{HEAD}\n{ROWS}1,0,0,0,"0\n', 5, "", "is not valid CSV"),
+        ("t_ms" + HEAD[3:] + "\n0,0,0,0,0\n1500,0,0,0,0\n900,0,0,0,0\n", 4, "t_ms",
+         "900.0 follows 1500.0"),
+    ],
+)  # fmt: skip
+def test_a_refusal_names_row_and_column(text, row, column, words) -> None:
+    error = refusal(text)
+    assert (error.row, error.column) == (row, column)
+    assert words in str(error)
+
+
+@given(st.integers(0, 40), st.sampled_from(list(range(5))), st.sampled_from(["", "x", "inf"]))
+def test_the_bad_cell_is_found_wherever_it_is(row, column, bad) -> None:
+    rows = [[str(i), "0.5", "0.5", "0.5", "0.5"] for i in range(41)]
+    rows[row][column] = bad
+    error = refusal("\n".join(["# one line", HEAD, *map(",".join, rows)]))
+    assert (error.row, error.column) == (row + 3, HEAD.split(",")[column])
+
+
+@given(st.text(max_size=100))
+def test_any_text_is_refused_in_one_line_or_read(text: str) -> None:
+    refusal(text)
+    try:
+        made = parse(f"{HEAD}\n{text}")
+    except TableFileError:
+        refusal(f"{HEAD}\n{text}")
+    else:
+        assert made.size >= 2
+
+
+def test_too_many_rows(monkeypatch) -> None:
+    monkeypatch.setattr("paminsa_viz.files.trajectory_table.MOST_SAMPLES", 2)
+    assert "more than 2 rows" in str(refusal(f"{HEAD}\n{ROWS}1,0,0,0,0\n"))
+
+
+def test_names_rest_and_files(tmp_path) -> None:
+    path = tmp_path / "my run.csv"
+    path.write_text(f"{HEAD}\n{ROWS}1,0.02,0.01,0.1,-0.45\n")
+    free, rest = read_trajectory(path), read_trajectory(path, rest=True, name="other")
+    assert (free.name, rest.name) == ("my run", "other")
+    assert np.abs(free.velocity[0]).max() > 1e-3
+    np.testing.assert_allclose(rest.velocity[[0, -1]], 0.0, atol=1e-12)
+    with pytest.raises(TableFileError, match="no such file"):
+        read_trajectory(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("samples", [SAMPLES, LEAVING], ids=["possible", "leaving"])
+@pytest.mark.parametrize("assembly", Assembly)
+def test_a_written_trajectory_comes_back(samples, assembly, tmp_path) -> None:
+    found = analyse(APPENDIX_4, samples, assembly)
+    path = tmp_path / "out.csv"
+    write_series(path, analysis_series(found))
+    back = read_trajectory(path)
+    for name in ("t", "pose", "velocity", "acceleration"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(samples, name))
+    assert back.notes == ()
+
+
+def test_what_a_written_table_holds() -> None:
+    found = analyse(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
+    series = analysis_series(found)
+    assert set(series.columns) == {*WRITTEN, *RESULTS} - {"status"}
+    text = series_csv(series).decode()
+    comments = [line for line in text.splitlines() if line.startswith("# ")]
+    head, *rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
+    assert len(rows) == LEAVING.size
+    said = dict(line[2:].split(": ", 1) for line in comments)
+    assert said["design"] == "Appendix 4"
+    assert said["formulae"] == "as printed: APP3_MC4"
+    assert said["design links.b3 [kg]"] == "0.406"
+    assert "singular pose" in said["first failure"]
+    for row, torque, word in zip(rows, found.torque, found.check.words(), strict=True):
+        cells = [row[head.index(name)] for name in TORQUES]
+        assert row[-1] == word
+        if word == "ok":
+            assert [float(cell) for cell in cells] == torque.tolist()
+        else:
+            assert cells == [""] * 4
+    assert match_columns(tuple(head), "out.csv")[0].name == "t_s"
+
+
+def test_npz_holds_the_same() -> None:
+    found = analyse(APPENDIX_4, SAMPLES)
+    series = analysis_series(found)
+    data = np.load(io.BytesIO(series_npz(series)))
+    for name, column in series.columns.items():
+        np.testing.assert_array_equal(data[name], column)
+    np.testing.assert_array_equal(
+        np.stack([data[name] for name in (*POSE, *VELOCITY, *ACCELERATION)], axis=1),
+        np.hstack([SAMPLES.pose, SAMPLES.velocity, SAMPLES.acceleration]),
+    )
+    assert data["status"].tolist() == ["ok"] * SAMPLES.size
+    assert json.loads(str(data["provenance"])) == dict(series.provenance)
+
+
+def test_a_simulation_as_a_table() -> None:
+    found = simulate(APPENDIX_4, SAMPLES, controller=Controller(Control.FEED_FORWARD))
+    series = simulation_series(found)
+    np.testing.assert_array_equal(series.columns["wanted_x_m"], SAMPLES.pose[:, 0])
+    np.testing.assert_array_equal(series.columns["f4_N"], found.torque[:, 3])
+    assert series.provenance["controller"] == "feed-forward"
+    assert series.provenance["stopped"] == "at the end"
+    assert (
+        len(series_csv(series).decode().splitlines()) == len(series.provenance) + 1 + SAMPLES.size
+    )
+    assert "status" not in np.load(io.BytesIO(series_npz(series)))
+
+
+def test_hostile_names_stay_on_one_line() -> None:
+    samples = Trajectory(
+        SAMPLES.t, SAMPLES.pose, SAMPLES.velocity, SAMPLES.acceleration, "a\nt_s,b"
+    )
+    found = analyse(APPENDIX_4.vary({}), samples)
+    text = series_csv(analysis_series(found)).decode()
+    assert parse(text).size == samples.size
+    with pytest.raises(FileError):
+        write_series("/nowhere/at/all.csv", analysis_series(found))
