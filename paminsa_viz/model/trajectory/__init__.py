@@ -17,6 +17,7 @@ from paminsa_viz.model.trajectory.check import (
 )
 from paminsa_viz.model.trajectory.comparison import ActuatorChange, compare
 from paminsa_viz.model.trajectory.control import Control, Controller, actuator_inertia
+from paminsa_viz.model.trajectory.equations import load_kernel
 from paminsa_viz.model.trajectory.imported import from_samples
 from paminsa_viz.model.trajectory.laws import Law, Profile, fit_law
 from paminsa_viz.model.trajectory.limits import MotionLimits
@@ -35,7 +36,6 @@ from paminsa_viz.model.trajectory.sampled import States, Trajectory
 from paminsa_viz.model.trajectory.simulation import (
     Simulation,
     SimulationFailed,
-    load_kernel,
     simulate,
 )
 from paminsa_viz.model.trajectory.solved import SolvedTrajectory, solve_trajectory

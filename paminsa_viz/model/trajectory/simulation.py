@@ -8,24 +8,18 @@ solution tells how well.
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
-from threading import Lock
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.dynamics import kinetic_energy
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
-from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.lumped import EnergyTerms, energy_terms, lumped_coefficients
 from paminsa_viz.model.statics import potential_energy
-from paminsa_viz.model.trajectory import plant
 from paminsa_viz.model.trajectory.check import (
     GUIDES,
     SINGULAR_CLEARANCE,
@@ -35,6 +29,7 @@ from paminsa_viz.model.trajectory.check import (
     worst_event,
 )
 from paminsa_viz.model.trajectory.control import Controller
+from paminsa_viz.model.trajectory.equations import equations
 from paminsa_viz.model.trajectory.sampled import States, Trajectory
 
 PANTOGRAPH_CLEARANCE = 1e-4
@@ -49,10 +44,12 @@ _TOLERANCE = 1e-8
 _NEAR = 1e-2
 """Margin below which a solver that gives up has come to a limit [m]."""
 
-_WORK = 1_000_000
-"""Poses that a simulation counts as when it is decided whether to load compiled kernels."""
+_MOST_EVALUATIONS = 100_000
+_MOST_A_SECOND = 20_000
+"""How often the equations may be evaluated, and how often more for a second of the motion.
 
-_LOADING = Lock()
+Ten times what the default gains need; much higher gains would have a person wait for ever.
+"""
 
 _LONGEST_STEP = 0.02
 """Longest step [s], so that nothing of the wanted motion is stepped over."""
@@ -158,7 +155,7 @@ def simulate(
         ImpossibleTrajectory: If the robot can not run the trajectory at all.
         InvalidInput: If the model's geometry is another, or the start with its offset is out of
             reach.
-        SimulationFailed: If the solver gives up away from any limit.
+        SimulationFailed: If the solver gives up away from any limit, or would take too long.
     """
     from scipy.integrate import solve_ivp  # slow to load
 
@@ -180,7 +177,8 @@ def simulate(
         raise InvalidInput("offset", "the robot can not start there")
 
     gains = controller.gains(model, trajectory.pose[0], assembly)
-    derivative, torques = _equations(design, model, gains, assembly, trajectory)
+    derivative, torques = equations(design, model, gains, assembly, trajectory)
+    derivative = _bounded(derivative, _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration)
 
     def least_margin(_: float, state: Array) -> float:
         return float(margins(state[:4]).min())
@@ -209,6 +207,25 @@ def _start(trajectory: Trajectory, offset: ArrayLike) -> Array:
     return np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
 
 
+def _bounded(
+    derivative: Callable[[float, Array], Array], most: float
+) -> Callable[[float, Array], Array]:
+    """Return a function that raises when it has been called too often."""
+    calls = 0
+
+    def counted(t: float, state: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        if calls > most:
+            raise SimulationFailed(
+                t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
+                f"Coulomb friction would make it easier",
+            )  # fmt: skip
+        return derivative(t, state)
+
+    return counted
+
+
 def _end(
     trajectory: Trajectory, solution: Any, margins: Callable[[Array], Array]
 ) -> tuple[PathEvent, Array, Array]:
@@ -222,69 +239,3 @@ def _end(
     if solution.status != 1 and left.min() > _NEAR:
         raise SimulationFailed(float(t[-1]), str(solution.message))
     return worst_event(t[-1], states[-1, :4], left), t, states
-
-
-def load_kernel() -> None:
-    """Compile the equations of motion, or load them from disk; a page does it beforehand."""
-    from paminsa_viz.model.trajectory import plant_kernel
-
-    with _LOADING:
-        plant_kernel.warm_up()
-
-
-def _robot(design: Design, assembly: Assembly) -> plant.Robot:
-    """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
-    m = mechanism(design.geometry, assembly)._replace(rho2_min=-np.inf, rho2_max=np.inf)
-    e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
-    f = design.friction
-    losses = plant.Losses(
-        design.gravity, f.viscous_rotary, f.coulomb_rotary, f.viscous_linear, f.coulomb_linear,
-        f.transition_speed,
-    )  # fmt: skip
-    return m, e, losses
-
-
-def _equations(
-    design: Design,
-    model: Design,
-    gains: plant.Gains,
-    assembly: Assembly,
-    trajectory: Trajectory,
-) -> tuple[Callable[[float, Array], Array], Callable[[Array, Array], Array]]:
-    """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10)."""
-    true, believed = _robot(design, assembly), _robot(model, assembly)
-    times = np.array(trajectory.t)
-    track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration])
-    if backend.worth_compiled(_WORK):
-        from paminsa_viz.model.trajectory import plant_kernel
-
-        load_kernel()
-        numbers = plant_kernel.pack(true, believed, gains)
-
-        def compiled(t: float, state: Array) -> Array:
-            growth = np.empty(10)
-            plant_kernel.derivative(t, state, numbers, times, track, growth)
-            return growth
-
-        def compiled_torques(t: Array, states: Array) -> Array:
-            torque = np.empty((len(t), 4))
-            state = np.ascontiguousarray(states)
-            plant_kernel.torques(t, state, numbers, times, track, torque)
-            return torque
-
-        return compiled, compiled_torques
-
-    def derivative(t: float, state: Array) -> Array:
-        growth = np.full(10, np.nan)
-        with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
-            plant.derivative(t, state, true, believed, gains, times, track, growth)
-        return growth
-
-    def torques(t: Array, states: Array) -> Array:
-        rows = [
-            plant.commanded(now, state, believed, gains, times, track)
-            for now, state in zip(t, states, strict=True)
-        ]
-        return np.array(rows, dtype=np.float64).reshape(-1, 4)
-
-    return derivative, torques

@@ -29,12 +29,13 @@ from paminsa_viz.model.trajectory import (
     Controller,
     ImpossibleTrajectory,
     Simulation,
+    SimulationFailed,
     actuator_inertia,
     move,
     simulate,
 )
 from paminsa_viz.model.trajectory import plant as formulae
-from paminsa_viz.model.trajectory.simulation import _robot
+from paminsa_viz.model.trajectory.equations import robot_numbers
 from tests.model.cases import Case, assert_close, cases
 from tests.model.trajectory.plans import FRICTION, A, B, preset_plan
 
@@ -60,7 +61,7 @@ def run(design=APPENDIX_4, trajectory=SHORT, control=Control.PD, **options) -> S
 @given(cases())
 def test_plant_formulae_are_the_models(case: Case) -> None:
     design = case.design.vary(FRICTION)
-    robot = _robot(design, case.assembly)
+    robot = robot_numbers(design, case.assembly)
     m, e, o = robot
     for pose, velocity, acceleration in zip(*case.states(3), strict=True):
         inverse = formulae.inverse_torques(m, e, o, pose, velocity, acceleration)
@@ -204,6 +205,15 @@ def test_it_stops_at_the_end_of_a_guide() -> None:
     margin = check_reach(short.geometry, found.pose[-1]).margins[found.stopped.leg, 2]
     assert margin == pytest.approx(0.0, abs=1e-9)
     assert f"leg {found.stopped.leg + 1}" in found.stopped.explanation
+
+
+def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
+    monkeypatch.setattr("paminsa_viz.model.trajectory.simulation._MOST_EVALUATIONS", 2000)
+    monkeypatch.setattr("paminsa_viz.model.trajectory.simulation._MOST_A_SECOND", 0)
+    controller = Controller(proportional=(1e9,) * 4, derivative=(1e7,) * 4)
+    with pytest.raises(SimulationFailed, match="evaluations") as caught:
+        simulate(APPENDIX_4, SHORT, controller=controller)
+    assert 0 <= caught.value.t < SHORT.duration
 
 
 def test_what_can_not_be_simulated() -> None:
