@@ -22,6 +22,7 @@ from paminsa_viz.model import (
     measure_singularity,
     rotary_torques,
     solve_field,
+    solve_posture,
     static_breakdown,
     static_torques,
     torque_breakdown,
@@ -103,6 +104,53 @@ def test_maps_agree_with_reach(case: Case, stroke: float, clearance: float) -> N
         np.testing.assert_array_equal(np.isnan(values), ~reach.ok)
     for values in rotary_torques(design, grid, case.assembly):
         np.testing.assert_array_equal(np.isnan(values), ~reach.ok)
+
+
+@given(case=cases(), side=st.sampled_from([-1, 1]))
+def test_a_guide_is_used_to_its_end_and_no_further(case: Case, side: int) -> None:
+    """A billionth of the stroke decides between a torque and none."""
+    pose = case.poses(1)[0]
+    p = solve_posture(case.geometry, pose).points
+    travel = np.linalg.norm((p[8] - p[3])[:, :2], axis=-1)
+    stroke = float(travel.max()) * (1 + side * 1e-9)
+    design = replace(case.design, geometry=replace(case.geometry, guide_stroke=stroke))
+    allowed = side > 0
+    assert bool(check_reach(design.geometry, pose).ok) == allowed
+    measured = measure_singularity(design.geometry, pose)
+    for values in (
+        static_torques(design, pose, case.assembly),
+        inverse_dynamics(design, pose, np.ones(4), np.ones(4), case.assembly).torque,
+        measured.condition,
+        measured.determinant,
+    ):
+        assert np.isfinite(values).all() == allowed
+
+
+@BOTH
+def test_exactly_at_the_end_of_a_guide_everything_is_known(assembly: Assembly) -> None:
+    """Lengths that are exact in binary: |X_4| of leg 3 is the stroke to the last bit."""
+    design = APPENDIX_4.vary(
+        {
+            "geometry.base_radius": 0.5,
+            "geometry.platform_radius": 0.25,
+            "geometry.guide_stroke": 0.1875,
+        }
+    )
+    pose = [0.0, -0.125, 0.0, -0.5]
+    reach = check_reach(design.geometry, pose)
+    assert reach.margins[2, 2] == 0.0
+    assert reach.ok
+    measured = measure_singularity(design.geometry, pose)
+    field = solve_field(design.geometry, Grid.over(pose), assembly, dexterity=True)
+    assert field.status == Limit.OK
+    for values in (
+        static_torques(design, pose, assembly),
+        field.gamma,
+        measured.condition,
+        measured.determinant,
+        field.condition,
+    ):
+        assert np.isfinite(values).all()
 
 
 @given(case=cases(), longer=st.floats(1.0, 3.0))

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import (
@@ -109,6 +109,7 @@ def test_any_other_value_is_kept_to_the_last_bit(parameter: Parameter, value: fl
 
 
 @given(ratio=st.floats(1e-300, 1.0))
+@example(ratio=1.0)
 def test_a_pantograph_magnifies(ratio: float) -> None:
     with pytest.raises(InvalidDesign, match="greater than 1") as caught:
         Geometry(magnification=ratio)

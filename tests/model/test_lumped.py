@@ -137,7 +137,7 @@ def test_gravity_scales_the_weights_alone(case: Case, gravity: float) -> None:
 def test_limits_of_reach_and_the_arm_are_no_part_of_the_coefficients(
     case: Case, share: float
 ) -> None:
-    """B10's mass centre is at l_B10 / 2 whatever the stroke; B1 moves up and down wherever it is."""
+    """B10's mass centre is at l_B10 / 2 whatever the stroke; B1 rises alike wherever it is."""
     design = case.design.vary(
         {
             "geometry.guide_stroke": share * case.geometry.guide_link_length,
