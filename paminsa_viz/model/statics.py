@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -152,8 +152,3 @@ def potential_energy(
     z5, z9 = posture.points[5][..., 2], posture.points[9][..., 2]
     legs = c[0] * z5 + c[1] * z9 + c[2] * posture.actuators[..., 3:] + potential_constant(design)
     return c[16] * design.gravity * posture.pose[..., 3] + legs.sum(axis=-1)
-
-
-def finite_mask(torque: Array) -> NDArray[np.bool_]:
-    """Return where all entries of the last axis are finite, (...)."""
-    return np.isfinite(torque).all(axis=-1)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
 
+from paminsa_viz.explorer.state import initial_state
 from tests.explorer.chromium import FLAGS, PATIENCE, Tab, browser_path, until
 
 
@@ -35,8 +35,8 @@ def app() -> Iterator[Any]:
     running.stop()
 
 
-@pytest.fixture
-def open_tab(browser: Any, app: Any, tmp_path: Path) -> Iterator[Callable[..., Tab]]:
+@pytest.fixture(scope="module")
+def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
     """A function that opens a tab; at the end no tab may have complained."""
     contexts: list[Any] = []
     tabs: list[Tab] = []
@@ -72,7 +72,21 @@ def _complain(complaints: list[str], message: Any) -> None:
         complaints.append(message.text)
 
 
-@pytest.fixture
-def tab(open_tab: Callable[..., Tab]) -> Tab:
-    """One tab."""
+@pytest.fixture(scope="module")
+def one_tab(open_tab: Callable[..., Tab]) -> Tab:
+    """A tab that the tests of a module share."""
     return open_tab()
+
+
+@pytest.fixture
+def tab(one_tab: Tab) -> Tab:
+    """The shared tab, as it was at the start."""
+    one_tab.page.bring_to_front()
+    one_tab.session.ask("test", lambda _: initial_state())
+    one_tab.open_tab("Pose")
+    until(
+        lambda: one_tab.state == initial_state() and one_tab.handle("x  [mm]").value == 0,
+        "the tab is as at the start",
+    )
+    one_tab.page.wait_for_timeout(200)
+    return one_tab

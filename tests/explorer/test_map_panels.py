@@ -23,8 +23,8 @@ from paminsa_viz.explorer.panels.map_controls import (
 )
 from paminsa_viz.explorer.panels.map_picture import caption
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
-from paminsa_viz.explorer.placing import start_width
 from paminsa_viz.explorer.panels.slots import NARROWEST, WIDEST, Slots
+from paminsa_viz.explorer.placing import start_width
 from paminsa_viz.explorer.server import open_server
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.figures.from_model import LEGENDS

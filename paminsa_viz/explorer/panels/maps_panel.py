@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import viser
@@ -21,6 +20,7 @@ from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.model import Quantity
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
+
 
 class MapsPanel:
     """Three tabs over the 3D view: torque maps, single map, export.

@@ -34,7 +34,8 @@ def status_html(frame: Frame) -> str:
     colour = _STYLE[frame.health]
     name = frame.health.value.capitalize()
     return (
-        f'<div data-testid="status" style="border-left:5px solid {colour};padding:5px 9px;margin:2px 10px 4px 10px;'
+        f'<div data-testid="status" style="border-left:5px solid {colour};padding:5px 9px;'
+        f"margin:2px 10px 4px 10px;"
         f'background:{colour}18;border-radius:4px;font-size:13px;line-height:1.35">'
         f'<b style="color:{colour}">{name}</b><br>{escape(frame.explanation)}</div>'
     )
@@ -101,9 +102,7 @@ def quality_html(frame: Frame) -> str:
     rows = [
         _row(["M<sub>p2</sub>, distance from balance", f"<b>{number(frame.balance, 4)}</b> N"]),
         _row(["condition number", number(float(s.condition), 3)]),
-        _row(
-            ["to the singular circle", f"{number(1e3 * float(s.position_distance), 1)} mm"]
-        ),
+        _row(["to the singular circle", f"{number(1e3 * float(s.position_distance), 1)} mm"]),
         _row(
             [
                 "to a singular rotation",
@@ -114,9 +113,7 @@ def quality_html(frame: Frame) -> str:
     margins = [_row(["Room to limits [mm]", *LIMIT_NAMES.values()], head=True)]
     values = frame.posture.reach.margins
     for leg in range(3):
-        cells = [
-            number(1e3 * float(values[leg, MARGINS.index(limit)]), 1) for limit in LIMIT_NAMES
-        ]
+        cells = [number(1e3 * float(values[leg, MARGINS.index(limit)]), 1) for limit in LIMIT_NAMES]
         margins.append(_row([dot(LEG_COLOURS[leg]) + f"leg {leg + 1}", *cells]))
     tables = f'{_table(rows)}<div style="height:6px"></div>{_table(margins)}'
     return f'<div data-testid="quality" style="{_PAD}">{tables}</div>'

@@ -52,9 +52,7 @@ class ViewPanel:
                     lambda s, name=name: getattr(s.layers, name),
                 )
             )
-        opacity = gui.add_slider(
-            "Map opacity", 0.1, 1.0, 0.05, session.state.layers.floor_opacity
-        )
+        opacity = gui.add_slider("Map opacity", 0.1, 1.0, 0.05, session.state.layers.floor_opacity)
         self._controls.append(
             Control(
                 session,
