@@ -22,7 +22,6 @@ from paminsa_viz.model import (
     unit_torques,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.statics import finite_mask
 from tests import oracle
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_close, assert_within, cases
 
@@ -220,8 +219,3 @@ def test_home_by_hand() -> None:
     z = BY_HAND[0] + np.array([[h], [-h]]) * [0, 0, 0, 1]
     slope = np.diff(potential_energy(APPENDIX_4, z)[::-1])[0] / (2 * h)
     assert torque[3] == pytest.approx(3 * slope, rel=1e-7)
-
-
-def test_finite_mask() -> None:
-    values = np.array([[0.0, 1.0], [np.nan, 1.0], [1.0, np.inf]])
-    assert finite_mask(values).tolist() == [True, False, False]
