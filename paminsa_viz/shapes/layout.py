@@ -28,10 +28,10 @@ HANG: Final = 0.18
 """Room between the lowest platform and the ground, for the payload [m]."""
 
 STRETCHED: Final = 0.07
-"""Room between joints 5 of a fully stretched robot and the ground [m]."""
+"""Room between the lowest joints and the ground [m]."""
 
 TABLE: Final = 0.30
-"""Height of the guides above the ground in the mirror assembly [m]."""
+"""Least height of the guides above the ground in the mirror assembly [m]."""
 
 
 @dataclass(frozen=True)
@@ -102,8 +102,10 @@ def layout(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> Layout:
     # The arms travel above the platform; they meet where Z comes down to the forks.
     meet = (geometry.shaft_length - at.CARRIAGE_HALF - 0.02) / (1 - 1 / factor)
     low = _near_guides(geometry)
+    # Joints 9 turn about the guides on B8; with the pantographs folded they come to hang from them.
+    hanging = geometry.crank_length + STRETCHED
     return Layout(
-        ground=-TABLE,
+        ground=_rounded(-max(TABLE, hanging)),
         mast_radius=radius,
         mast_top=bridge + 0.085,
         column_top=bridge,
