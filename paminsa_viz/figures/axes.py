@@ -109,9 +109,14 @@ def emptiness(data: MapData, panel: int) -> str:
 
 def reasons(data: MapData) -> NDArray[np.str_]:
     """Return for every cell (ny, nx) why it has no value, in words for people."""
-    table = np.array([[_REASONS[limit].format(who=who) for who in _WHO] for limit in Limit])
+    table = np.array([[reason(limit, leg) for leg in range(-1, 3)] for limit in Limit])
     leg = np.full(data.status.shape, -1) if data.leg is None else data.leg
     return table[data.status, leg + 1]
+
+
+def reason(limit: Limit, leg: int) -> str:
+    """Return why there is no value, in words; ``leg`` is its index, -1 for none."""
+    return _REASONS[limit].format(who=_WHO[leg + 1])
 
 
 _WHO = ("a leg", "leg 1", "leg 2", "leg 3")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from paminsa_viz.figures import axes, ticks
-from paminsa_viz.figures.maps import MapData
+from paminsa_viz.figures.maps import MapData, Provenance
 from paminsa_viz.figures.scale import Scale
 
 LONGEST_NAME = 60
@@ -19,25 +19,28 @@ _TIE = "\u00a0"  # a space at which lines do not break
 def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     """Return the caption of a figure as one paragraph."""
     source = data.provenance
-    numbers = "".join(f", {_equals(s, v, u)}" for s, v, u in source.numbers)
-    robot = f"PAMINSA, design {shown(source.design)}, {source.assembly} assembly{numbers}"
-    if source.reference:
-        robot += f", minus design {shown(source.reference)}"
     x, y, z = (float(v) * axes.MM for v in data.pose[[0, 1, 3]])
-    theta = _equals("θ", math.degrees(data.theta), "") + "°"
+    theta = equals("θ", math.degrees(data.theta), "") + "°"
     parts = [
-        f"{robot}; {theta}, {_equals('z', z, 'mm')}.",
-        f"Ring: pose {_equals('x', x, 'mm')}, {_equals('y', y, 'mm')}{_trouble(data)}.",
+        f"{robot(source)}; {theta}, {equals('z', z, 'mm')}.",
+        f"Ring: pose {equals('x', x, 'mm')}, {equals('y', y, 'mm')}{_trouble(data)}.",
         _contours(data, scales),
         "Thick line: boundary of the workspace; hatched: not reachable.",
     ]
     if data.singular_radius:
-        radius = _equals("radius", data.singular_radius * axes.MM, "mm")
+        radius = equals("radius", data.singular_radius * axes.MM, "mm")
         parts.append(f"Dashed: singular positions, {radius}.")
     if _beyond(data, scales):
         parts.append("Pointed ends of the colour bar: beyond its range.")
     parts.append(f"paminsa_viz {source.version}.")
     return " ".join(part for part in parts if part)
+
+
+def robot(source: Provenance) -> str:
+    """Return which robot numbers are of, as the start of a sentence."""
+    numbers = "".join(f", {equals(s, v, u)}" for s, v, u in source.numbers)
+    words = f"PAMINSA, design {shown(source.design)}, {source.assembly} assembly{numbers}"
+    return f"{words}, minus design {shown(source.reference)}" if source.reference else words
 
 
 def summary(data: MapData) -> str:
@@ -74,7 +77,7 @@ def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
         )
 
 
-def _equals(symbol: str, value: float, unit: str) -> str:
+def equals(symbol: str, value: float, unit: str) -> str:
     """Return ``symbol = value unit`` that no line break tears apart."""
     return _TIE.join([symbol, "=", ticks.number(value), *([unit] if unit else [])])
 

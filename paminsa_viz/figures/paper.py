@@ -1,17 +1,9 @@
-"""Figures for print: PNG, SVG and PDF by matplotlib, without a browser or a global figure.
-
-One figure is drawn at a time, since matplotlib's settings and font caches belong to the process;
-any thread may ask. Equal input gives equal bytes.
-"""
+"""Maps for print: PNG, SVG and PDF by matplotlib, without a browser or a global figure."""
 
 from __future__ import annotations
 
-import threading
 from collections.abc import Sequence
-from io import BytesIO
-from typing import Any, Literal
 
-import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from paminsa_viz.figures import axes
@@ -20,18 +12,16 @@ from paminsa_viz.figures.caption import summary
 from paminsa_viz.figures.layout import Room, arrange
 from paminsa_viz.figures.lettering import Lettering
 from paminsa_viz.figures.maps import MapData
-from paminsa_viz.figures.page import INCH, Page
+from paminsa_viz.figures.page import Page
 from paminsa_viz.figures.paper_bar import draw_bar
 from paminsa_viz.figures.paper_panel import draw_panel
+from paminsa_viz.figures.printing import KINDS, Kind, check_print, printed_bytes, printing
 from paminsa_viz.figures.ranges import per_panel
 from paminsa_viz.figures.scale import Scale
 from paminsa_viz.model.errors import InvalidInput
 
-Kind = Literal["png", "svg", "pdf"]
-KINDS: tuple[Kind, ...] = ("png", "svg", "pdf")
+__all__ = ["KINDS", "Kind", "render"]
 
-NARROWEST, WIDEST = 50.0, 1000.0  # mm
-MOST_PIXELS = 20_000  # along the width of a PNG
 LEAST_PANEL = 15.0  # mm; below it numbers would run into each other
 
 _ROOM = Room(
@@ -48,14 +38,6 @@ _ROOM = Room(
     largest=120.0,
     upright=120.0,
 )
-_SETTINGS: Any = {
-    "font.family": "DejaVu Sans",  # comes with matplotlib, so it is the same everywhere
-    "pdf.fonttype": 42,  # whole outlines, as journals ask
-    "svg.fonttype": "path",
-    "svg.hashsalt": "paminsa_viz",  # names of SVG elements, random otherwise
-    "text.hinting": "none",  # so that words are as wide as they were measured, at every dpi
-}
-_drawing = threading.Lock()
 
 
 def render(
@@ -86,41 +68,18 @@ def render(
         InvalidInput: If kind, width or resolution is not possible.
         InvalidScale: If the number of scales is not that of the panels.
     """
-    _check(data, kind, width_mm, dpi)
+    check_print(kind, width_mm, dpi)
+    if arrange(data, width_mm, _ROOM, own_bars=True).panels[0].width < LEAST_PANEL:
+        raise InvalidInput("width_mm", f"too narrow for {data.panels} panels side by side")
     scales = per_panel(data, scale)
-    with _drawing, mpl.rc_context():
-        mpl.rcdefaults()  # whatever a person's matplotlibrc says
-        mpl.rcParams.update(_SETTINGS)
+    with printing():
         figure = _figure(
             data, scales, width_mm, dpi, data.title if title is None else title, caption
         )
-        stream = BytesIO()
-        figure.savefig(stream, format=kind, dpi=dpi, metadata=_metadata(data, kind))
-    return stream.getvalue()
-
-
-def _check(data: MapData, kind: str, width_mm: float, dpi: float) -> None:
-    if kind not in KINDS:
-        raise InvalidInput("kind", f"one of {', '.join(KINDS)} is needed, not {kind!r}")
-    if not NARROWEST <= width_mm <= WIDEST:
-        raise InvalidInput("width_mm", f"{NARROWEST:g} to {WIDEST:g} mm are possible")
-    if not 20 <= dpi <= 2400:
-        raise InvalidInput("dpi", "20 to 2400 pixels per inch are possible")
-    if kind == "png" and width_mm / INCH * dpi > MOST_PIXELS:
-        raise InvalidInput("dpi", f"the picture would be more than {MOST_PIXELS} pixels wide")
-    if arrange(data, width_mm, _ROOM, own_bars=True).panels[0].width < LEAST_PANEL:
-        raise InvalidInput("width_mm", f"too narrow for {data.panels} panels side by side")
-
-
-def _metadata(data: MapData, kind: str) -> dict[str, Any]:
-    title, made_by = data.title or "Map", f"paminsa_viz {data.provenance.version}"
-    about = summary(data)
-    if kind == "png":
-        return {"Title": title, "Description": about, "Software": made_by}
-    if kind == "svg":
-        return {"Title": title, "Description": about, "Creator": made_by, "Date": None}
-    fixed = {"Creator": made_by, "Producer": "matplotlib", "CreationDate": None}
-    return {"Title": title, "Subject": about, **fixed}
+        return printed_bytes(
+            figure, kind, dpi,
+            title=data.title or "Map", about=summary(data), version=data.provenance.version,
+        )  # fmt: skip
 
 
 def _figure(
