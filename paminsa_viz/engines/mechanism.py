@@ -13,7 +13,8 @@ have x along the bar and turn about -y, so that a positive angle raises them. Th
                   - B7                   (hinge 8)
 
 Loops are closed at joint 2 between lift and B2, at joint 3 between B3 and B2, at joint 7 between
-B3 and B7, and at joint 5 between B4 and the platform. Joint masses are point masses on the links.
+B3 and B7, and at joint 5 between B4 and the platform. Joint masses and counterweights are point
+masses on the links.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.kinematics import AXIS_ANGLES
@@ -218,9 +220,10 @@ def _leg(design: Design, leg: int) -> list[Link]:
             (reach / 2, 0, 0),
             _tube(design, f"b{number}"),
         )
+        fixed = (tube, *tips, *_counterweights(design, leg, f"b{number}", reach))
         hinge = Joint(name(f"bar{number}"), "hinge", (0, -1, 0))
         look = Rod(ORIGIN, (reach, 0, 0), width)
-        return Link(tube.name, name(parent), (hinge,), place, (tube, *tips), (look,), leg=leg)
+        return Link(tube.name, name(parent), (hinge,), place, fixed, (look,), leg=leg)
 
     guide = Part(name("B10"), links.b10, (behind[0] / 2, 0, 0), _upright(inertias.b10_vertical))
     shaft = Part(name("B2"), links.b2, (0, 0, below[2] / 2), _upright(inertias.b2_vertical))
@@ -242,6 +245,19 @@ def _leg(design: Design, leg: int) -> list[Link]:
         bar(3, "B4", (short, 0, 0), -crank),
         bar(7, "slider", ORIGIN, short, joint(7, (short, 0, 0))),
     ]  # fmt: skip
+
+
+def _counterweights(design: Design, leg: int, bar: str, reach: float) -> list[Part]:
+    """Place the counterweights of a bar that goes from its first end at x = 0 to x = ``reach``."""
+    first = BAR_ENDS[bar][0]
+    outward = math.copysign(1.0, reach)
+    found = []
+    for number, weight in enumerate(design.counterweights, 1):
+        if weight.bar == bar:
+            at_first = weight.joint == first
+            x = -outward * weight.beyond if at_first else reach + outward * weight.beyond
+            found.append(Part(leg_name(leg, f"counterweight{number}"), weight.mass, (x, 0, 0)))
+    return found
 
 
 def _pins(design: Design, leg: int) -> list[Pin]:

@@ -7,6 +7,7 @@ what each function says of the paper's equations.
 
 from __future__ import annotations
 
+from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import (
     APPENDIX_4,
     Assembly,
@@ -85,11 +86,13 @@ from paminsa_viz.model.sweeps import SweepSummary, sweep, sweep_blocks
 
 __all__ = [
     "APPENDIX_4",
+    "BAR_ENDS",
     "COEFFICIENTS",
     "PARAMETER",
     "PARAMETERS",
     "Assemblies",
     "Assembly",
+    "Counterweight",
     "Design",
     "Field",
     "Friction",

@@ -7,50 +7,14 @@ field list alone (see `paminsa_viz.model.parameters`).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from typing import Any
 
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.errors import InvalidDesign
-
-
-def quantity(
-    default: float | None, symbol: str, unit: str, label: str, *, positive: bool = False
-) -> Any:
-    """Declare a design value with its paper symbol, SI unit and plain name."""
-    return field(
-        default=default,
-        metadata={"symbol": symbol, "unit": unit, "label": label, "positive": positive},
-    )
-
-
-def check_numbers(group: object, path: str) -> None:
-    """Raise `InvalidDesign` unless every quantity of ``group`` is a finite, allowed number.
-
-    Whole numbers are stored as floats, or each of them would have the formulae compiled anew.
-    """
-    for item in fields(group):  # type: ignore[arg-type]
-        if "unit" not in item.metadata:
-            continue
-        value = getattr(group, item.name)
-        if value is None and item.default is None:
-            continue
-        name = f"{path}.{item.name}"
-        positive = item.metadata["positive"]
-        allowed = f"a finite number {'above' if positive else 'of at least'} 0 is needed"
-        if item.metadata["unit"]:
-            allowed += f" [{item.metadata['unit']}]"
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InvalidDesign(name, value, allowed)
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number) or number < 0 or (positive and number == 0):
-            raise InvalidDesign(name, value, allowed)
-        object.__setattr__(group, item.name, number)
+from paminsa_viz.model.quantity import check_numbers, quantity
 
 
 class Assembly(Enum):
@@ -247,27 +211,42 @@ class Design:
     payload: Payload = Payload()
     friction: Friction = Friction()
     gravity: float = quantity(9.81, "g", "m/s^2", "gravitational acceleration")
+    counterweights: tuple[Counterweight, ...] = ()
+    """Point masses on the bars of every leg; none in the paper."""
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:
         for item in fields(self):
             group = getattr(self, item.name)
             expected = item.default
-            if is_dataclass(expected) and type(group) is not type(expected):
+            is_group = is_dataclass(expected) or isinstance(expected, tuple)
+            if is_group and type(group) is not type(expected):
                 raise InvalidDesign(item.name, group, f"a {type(expected).__name__} is needed")
+        for number, weight in enumerate(self.counterweights):
+            if not isinstance(weight, Counterweight):
+                raise InvalidDesign(f"counterweights.{number}", weight, "a Counterweight is needed")
         check_numbers(self, "design")
 
     def value(self, path: str) -> float:
         """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
 
-        The guide stroke is returned as the length in force, also where it follows l_B10.
+        ``"counterweights.0.mass"`` is that of the first counterweight, if there is one. The guide
+        stroke is returned as the length in force, also where it follows l_B10.
         """
         if path == "geometry.guide_stroke":
             return self.geometry.stroke
         target: Any = self
         for part in path.split("."):
-            target = getattr(target, part)
+            target = target[int(part)] if isinstance(target, tuple) else getattr(target, part)
         return float(target)
+
+    def _group(self, name: str) -> Any:
+        """Return what holds the values under a path, None if there is no such thing."""
+        head, _, number = name.partition(".")
+        if head == "counterweights":
+            known = number.isdecimal() and int(number) < len(self.counterweights)
+            return self.counterweights[int(number)] if known else None
+        return getattr(self, name, None) if name else self
 
     def vary(self, changes: Mapping[str, float | None]) -> Design:
         """Return a copy with some numbers changed, given by dotted path.
@@ -281,17 +260,21 @@ class Design:
         grouped: dict[str, dict[str, float | None]] = {}
         for path, value in changes.items():
             group, _, name = path.rpartition(".")
-            owner = getattr(self, group, None) if group else self
-            known = (
-                {item.name for item in fields(owner) if "unit" in item.metadata} if owner else ()
-            )
+            owner = self._group(group)
+            items = fields(owner) if is_dataclass(owner) else ()
+            known = {item.name for item in items if "unit" in item.metadata}
             if name not in known:
                 raise InvalidDesign(path, value, "there is no design value of this name")
             grouped.setdefault(group, {})[name] = value
         top: dict[str, Any] = dict(grouped.pop("", {}))
+        weights = list(self.counterweights)
         for group, values in grouped.items():
-            top[group] = replace(getattr(self, group), **values)
-        return replace(self, **top)
+            changed = replace(self._group(group), **values)
+            if isinstance(changed, Counterweight):
+                weights[int(group.partition(".")[2])] = changed
+            else:
+                top[group] = changed
+        return replace(self, counterweights=tuple(weights), **top)
 
 
 APPENDIX_4 = Design(name="Appendix 4")

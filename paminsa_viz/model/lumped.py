@@ -8,6 +8,9 @@ which are linear in the masses and inertias and depend on the geometry only thro
 The energies (Eqs. 11-14) are then linear in c: `energy_terms` says which coefficient multiplies
 which square of a velocity. The misprints of the paper live here and nowhere else, because each of
 them moves a coefficient to a wrong place; see `Misprint`.
+
+A counterweight adds to seven of the 18 and needs no other: whatever bar it is on, it stands at a
+combination of joints 5 and 9, so that its energies are made of the terms that are there already.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.leg_points import LegPoint, bar_point
 from paminsa_viz.model.parameters import PARAMETERS
 
 Array = NDArray[np.float64]
@@ -173,14 +177,35 @@ def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> 
 
     M_p are weights [N]; M_c1..7 and m_pl are masses [kg]; M_c8..13 and I_pl are [kg m^2].
     """
-    values = _masses(mass_vector(design))
-    return np.array(_lumped(design.geometry, design.gravity, values, misprints)[0])
+    geometry, gravity = design.geometry, design.gravity
+    c = np.array(_lumped(geometry, gravity, _masses(mass_vector(design)), misprints)[0])
+    for weight in design.counterweights:
+        point = bar_point(geometry, weight.bar, weight.joint, weight.beyond)
+        c += weight.mass * point_mass_column(point, gravity)
+    return c
+
+
+def point_mass_column(point: LegPoint, gravity: float) -> Array:
+    """Return what 1 kg at a point of each leg adds to c, (18,), or (18, n) for n points.
+
+    Its height is z5 zeta + knee z9, and its velocity the same combination of those of 5 and 9, so
+    that V = m g z has two terms and T = m v^2 / 2 the squares and products of the factors.
+    """
+    r5, z5, knee = np.broadcast_arrays(*point)
+    column = np.zeros((len(COEFFICIENTS), *np.shape(knee)))
+    column[0], column[1] = gravity * z5, gravity * knee
+    column[3], column[4], column[5] = 0.5 * r5 * r5, 0.5 * z5 * z5, 0.5 * knee * knee
+    column[6], column[7] = r5 * knee, z5 * knee
+    return column
 
 
 def lumped_matrix(
     geometry: Geometry, gravity: float = 9.81, misprints: Misprint = Misprint.NONE
 ) -> Array:
-    """Return N, (18, 28), such that c = N @ mass_vector(design): c is linear in the masses."""
+    """Return N, (18, 28): c = N @ mass_vector(design) for a design without counterweights.
+
+    Each of those adds its mass times its `point_mass_column`.
+    """
     units = _masses(np.eye(len(MASS_PATHS)))
     return np.array(
         [row + np.zeros(len(MASS_PATHS)) for row in _lumped(geometry, gravity, units, misprints)[0]]
@@ -188,7 +213,10 @@ def lumped_matrix(
 
 
 def potential_constant(design: Design) -> float:
-    """Return e_3 of Appendix 2, the part of a leg's potential energy that never changes [J]."""
+    """Return e_3 of Appendix 2, the part of a leg's potential energy that never changes [J].
+
+    Counterweights add nothing to it.
+    """
     return float(
         _lumped(design.geometry, design.gravity, _masses(mass_vector(design)), Misprint.NONE)[1]
     )

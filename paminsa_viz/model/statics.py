@@ -15,11 +15,13 @@ from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Assembly, Design, Geometry
 from paminsa_viz.model.kinematics import solve_posture
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.leg_points import bar_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
     lumped_coefficients,
     lumped_matrix,
     mass_vector,
+    point_mass_column,
     potential_constant,
 )
 from paminsa_viz.model.parameters import PARAMETER
@@ -75,7 +77,8 @@ class StaticBreakdown:
     """Static torques, body by body; batch shape (...).
 
     Attributes:
-        names: Paths of the bodies' masses in the design, such as ``"links.b3"``.
+        names: Paths of the bodies' masses in the design, such as ``"links.b3"``, counterweights
+            last.
         per_leg: (..., 4 actuators, 3 legs, bodies) Q_ikj of Eq. 1 [N m, N].
         platform: (..., 4) torque for the platform's own weight; zero on M1..M3 (Eq. 4) [N m, N].
         payload: (..., 4) the same for the payload [N m, N].
@@ -108,23 +111,33 @@ def static_breakdown(
     reachable = np.where(solve_posture(geometry, pose).reach.ok, 0.0, np.nan)
     share = lumped_matrix(geometry, design.gravity) * mass_vector(design)
     index = [MASS_PATHS.index(path) for path in BODIES]
-    mp1, mp2, mp3 = share[:3, index]
-    gamma = _unit_torques_by_leg(geometry, pose, assembly)
+    extra = [
+        weight.mass
+        * point_mass_column(
+            bar_point(geometry, weight.bar, weight.joint, weight.beyond), design.gravity
+        )
+        for weight in design.counterweights
+    ]
+    mp1, mp2, mp3 = np.column_stack([share[:, index], *extra])[:3]
+    gamma = unit_torques_by_leg(geometry, pose, assembly)
     per_leg = gamma[..., None] * mp2 + reachable[..., None, None, None]
     k = geometry.magnification
     per_leg[..., 3, :, :] += k * mp1 + mp3
     weight = k * design.gravity
     lift = np.array([0.0, 0.0, 0.0, 1.0])
     return StaticBreakdown(
-        BODIES,
+        BODIES + tuple(f"counterweights.{number}.mass" for number in range(len(extra))),
         per_leg,
         lift * weight * design.platform.mass + reachable[..., None],
         lift * weight * design.payload.mass + reachable[..., None],
     )
 
 
-def _unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: Assembly) -> Array:
-    """Return (..., 4 actuators, 3 legs): Gamma, the knee of one leg at a time."""
+def unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: Assembly) -> Array:
+    """Return (..., 4 actuators, 3 legs): Gamma, the knee of one leg at a time.
+
+    Defined beyond the limits of reach as well, where the bars can close.
+    """
     from paminsa_viz.model.jacobian import jacobian
     from paminsa_viz.model.kinematics import leg_states
 
