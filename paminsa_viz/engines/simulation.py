@@ -7,6 +7,7 @@ that any difference grows. The result therefore comes with what the loops opened
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -23,14 +24,18 @@ class Played(NamedTuple):
     """A simulated motion.
 
     Attributes:
-        poses: Platform poses (n, 4) at the given times [m, m, rad, m].
+        poses: Platform poses (n, 4) at the given times [m, m, rad, m]; NaN after it was stopped.
         drift: Poses minus the wanted ones (n, 4).
+        stray: How far a joint 5 is from where it should be, at most (n,) [m].
         gap: Largest opening of any loop at the given times (n,) [m].
+        until: Number of times before it was stopped; n if it was not.
     """
 
     poses: Array
     drift: Array
+    stray: Array
     gap: Array
+    until: int
 
 
 def play(
@@ -42,6 +47,7 @@ def play(
     torques: ArrayLike,
     *,
     step: float = 1e-4,
+    limit: float = math.inf,
 ) -> Played:
     """Let the robot move under actuator forces alone, from the first state of a motion.
 
@@ -53,6 +59,8 @@ def play(
         velocities: Wanted rates of the pose (n, 4); the simulation starts with the first one.
         torques: Actuator forces (n, 4) [N m, N m, N m, N], linear in between.
         step: Longest time step; it also sets how stiff the loops are [s].
+        limit: Stop once the platform strays by more [m]: the robot is unstable, and the further it
+            is off, the less its motion says.
 
     Raises:
         EngineMissing: If MuJoCo is not installed.
@@ -70,7 +78,8 @@ def play(
     model, data = robot.model, robot.data
     model.eq_solref[:] = (2 * step, 1)
     data.qpos[:], data.qvel[:] = robot.state(wanted[0], u[0])
-    found, gap = np.empty_like(wanted), np.empty(t.size)
+    found, gap = np.full_like(wanted, np.nan), np.full(t.size, np.nan)
+    stray, until = np.full(t.size, np.nan), 0
     for index, now in enumerate(t):
         if index:
             before = t[index - 1]
@@ -82,4 +91,13 @@ def play(
         mujoco.mj_fwdPosition(model, data)
         found[index] = robot.pose(data.qpos)
         gap[index] = np.abs(data.efc_pos).max()
-    return Played(found, found - wanted, gap)
+        stray[index] = _stray(found[index] - wanted[index], design.geometry.platform_radius)
+        until = index + 1
+        if not stray[index] <= limit:
+            break
+    return Played(found, found - wanted, stray, gap, until)
+
+
+def _stray(drift: Array, radius: float) -> float:
+    """Return how far points at a radius of a platform are off at most [m]; drift (4,) of a pose."""
+    return float(np.linalg.norm(drift[[0, 1, 3]]) + radius * abs(drift[2]))

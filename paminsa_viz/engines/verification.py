@@ -1,0 +1,281 @@
+"""The formulae checked against engines that nobody here wrote, as the paper did with ADAMS.
+
+`verify` compares static torques over the workspace and dynamic torques along a trajectory, actuator
+by actuator; runs the formulae as the paper prints them past the same engine; and lets MuJoCo move
+under the calculated torques. Joint friction is left out on both sides: it is not part of the
+paper's equations, and engines have other laws for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.engines.closed_loop import ClosedLoopRobot
+from paminsa_viz.engines.comparison import Comparison, torque_scale
+from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
+from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
+from paminsa_viz.engines.simulation import Played, play
+from paminsa_viz.engines.states import workspace_poses
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Assembly, Design, Friction
+from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.model.statics import static_torques
+from paminsa_viz.model.trajectory import Trajectory, check_path
+
+TOLERANCE = 1e-6
+"""Largest difference that passes, over the largest torque of the same actuator."""
+
+POSES = 200
+"""Random poses of the static comparison, unless they are given."""
+
+MOST_STATES = 4000
+"""Samples of a trajectory that are compared; of a longer one, so many in equal distance."""
+
+STRAY_LIMIT = 0.02
+"""How far the simulated platform may stray before the simulation ends, over R_b."""
+
+SIMULATED_RATE = 1000.0
+"""Samples a second of the simulated motion, between which the torques are linear [1/s]."""
+
+MOST_SIMULATED = 100_000
+"""Samples of the simulated motion of a very long trajectory."""
+
+EVERY_MISPRINT: tuple[Misprint, ...] = (*Misprint, Misprint.ALL)
+"""Each misprint alone, and the formulae exactly as printed."""
+
+
+@dataclass(frozen=True, eq=False)
+class EngineCheck:
+    """The formulae beside one engine.
+
+    Attributes:
+        engine: Its name.
+        version: Its version.
+        static: Torques at rest, at the poses of the workspace.
+        dynamic: Torques along the trajectory.
+    """
+
+    engine: str
+    version: str
+    static: Comparison
+    dynamic: Comparison
+
+    def agrees(self, tolerance: float) -> bool:
+        """Whether all torques agree within ``tolerance`` of the largest one of each actuator."""
+        return self.static.agrees(tolerance) and self.dynamic.agrees(tolerance)
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """What `verify` found.
+
+    Attributes:
+        design: The robot, without joint friction.
+        assembly: How its pantographs are put together.
+        trajectory: The motion, with the samples that were compared.
+        poses: (n, 4) poses of the static comparison [m, m, rad, m].
+        tolerance: What the verdict is measured by.
+        engines: One check an engine; MuJoCo first.
+        missing: Names of engines that are not installed.
+        printed: Dynamic torques of the formulae as printed, by misprint, beside the first engine.
+        wanted: The trajectory as it was simulated.
+        played: MuJoCo's motion under the calculated torques, at the times of ``wanted``.
+    """
+
+    design: Design
+    assembly: Assembly
+    trajectory: Trajectory
+    poses: Array
+    tolerance: float
+    engines: tuple[EngineCheck, ...]
+    missing: tuple[str, ...]
+    printed: Mapping[Misprint, Comparison]
+    wanted: Trajectory
+    played: Played
+
+    @property
+    def passed(self) -> bool:
+        """Whether every engine agrees with the formulae within the tolerance."""
+        return all(check.agrees(self.tolerance) for check in self.engines)
+
+    @property
+    def worst(self) -> float:
+        """Largest relative difference of any actuator, of any engine; NaN if a torque is missing.
+
+        Relative to the largest torque of the same actuator.
+        """
+        found = [c.relative for check in self.engines for c in (check.static, check.dynamic)]
+        return float(np.max(found))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the figures, without the time series, ready for JSON; SI units."""
+        stop = self.played.until - 1
+        return {
+            "passed": self.passed,
+            "tolerance": self.tolerance,
+            "worst_relative": self.worst,
+            "design": self.design.name,
+            "assembly": self.assembly.value,
+            "trajectory": self.trajectory.name,
+            "duration_s": self.trajectory.duration,
+            "static_poses": len(self.poses),
+            "dynamic_states": self.trajectory.size,
+            "engines": [
+                {
+                    "engine": check.engine,
+                    "version": check.version,
+                    "passed": check.agrees(self.tolerance),
+                    "static": check.static.summary(),
+                    "dynamic": check.dynamic.summary(),
+                }
+                for check in self.engines
+            ],
+            "missing_engines": list(self.missing),
+            "as_printed": {name(item): found.summary() for item, found in self.printed.items()},
+            "simulation": {
+                "engine": self.engines[0].engine,
+                "until_s": float(self.wanted.t[stop] - self.wanted.t[0]),
+                "complete": stop == self.wanted.size - 1,
+                "drift_m_rad": self.played.drift[stop].tolist(),
+                "stray_m": float(self.played.stray[stop]),
+                "largest_gap_m": float(np.nanmax(self.played.gap)),
+            },
+        }
+
+
+def name(misprint: Misprint) -> str:
+    """Return a misprint's name as in `Misprint`, ``ALL`` for all of them."""
+    return str(misprint.name if misprint.name and "|" not in misprint.name else "ALL")
+
+
+def verify(
+    design: Design,
+    assembly: Assembly,
+    trajectory: Trajectory,
+    *,
+    poses: ArrayLike | int = POSES,
+    seed: int = 0,
+    tolerance: float = TOLERANCE,
+    misprints: tuple[Misprint, ...] = EVERY_MISPRINT,
+    xml: str | None = None,
+) -> Verification:
+    """Compare the formulae with MuJoCo, and with Pinocchio where it is installed.
+
+    Args:
+        design: The robot; joint friction is left out.
+        assembly: How its pantographs are put together.
+        trajectory: The motion; the robot has to be able to run it.
+        poses: Poses (..., 4) of the static comparison [m, m, rad, m], or how many are drawn by
+            `workspace_poses`.
+        seed: Of the random poses.
+        tolerance: Largest difference that passes, over the largest torque of the actuator.
+        misprints: Which printed formulae to run past the engine too.
+        xml: An exported MJCF text to check instead of the design's own; only MuJoCo is asked then.
+
+    Raises:
+        EngineMissing: If MuJoCo is not installed.
+        ImpossibleTrajectory: If the robot can not run the trajectory.
+        InvalidDesign: If a bar's inertias belong to no rigid body.
+        InvalidInput: If the tolerance is not possible, or there are no such poses.
+    """
+    if not (np.isfinite(tolerance) and tolerance > 0):
+        raise InvalidInput("tolerance", f"a finite number above 0 is needed, not {tolerance!r}")
+    design = replace(design, friction=Friction())
+    check_path(design.geometry, trajectory).require()
+    motion = _thinned(trajectory)
+    places = (
+        workspace_poses(design.geometry, poses, seed)
+        if isinstance(poses, int)
+        else as_vectors(poses, "poses").reshape(-1, 4)
+    )
+    if not len(places):
+        raise InvalidInput("poses", "at least one is needed")
+    checks, missing = [], []
+    for engine, version, robot in _robots(design, assembly, xml, missing):
+        at_rest = robot.static_torques(places)
+        moving = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
+        checks.append(
+            EngineCheck(
+                engine, version,
+                Comparison(
+                    static_torques(design, places, assembly), at_rest,
+                    torque_scale(design, places, at_rest, assembly),
+                ),
+                _along(design, assembly, motion, moving, Misprint.NONE),
+            )
+        )  # fmt: skip
+    first = checks[0].dynamic
+    wanted = motion.resampled(min(SIMULATED_RATE, MOST_SIMULATED / motion.duration))
+    return Verification(
+        design=design,
+        assembly=assembly,
+        trajectory=motion,
+        poses=places,
+        tolerance=float(tolerance),
+        engines=tuple(checks),
+        missing=tuple(missing),
+        printed={
+            item: _along(design, assembly, motion, first.reference, item) for item in misprints
+        },
+        wanted=wanted,
+        played=play(
+            design, assembly, wanted.t, wanted.pose, wanted.velocity,
+            _computed(design, assembly, wanted), limit=STRAY_LIMIT * design.geometry.base_radius,
+        ),
+    )  # fmt: skip
+
+
+def _robots(
+    design: Design, assembly: Assembly, xml: str | None, missing: list[str]
+) -> list[tuple[str, str, ClosedLoopRobot]]:
+    """Return the engines with name and version; those not installed are named in ``missing``."""
+    mujoco = load_mujoco()
+    found: list[tuple[str, str, ClosedLoopRobot]] = [
+        ("MuJoCo", mujoco.__version__, MujocoRobot(design, assembly, xml=xml))
+    ]
+    if xml is not None:
+        return found
+    try:
+        version = load_pinocchio().__version__
+        found.append(("Pinocchio", version, PinocchioRobot(design, assembly)))
+    except EngineMissing as error:
+        missing.append(error.engine)
+    return found
+
+
+def _along(
+    design: Design, assembly: Assembly, motion: Trajectory, reference: Array, misprints: Misprint
+) -> Comparison:
+    """Compare dynamic torques, some of them perhaps as printed, with an engine's (n, 4)."""
+    computed = _computed(design, assembly, motion, misprints)
+    return Comparison(computed, reference, torque_scale(design, motion.pose, reference, assembly))
+
+
+def _computed(
+    design: Design, assembly: Assembly, motion: Trajectory, misprints: Misprint = Misprint.NONE
+) -> Array:
+    """Return the formulae's torques along a motion, (n, 4) [N m, N]."""
+    states = motion.pose, motion.velocity, motion.acceleration
+    return inverse_dynamics(design, *states, assembly, misprints).torque
+
+
+def _thinned(trajectory: Trajectory) -> Trajectory:
+    """Return a trajectory with at most `MOST_STATES` of its samples, both ends among them."""
+    if trajectory.size <= MOST_STATES:
+        return trajectory
+    kept = np.linspace(0, trajectory.size - 1, MOST_STATES).round().astype(int)
+    return replace(
+        trajectory,
+        t=trajectory.t[kept],
+        pose=trajectory.pose[kept],
+        velocity=trajectory.velocity[kept],
+        acceleration=trajectory.acceleration[kept],
+    )

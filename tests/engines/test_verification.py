@@ -1,0 +1,250 @@
+"""The verdict on the formulae: right ones pass, and nothing wrong gets through."""
+
+from __future__ import annotations
+
+import json
+import sys
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.engines import states, verification
+from paminsa_viz.engines.comparison import Comparison, torque_scale
+from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines.mjcf import mjcf_text
+from paminsa_viz.engines.states import workspace_poses
+from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, name, verify
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Friction,
+    InvalidInput,
+    Misprint,
+    balance_distance,
+    check_reach,
+    measure_singularity,
+)
+from paminsa_viz.model.trajectory import ImpossibleTrajectory, Trajectory, paper_like
+from tests import oracle, samples
+
+BOTH = pytest.mark.parametrize("assembly", list(Assembly), ids=lambda a: a.value)
+RANDOM = samples.random_design(np.random.default_rng(31))
+SHARP = 1e-11
+
+
+@pytest.fixture(autouse=True)
+def mujoco() -> Any:
+    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+
+
+def motion(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRINTED) -> Trajectory:
+    return paper_like(design.geometry, assembly).lasting(0.4).sample(50)
+
+
+def checked(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRINTED, **more: Any):
+    more.setdefault("poses", 20)
+    return verify(design, assembly, motion(design, assembly), **more)
+
+
+@BOTH
+@pytest.mark.parametrize("design", [APPENDIX_4, RANDOM], ids=["appendix4", "random"])
+def test_the_formulae_pass(design: Design, assembly: Assembly) -> None:
+    found = checked(design, assembly)
+    assert found.passed
+    assert found.worst < SHARP
+    names = [check.engine for check in found.engines]
+    assert names[0] == "MuJoCo"
+    assert {"MuJoCo", "Pinocchio"} == {*names, *found.missing}
+    for check in found.engines:
+        at_rest = oracle.static_torques(design, found.poses, assembly)
+        np.testing.assert_allclose(check.static.reference, at_rest, atol=1e-9)
+        t = found.trajectory
+        torque = oracle.inverse_dynamics(design, t.pose, t.velocity, t.acceleration, assembly)
+        np.testing.assert_allclose(check.dynamic.reference, torque, atol=1e-9)
+
+
+def test_misprints_are_misprints() -> None:
+    found = checked()
+    assert set(found.printed) == set(EVERY_MISPRINT)
+    for item, comparison in found.printed.items():
+        assert not comparison.agrees(1e-6), name(item)
+        assert comparison.reference is found.engines[0].dynamic.reference
+    # Eq. 13's lift speed concerns M4 alone.
+    lift = found.printed[Misprint.EQ13_LIFT_SPEED].relative
+    assert lift[:3].max() < SHARP
+    assert lift[3] > 1e-5
+    assert name(Misprint.ALL) == "ALL"
+    assert name(Misprint.APP3_MC4) == "APP3_MC4"
+
+
+def changed(body: str, factor: float) -> str:
+    """Appendix 4's exported model with another mass of one body."""
+    root = ET.fromstring(mjcf_text(APPENDIX_4))
+    inertial = root.find(f".//body[@name='{body}']/inertial")
+    assert inertial is not None
+    inertial.set("mass", repr(factor * float(inertial.attrib["mass"])))
+    return ET.tostring(root, encoding="unicode")
+
+
+@pytest.mark.parametrize("body", ["leg1_joint4", "leg2_B4", "platform", "leg3_slider"])
+def test_a_wrong_mass_in_an_exported_model_is_caught(body: str) -> None:
+    right = checked(xml=changed(body, 1.0))
+    assert right.passed
+    assert [check.engine for check in right.engines] == ["MuJoCo"]
+    wrong = checked(xml=changed(body, 1.01))
+    assert not wrong.passed
+    assert wrong.worst > 10 * wrong.tolerance
+
+
+def test_a_balanced_robot_is_measured_by_what_its_bodies_weigh() -> None:
+    """Its torques at rest are rounding errors, which differ by all of themselves."""
+    design = APPENDIX_4.vary({"joints.j7": APPENDIX_4.joints.j7 + 3 * 0.1})
+    for _ in range(3):
+        more = balance_distance(design) * design.geometry.magnification / design.gravity
+        design = design.vary({"joints.j7": design.joints.j7 + more})
+    found = checked(design)
+    static = found.engines[0].static
+    assert np.abs(static.reference[:, :3]).max() < 1e-12
+    assert (static.scale[:3] > 0.1).all()
+    assert found.passed
+
+
+def test_without_weight_and_with_friction() -> None:
+    """Nothing at rest to compare by; and friction, which no engine here has, is left out."""
+    design = APPENDIX_4.vary({"gravity": 0.0, "friction.coulomb_rotary": 0.3})
+    found = checked(design)
+    assert found.passed
+    assert found.design.friction == Friction()
+
+
+def test_figures_are_what_they_say() -> None:
+    reference = np.array([[1.0, -8.0, 0.0, 100.0], [2.0, 4.0, 0.0, 50.0]])
+    computed = reference + np.array([[0.0, 0.4, 0.0, -3.0], [0.1, 0.3, 0.0, 4.0]])
+    found = Comparison(computed, reference, np.array([2.0, 8.0, 1.0, 100.0]))
+    np.testing.assert_allclose(found.largest, [0.1, 0.4, 0.0, 4.0])
+    np.testing.assert_allclose(found.rms, np.sqrt([0.005, 0.125, 0.0, 12.5]))
+    np.testing.assert_allclose(found.relative, [0.05, 0.05, 0.0, 0.04])
+    np.testing.assert_allclose(found.relative_rms, found.rms / found.scale)
+    assert found.agrees(0.0501)
+    assert not found.agrees(0.0499)
+    assert found.summary()[3] == {
+        "actuator": "F_4",
+        "unit": "N",
+        "largest_torque": 100.0,
+        "max_difference": 4.0,
+        "rms_difference": pytest.approx(12.5**0.5),
+        "max_relative": 0.04,
+        "rms_relative": pytest.approx(12.5**0.5 / 100),
+    }
+
+
+def test_a_torque_that_is_missing_fails() -> None:
+    whole = np.ones((3, 4))
+    holed = whole.copy()
+    holed[1, 2] = np.nan
+    assert not Comparison(whole, holed, np.ones(4)).agrees(1.0)
+    poses = np.tile([0.0, 0.0, 0.0, -0.5], (3, 1))
+    assert np.isfinite(torque_scale(APPENDIX_4, poses, holed, Assembly.PRINTED)).all()
+    beyond = np.vstack([workspace_poses(APPENDIX_4.geometry, 3), [0.0, 0.0, 0.0, -3.0]])
+    found = checked(poses=beyond)
+    assert not found.passed
+    assert np.isnan(found.worst)
+
+
+def test_the_simulation_stands_beside_it_with_its_drift() -> None:
+    found = checked()
+    played = found.played
+    assert played.until == found.wanted.size > found.trajectory.size
+    assert played.stray[-1] < 1e-3
+    drift = played.drift[-1]
+    reach = np.linalg.norm(drift[[0, 1, 3]]) + 0.1 * abs(drift[2])
+    assert played.stray[-1] == pytest.approx(reach)
+    stated = found.to_dict()["simulation"]
+    assert stated["complete"]
+    assert stated["until_s"] == pytest.approx(found.trajectory.duration)
+    assert stated["stray_m"] == played.stray[-1]
+
+
+def test_a_simulation_that_strays_ends_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verification, "STRAY_LIMIT", 1e-6)
+    found = checked()
+    played = found.played
+    assert 1 < played.until < found.wanted.size
+    assert played.stray[played.until - 1] > 1e-6 * 0.35 >= played.stray[played.until - 2]
+    assert np.isnan(played.poses[played.until :]).all()
+    stated = found.to_dict()["simulation"]
+    assert not stated["complete"]
+    assert stated["until_s"] < found.trajectory.duration
+    assert np.isfinite([stated["stray_m"], stated["largest_gap_m"]]).all()
+
+
+def test_the_result_is_json_and_repeatable() -> None:
+    one, two, other = checked(seed=3), checked(seed=3), checked(seed=4)
+    assert json.loads(json.dumps(one.to_dict(), allow_nan=False)) == one.to_dict()
+    assert one.to_dict() == two.to_dict()
+    assert not np.array_equal(one.poses, other.poses)
+    said = one.to_dict()
+    assert (said["static_poses"], said["dynamic_states"]) == (20, one.trajectory.size)
+    assert said["worst_relative"] == one.worst
+    assert set(said["as_printed"]) == {name(item) for item in EVERY_MISPRINT}
+
+
+def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verification, "MOST_STATES", 11)
+    whole = motion()
+    found: Verification = verify(APPENDIX_4, Assembly.PRINTED, whole, poses=5, misprints=())
+    assert found.trajectory.size == 11
+    assert found.trajectory.t[[0, -1]].tolist() == whole.t[[0, -1]].tolist()
+    assert np.isin(found.trajectory.t, whole.t).all()
+    assert found.passed
+
+
+def test_what_can_not_be_is_refused() -> None:
+    for tolerance in (0.0, -1e-6, float("nan"), float("inf")):
+        with pytest.raises(InvalidInput, match="tolerance"):
+            checked(tolerance=tolerance)
+    with pytest.raises(InvalidInput, match="poses"):
+        checked(poses=np.empty((0, 4)))
+    with pytest.raises(InvalidInput, match="poses"):
+        checked(poses=0)
+    with pytest.raises(InvalidInput, match="seed"):
+        checked(seed=-1)
+    near = motion()
+    beyond = near.pose - np.array([0.0, 0.0, 0.0, 1.0])
+    far = Trajectory(near.t, beyond, near.velocity, near.acceleration)
+    with pytest.raises(ImpossibleTrajectory):
+        verify(APPENDIX_4, Assembly.PRINTED, far)
+
+
+def test_engines_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "pinocchio", None)
+    found = checked(misprints=())
+    assert found.missing == ("Pinocchio",)
+    assert [check.engine for check in found.engines] == ["MuJoCo"]
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    with pytest.raises(EngineMissing, match="MuJoCo"):
+        checked()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_workspace_poses_are_usable_everywhere(seed: int) -> None:
+    design = APPENDIX_4 if not seed else samples.random_design(np.random.default_rng(seed))
+    g = design.geometry
+    poses = workspace_poses(g, 300, seed)
+    assert poses.shape == (300, 4)
+    assert check_reach(g, poses).ok.all()
+    height = poses[:, 3] + g.platform_joint_height
+    assert 0.3 < (height > 0).mean() < 0.7
+    determinant = measure_singularity(g, poses).determinant
+    assert len(set(np.sign(determinant))) == 1
+    assert np.array_equal(poses, workspace_poses(g, 300, seed))
+    assert np.array_equal(poses[:50], workspace_poses(g, 50, seed))
+
+
+def test_a_workspace_too_small_to_draw_from_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(states, "_ROUNDS", 1)
+    with pytest.raises(InvalidInput, match=r"only \d+ of 5000 found in a workspace this small"):
+        workspace_poses(APPENDIX_4.geometry, 5000)
