@@ -11,8 +11,9 @@ A file looks like this (`write_design` adds the paper's symbol to each value):
     [links]
     b3_kg = 0.25
 
-What a file leaves out is Appendix 4's. A file is read as a whole or refused as a whole, with one
-line that names the file, the line, the key, its value and what is allowed.
+Counterweights, if there are any, stand in tables ``[[counterweights]]``. What a file leaves out is
+Appendix 4's. A file is read as a whole or refused as a whole, with one line that names the file,
+the line, the key, its value and what is allowed.
 """
 
 from __future__ import annotations
@@ -26,6 +27,12 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from paminsa_viz.files.atomic import as_file_error, written_whole
+from paminsa_viz.files.design_counterweights import KEYS as WEIGHT_KEYS
+from paminsa_viz.files.design_counterweights import (
+    TABLE,
+    counterweight_line,
+    read_counterweights,
+)
 from paminsa_viz.files.design_schema import (
     FILE_KEYS,
     KEY_OF,
@@ -36,6 +43,7 @@ from paminsa_viz.files.design_schema import (
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.errors import InvalidDesign
 
@@ -159,8 +167,12 @@ class _Reader:
         if "name" in document and (problem := name_problem(name)):
             raise self._error("name", name, problem)
         numbers: dict[str, float | None] = {}
+        weights: tuple[Counterweight, ...] = ()
         for key, value in document.items():
             if key in FILE_KEYS:
+                continue
+            if key == TABLE:
+                weights = read_counterweights(value, self._number, self._weight_error)
                 continue
             if key in TABLES and key:
                 numbers |= self._table(key, value)
@@ -170,9 +182,9 @@ class _Reader:
                 raise self._error(key, None, f"there is no table of this name; {table_hint(key)}")
             else:
                 raise self._error(key, None, f"there is no such key; {key_hint('', key)}")
-        self._check_count(document, len(numbers))
+        self._check_count(document, len(numbers) + len(WEIGHT_KEYS) * len(weights))
         try:
-            return replace(APPENDIX_4.vary(numbers), name=name)
+            return replace(APPENDIX_4.vary(numbers), name=name, counterweights=weights)
         except InvalidDesign as error:
             known = KEY_OF.get(error.field.removeprefix("design."))
             path = known.path if known else error.field
@@ -234,6 +246,11 @@ class _Reader:
         if not math.isfinite(number):
             raise self._error(path, value, "a finite number is needed")
         return number
+
+    def _weight_error(self, key: str, value: object, problem: str, number: int) -> DesignFileError:
+        line = counterweight_line(self.text, number, key)
+        path = key if key == TABLE else f"{TABLE}.{key}"
+        return DesignFileError(self.source, problem, line=line, key=path, value=value)
 
     def _error(self, key: str, value: object, problem: str) -> DesignFileError:
         line = find_line(self.text, key) or find_line(self.text, key.rpartition(".")[0])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields
 
+from paminsa_viz.files.design_counterweights import counterweight_lines
 from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION, TABLES, Key
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -44,6 +45,7 @@ def write_design(design: Design, *, comment: str = "") -> str:
         width = max((len(assignment) for assignment, _ in rows), default=0)
         body += ["", f"[{table}]  {_table_comment(table)}".rstrip()] if table else []
         body += [f"{assignment:<{width}}  # {text}" for assignment, text in rows]
+    body += counterweight_lines(design)
     count = sum("=" in line and not line.startswith("#") for line in body)
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
     lines += ["", f"name = {_string(design.name)}"]
