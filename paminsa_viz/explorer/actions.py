@@ -20,13 +20,20 @@ def move(state: State, **coordinates: float) -> State:
     """Ask for another pose; named coordinates change [m, m, rad, m]."""
     pose = dict(zip(COORDINATES, state.document.pose, strict=True)) | coordinates
     moved = (pose["x"], pose["y"], pose["theta"], pose["z"])
-    return settle(state, replace(state.document, pose=moved))
+    return settle(by_hand(state), replace(state.document, pose=moved))
+
+
+def by_hand(state: State) -> State:
+    """Take the robot off its motion, which stops being played."""
+    if not state.playback.following:
+        return state
+    return replace(state, playback=replace(state.playback, playing=False, following=False))
 
 
 def go_home(state: State) -> State:
     """Ask for the home pose."""
     home = home_pose(state.document.design.geometry, state.document.assembly)
-    return settle(state, replace(state.document, pose=home))
+    return settle(by_hand(state), replace(state.document, pose=home))
 
 
 def vary(state: State, changes: Mapping[str, float | None]) -> State:
@@ -119,7 +126,7 @@ def restore(state: State, document: Document) -> State:
     """
     for design in filter(None, (document.design, document.reference)):
         require_workable(design)
-    changed = settle(state, document)
+    changed = settle(by_hand(state), document)
     if document.reference is None and changed.map_view.difference:
         changed = replace(changed, map_view=replace(changed.map_view, difference=False))
     return changed

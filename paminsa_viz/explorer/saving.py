@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 
+from paminsa_viz.explorer.motion import saving as motions
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -38,8 +39,9 @@ def _numbers(design: Design) -> dict[str, float]:
 
 
 def dump(document: Document) -> str:
-    """Write a document as text."""
+    """Write a document as text; without a motion that is a file's, which may be long."""
     reference = document.reference
+    motion = motions.described(document.motion)
     return json.dumps(
         {
             "version": VERSION,
@@ -51,6 +53,7 @@ def dump(document: Document) -> str:
             if reference is None
             else {"name": reference.name, "design": _numbers(reference)},
         }
+        | ({"motion": motion} if motion else {})
     )
 
 
@@ -75,6 +78,7 @@ def load(text: str) -> Document:
             reference=None
             if reference is None
             else _design(reference["name"], reference["design"]),
+            motion=motions.motion_of(data.get("motion", {})),
         )
     except PaminsaError:
         raise

@@ -59,7 +59,7 @@ class Session:
         self.later: list[View] = []
         self._state = state
         self._history = History()
-        self._intents: dict[str, Intent] = {}
+        self._intents: dict[str, tuple[Intent, bool]] = {}
         self._jobs: list[Callable[[], None]] = []
         self._lock = threading.Lock()
         self._wake = threading.Event()
@@ -82,6 +82,11 @@ class Session:
         """Whether there is a step to redo."""
         return bool(self._history.future)
 
+    @property
+    def closed(self) -> bool:
+        """Whether the tab has gone."""
+        return self._closed
+
     def start(self) -> None:
         """Draw the first frame and begin to answer."""
         self._thread.start()
@@ -92,17 +97,19 @@ class Session:
         self._closed = True
         self._wake.set()
 
-    def ask(self, source: str, intent: Intent) -> None:
+    def ask(self, source: str, intent: Intent, *, step: bool = True) -> None:
         """Ask for a change of state; a newer request of the same source replaces an older one.
 
         Args:
             source: Which control asks; its unfinished earlier request is forgotten.
             intent: Pure function from state to state. It may raise `PaminsaError`, which is shown
                 to the person and changes nothing.
+            step: Whether it can be undone if it changes the document; the playing of a motion,
+                which moves the robot, is no step.
         """
         with self._lock:
             self._intents.pop(source, None)
-            self._intents[source] = intent
+            self._intents[source] = (intent, step)
         self._wake.set()
 
     def do(self, job: Callable[[], None]) -> None:
@@ -160,17 +167,18 @@ class Session:
         with self._lock:
             intents, self._intents = self._intents, {}
             jobs, self._jobs = self._jobs, []
-        for source, intent in intents.items():
-            self._guard(partial(self._apply, source, intent))
+        for source, (intent, step) in intents.items():
+            self._guard(partial(self._apply, source, intent, step))
         for job in jobs:
             self._guard(job)
 
-    def _apply(self, source: str, intent: Intent) -> None:
+    def _apply(self, source: str, intent: Intent, step: bool) -> None:
         before = self._state
         # If the intent fails: a new object, so that the controls are set back to what holds.
         self._state = replace(before)
         self._state = intent(before)
-        self._history.record(before.document, self._state.document, source, time.monotonic())
+        if step:
+            self._history.record(before.document, self._state.document, source, time.monotonic())
 
     def _guard(self, job: Callable[[], None]) -> None:
         """Run one request; what goes wrong with it is told and stops no other request."""

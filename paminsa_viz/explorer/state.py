@@ -7,6 +7,11 @@ from enum import Enum
 
 import numpy as np
 
+from paminsa_viz.explorer.motion.description import Motion, Pose
+from paminsa_viz.explorer.motion.planning import planned, pose_at
+from paminsa_viz.explorer.motion.playback import Playback
+from paminsa_viz.explorer.motion.plots import PlotView
+from paminsa_viz.explorer.motion.simulating import Simulating
 from paminsa_viz.model import (
     APPENDIX_4,
     Assembly,
@@ -15,9 +20,6 @@ from paminsa_viz.model import (
     Quantity,
     check_reach,
 )
-
-Pose = tuple[float, float, float, float]
-"""(x, y, theta, z) [m, m, rad, m]."""
 
 HOME_DROP = 0.5
 """How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
@@ -81,6 +83,7 @@ class Layers:
     singularity: bool = True
     floor_map: bool = True
     gizmo: bool = False
+    path: bool = False
     floor_opacity: float = 0.85
 
 
@@ -93,12 +96,14 @@ class Document:
         assembly: Root of the knee.
         pose: The pose asked for; it may be out of reach.
         reference: A pinned design to compare with, or None.
+        motion: The motion that is planned.
     """
 
     design: Design = APPENDIX_4
     assembly: Assembly = Assembly.PRINTED
     pose: Pose = (0.0, 0.0, 0.0, 0.0)
     reference: Design | None = None
+    motion: Motion = field(default_factory=Motion)
 
 
 @dataclass(frozen=True)
@@ -109,6 +114,9 @@ class State:
     standing: Standing
     map_view: MapView = field(default_factory=MapView)
     layers: Layers = field(default_factory=Layers)
+    playback: Playback = field(default_factory=Playback)
+    plots: PlotView = field(default_factory=PlotView)
+    simulating: Simulating = field(default_factory=Simulating)
 
 
 def home_pose(geometry: Geometry, assembly: Assembly) -> Pose:
@@ -128,8 +136,23 @@ def initial_state(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRI
 
 
 def settle(state: State, document: Document) -> State:
-    """Return the state with another document; the robot follows it if the pose can be taken."""
+    """Return the state with another document; the robot follows it if the pose can be taken.
+
+    While the robot follows the motion, its pose is that of the instant that is shown; where the
+    motion fails, it stays.
+    """
+    if state.playback.following:
+        document = at_instant(document, state.playback.time)
     standing = state.standing
     if check_reach(document.design.geometry, document.pose).ok.all():
         standing = Standing(document.design.geometry, document.assembly, document.pose)
     return replace(state, document=document, standing=standing)
+
+
+def at_instant(document: Document, time: float) -> Document:
+    """Return a document with the pose of its motion at a time [s]; the same where there is none."""
+    found = planned(document.motion, document.design, document.assembly)
+    if found.trajectory is None:
+        return document
+    pose = pose_at(found.trajectory, document.design.geometry, time)
+    return document if pose is None else replace(document, pose=pose)

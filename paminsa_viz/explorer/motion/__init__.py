@@ -1,0 +1,1 @@
+"""Motions on the page: what is planned, how it is played, what is plotted, and its simulation."""

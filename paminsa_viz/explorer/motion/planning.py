@@ -1,0 +1,157 @@
+"""From a described motion to a trajectory, and where the robot is on it at an instant.
+
+Everything here is a pure function. Results are kept, since many views ask for the same one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from paminsa_viz.explorer.motion.description import MOST_SAMPLES, Kind, Motion, Pose, Timing
+from paminsa_viz.model import Assembly, Design, Geometry, InvalidInput, PaminsaError
+from paminsa_viz.model.trajectory import (
+    PRESET,
+    ImpossibleTrajectory,
+    Law,
+    PathCheck,
+    Plan,
+    Trajectory,
+    arch,
+    check_path,
+    circle,
+    line,
+    move,
+    shortest,
+    there_and_back,
+    through,
+)
+from paminsa_viz.model.trajectory.presets import Room
+
+_KEPT = 12
+"""Trajectories that are kept, of all tabs together; one has at most 2 MB."""
+
+
+@dataclass(frozen=True, eq=False)
+class Planned:
+    """What became of a description.
+
+    Attributes:
+        trajectory: The motion, or None if its numbers make none.
+        problem: Why there is none, or none that keeps its limits, in words.
+        bound: What keeps it from being shorter, in words; empty if the duration was given.
+    """
+
+    trajectory: Trajectory | None
+    problem: str = ""
+    bound: str = ""
+
+
+def planned(motion: Motion, design: Design, assembly: Assembly) -> Planned:
+    """Return the trajectory of a described motion for a robot; raises nothing."""
+    # Masses matter only where torques bound the duration: other trajectories stay while a mass
+    # changes, and with them all that was solved along them.
+    shown = motion.timing is Timing.SHORTEST and motion.limits.needs_torques
+    return _planned(motion, design.geometry, assembly, design if shown else None)
+
+
+@lru_cache(maxsize=_KEPT)
+def _planned(
+    motion: Motion, geometry: Geometry, assembly: Assembly, design: Design | None
+) -> Planned:
+    try:
+        if motion.kind is Kind.TABLE:
+            return _from_table(motion)
+        plan = make_plan(motion, geometry, assembly)
+    except PaminsaError as error:
+        return Planned(None, str(error))
+    problem = bound = ""
+    if motion.timing is Timing.SHORTEST:
+        try:
+            found = shortest(plan, motion.limits, design, assembly)
+            plan, bound = found.plan, found.explanation
+        except ImpossibleTrajectory:
+            bound = "no shortest duration, since the robot can not run the path"
+        except PaminsaError as error:
+            problem = str(error)
+    if motion.back:
+        plan = there_and_back(plan)
+    return Planned(plan.sample(_rate(motion.rate, plan.duration)), problem, bound)
+
+
+def _from_table(motion: Motion) -> Planned:
+    if motion.table is None:
+        return Planned(None, "choose a CSV file with the columns t_s, x_m, y_m, theta_rad, z_m")
+    rate = _rate(motion.rate, motion.table.duration)
+    return Planned(motion.table.resampled(rate))
+
+
+def _rate(rate: float, duration: float) -> float:
+    return min(rate, (MOST_SAMPLES - 1) / duration)
+
+
+def make_plan(motion: Motion, geometry: Geometry, assembly: Assembly) -> Plan:
+    """Return the plan of a described motion, before a shortest duration is looked for.
+
+    Raises:
+        PaminsaError: If its numbers make no motion.
+    """
+    law, duration = Law(motion.profile), motion.duration
+    start, goal = ends(motion, geometry, assembly)
+    if motion.kind is Kind.MOVE:
+        return move(start, goal, duration, law)
+    if motion.kind is Kind.LINE:
+        return line(start, [goal[0], goal[1], goal[3]], duration, law)
+    if motion.kind is Kind.ARCH:
+        return arch(start, goal, motion.height, duration, law)
+    if motion.kind is Kind.CIRCLE:
+        return circle(centre(motion, geometry, assembly), motion.radius, duration, law)
+    if motion.kind is Kind.WAYPOINTS:
+        if len(motion.waypoints) < 2:
+            raise InvalidInput("waypoints", "two or more are needed; move the robot and add them")
+        return through(np.reshape(motion.waypoints, (-1, 4)), duration)
+    plan = PRESET[motion.preset].build(geometry, assembly)
+    return plan.lasting(duration) if motion.timing is Timing.GIVEN else plan
+
+
+def ends(motion: Motion, geometry: Geometry, assembly: Assembly) -> tuple[Pose, Pose]:
+    """Return start and goal of a motion from pose to pose, also where they were not chosen."""
+    room = Room(geometry, assembly)
+    start = motion.start or _pose(room.pose(-0.1, 0.0, 0.0, 0.0))
+    goal = motion.goal or _pose(room.pose(0.1, 0.0, 0.0, 0.0))
+    return start, goal
+
+
+def centre(motion: Motion, geometry: Geometry, assembly: Assembly) -> Pose:
+    """Return the centre of a circle, also where it was not chosen."""
+    return motion.centre or _pose(Room(geometry, assembly).home)
+
+
+def _pose(values: np.ndarray) -> Pose:
+    x, y, theta, z = (round(float(value), 6) for value in values)
+    return (x, y, theta, z)
+
+
+@lru_cache(maxsize=_KEPT)
+def checked(trajectory: Trajectory, geometry: Geometry) -> PathCheck:
+    """Return where and why a robot fails on a trajectory."""
+    return check_path(geometry, trajectory)
+
+
+def pose_at(trajectory: Trajectory, geometry: Geometry, time: float) -> Pose | None:
+    """Return the pose at a time [s], or None where the robot can not be.
+
+    Args:
+        trajectory: The motion.
+        geometry: Lengths and limits of the robot.
+        time: [s].
+    """
+    good = checked(trajectory, geometry).good
+    right = int(np.clip(np.searchsorted(trajectory.t, time), 0, trajectory.size - 1))
+    left = right if trajectory.t[right] <= time else max(right - 1, 0)
+    if not (good[left] and good[right]):
+        return None
+    x, y, theta, z = (float(value) for value in trajectory.at(time).pose)
+    return (x, y, theta, z)

@@ -1,0 +1,158 @@
+"""Forward simulation of the motion: what is asked for, and a run of it beside the page."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from paminsa_viz.model import Assembly, Design, Friction, InvalidInput, PaminsaError
+from paminsa_viz.model.trajectory import Control, Controller, Simulation, Trajectory, simulate
+
+if TYPE_CHECKING:
+    from paminsa_viz.explorer.frame import Frame
+    from paminsa_viz.explorer.session import Session
+    from paminsa_viz.explorer.state import State
+
+log = logging.getLogger(__name__)
+
+BANDWIDTHS = (0.0, 50.0)
+"""Lowest and highest bandwidth of the controller [Hz]."""
+DAMPINGS = (0.0, 5.0)
+EXTRA_LOADS = (-10.0, 50.0)
+"""How much lighter or heavier the carried payload may be than the controller takes it for [kg]."""
+
+LONGEST = 60.0
+"""Longest motion that is simulated on the page [s]."""
+
+
+@dataclass(frozen=True)
+class SimulationSettings:
+    """Robot and controller of a simulation.
+
+    Attributes:
+        control: How the actuators are commanded.
+        bandwidth: Of the error's own motion [Hz].
+        damping: Its damping ratio.
+        extra_load: Payload that the controller does not know of [kg].
+        knows_friction: Whether the controller makes up for the design's friction.
+        offset: Error of x at the start [m].
+    """
+
+    control: Control = Control.PD
+    bandwidth: float = 8.0
+    damping: float = 1.0
+    extra_load: float = 0.0
+    knows_friction: bool = True
+    offset: float = 0.0
+
+    def controller(self) -> Controller:
+        """Return the controller."""
+        return Controller(self.control, self.bandwidth, self.damping)
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """What was simulated, to tell whether a result is still that of the present state."""
+
+    design: Design
+    trajectory: Trajectory
+    assembly: Assembly
+    settings: SimulationSettings
+
+    def same(self, other: Job) -> bool:
+        """Whether another job has the same result."""
+        return (
+            self.trajectory is other.trajectory
+            and self.assembly is other.assembly
+            and self.settings == other.settings
+            and self.design == other.design
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of a job: a simulation, or why there is none."""
+
+    job: Job
+    simulation: Simulation | None
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class Simulating:
+    """The simulation of a session.
+
+    Attributes:
+        settings: What a person set.
+        running: The job that runs, or None.
+        outcome: The last result, or None.
+    """
+
+    settings: SimulationSettings = field(default_factory=SimulationSettings)
+    running: Job | None = None
+    outcome: Outcome | None = None
+
+
+def make_job(
+    design: Design, trajectory: Trajectory | None, assembly: Assembly, settings: SimulationSettings
+) -> Job:
+    """Return a job.
+
+    Raises:
+        InvalidInput: If there is no motion, or it is too long.
+    """
+    if trajectory is None:
+        raise InvalidInput("motion", "there is none to simulate yet")
+    if trajectory.duration > LONGEST:
+        raise InvalidInput("motion", f"at most {LONGEST:g} s can be simulated here")
+    return Job(design, trajectory, assembly, settings)
+
+
+def run(job: Job) -> Outcome:
+    """Simulate; raises nothing that is the robot's or the person's fault."""
+    settings, model = job.settings, job.design
+    if not settings.knows_friction:
+        model = replace(model, friction=Friction())
+    try:
+        payload = replace(model.payload, mass=model.payload.mass + settings.extra_load)
+        simulation = simulate(
+            replace(job.design, payload=payload), job.trajectory, job.assembly, model=model,
+            controller=settings.controller(), offset=(settings.offset, 0.0, 0.0, 0.0),
+        )  # fmt: skip
+        return Outcome(job, simulation)
+    except PaminsaError as error:
+        return Outcome(job, None, str(error))
+
+
+class Simulator:
+    """Runs the job that a session asks for on a thread of its own, and hands back its outcome."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._begun: Job | None = None
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Begin the job that is asked for."""
+        del moving
+        job = frame.state.simulating.running
+        if job is not None and job is not self._begun:
+            self._begun = job
+            work = threading.Thread(target=self._work, args=(job,), daemon=True)
+            work.start()
+
+    def _work(self, job: Job) -> None:
+        try:
+            outcome = run(job)
+        except Exception:
+            log.exception("a simulation failed")
+            outcome = Outcome(job, None, "it failed; details are in the program's log")
+        self._session.ask("simulation.outcome", lambda state: taken(state, outcome))
+
+
+def taken(state: State, outcome: Outcome) -> State:
+    """Take over the outcome of the job that runs; that of an older one is dropped."""
+    if state.simulating.running is not outcome.job:
+        return state
+    return replace(state, simulating=replace(state.simulating, running=None, outcome=outcome))
