@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.leg import LegMotion, LegPosition, leg_motion, leg_position, mechanism
+from paminsa_viz.model.leg_points import point_weights
 from paminsa_viz.model.reach import Reach, check_reach
 from paminsa_viz.model.robot import AXIS_X, AXIS_Y
 
@@ -32,33 +33,6 @@ def wrap(angle: ArrayLike) -> Array:
     angle = np.asarray(angle, dtype=np.float64)
     with np.errstate(invalid="ignore"):
         return np.pi - np.mod(np.pi - angle, 2 * np.pi)
-
-
-@dataclass(frozen=True)
-class PointWeights:
-    """A joint of a leg as a weighted sum: r = r5 rho + r9 H, z = z5 z_5 + r9 z_9 + z0."""
-
-    r5: float
-    r9: float
-    z5: float
-    z0: float = 0.0
-
-
-def point_weights(geometry: Geometry) -> dict[int, PointWeights]:
-    """Return the weights of every joint of a leg, by the paper's number.
-
-    A pantograph copies: each joint is an affine function of 5 and 9 with constant weights.
-    """
-    k = geometry.magnification
-    return {
-        2: PointWeights(0.0, 0.0, 1 / k, geometry.shaft_length),
-        3: PointWeights(0.0, 0.0, 1 / k),
-        4: PointWeights(1 / k, (k - 1) / k, 1 / k),
-        5: PointWeights(1.0, 0.0, 1.0),
-        7: PointWeights(-1 / (k * (k - 1)), -1 / k, 1 / k),
-        8: PointWeights(-1 / (k - 1), 0.0, 0.0),
-        9: PointWeights(0.0, 1.0, 0.0),
-    }
 
 
 @dataclass(frozen=True)

@@ -1,45 +1,44 @@
-"""Points of a leg as combinations of its joints 5 and 9.
+"""Points of a leg as weighted sums of its joints 5 and 9.
 
-In the leg's plane every joint, and so every point of a bar or of its extension, stands at
-
-    r = r5 rho + knee r9,      z = z5 zeta + knee z9,
-
-with rho = X_1 and zeta = z_5 of joint 5, and r9, z9 of the knee (see `docs/model.md`). The three
-factors follow from |85| = k |83| and from the parallelogram 8-9-4-7; they depend on k and on ratios
-of lengths alone.
+A pantograph copies: each joint, and so every point of a bar or of its extension, is an affine
+function of 5 and 9 with constant weights. They follow from |85| = k |83| and from the parallelogram
+8-9-4-7 (see `docs/model.md`).
 """
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import Geometry
 
 
-class LegPoint(NamedTuple):
-    """Factors of a point of the leg: r = r5 rho + knee r9, z = z5 zeta + knee z9."""
+class PointWeights(NamedTuple):
+    """A point of a leg: r = r5 rho + r9 H + r0, z = z5 z_5 + r9 z_9 + z0."""
 
     r5: Any
+    r9: Any
     z5: Any
-    knee: Any
+    z0: Any = 0.0
+    r0: Any = 0.0
 
-    def along(self, other: LegPoint, share: Any) -> LegPoint:
+    def toward(self, other: PointWeights, share: Any) -> PointWeights:
         """Return the point at ``share`` of the way from here to another point."""
-        return LegPoint(*(a + share * (b - a) for a, b in zip(self, other, strict=True)))
+        return PointWeights(*(a + share * (b - a) for a, b in zip(self, other, strict=True)))
 
 
-def joint_point(magnification: float, joint: int) -> LegPoint:
-    """Return joint 3, 4, 5, 7, 8 or 9 (by the paper's number)."""
-    k = magnification
+def point_weights(geometry: Geometry) -> dict[int, PointWeights]:
+    """Return the weights of every joint of a leg, by the paper's number."""
+    k = geometry.magnification
     return {
-        3: LegPoint(0.0, 1 / k, 0.0),
-        4: LegPoint(1 / k, 1 / k, (k - 1) / k),
-        5: LegPoint(1.0, 1.0, 0.0),
-        7: LegPoint(-1 / (k * (k - 1)), 1 / k, -1 / k),
-        8: LegPoint(-1 / (k - 1), 0.0, 0.0),
-        9: LegPoint(0.0, 0.0, 1.0),
-    }[joint]
+        2: PointWeights(0.0, 0.0, 1 / k, geometry.shaft_length),
+        3: PointWeights(0.0, 0.0, 1 / k),
+        4: PointWeights(1 / k, (k - 1) / k, 1 / k),
+        5: PointWeights(1.0, 0.0, 1.0),
+        7: PointWeights(-1 / (k * (k - 1)), -1 / k, 1 / k),
+        8: PointWeights(-1 / (k - 1), 0.0, 0.0),
+        9: PointWeights(0.0, 1.0, 0.0),
+    }
 
 
 def bar_length(geometry: Geometry, bar: str) -> float:
@@ -52,13 +51,17 @@ def bar_length(geometry: Geometry, bar: str) -> float:
     }[bar]
 
 
-def bar_point(geometry: Geometry, bar: str, joint: int, beyond: Any) -> LegPoint:
+def bar_point(geometry: Geometry, bar: str, joint: int, beyond: Any) -> PointWeights:
     """Return a point of a bar or of its extension; arguments as in `Counterweight`.
 
-    ``beyond`` may be an array; the point's factors then have its shape.
+    ``beyond`` may be an array; the weights that depend on it then have its shape.
     """
     first, second = BAR_ENDS[bar]
-    other = second if joint == first else first
-    start = joint_point(geometry.magnification, joint)
-    end = joint_point(geometry.magnification, other)
-    return start.along(end, -beyond / bar_length(geometry, bar))
+    joints = point_weights(geometry)
+    other = joints[second if joint == first else first]
+    return joints[joint].toward(other, -beyond / bar_length(geometry, bar))
+
+
+def counterweight_point(geometry: Geometry, weight: Counterweight) -> PointWeights:
+    """Return where a counterweight is."""
+    return bar_point(geometry, weight.bar, weight.joint, weight.beyond)

@@ -24,7 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.leg_points import LegPoint, bar_point
+from paminsa_viz.model.leg_points import PointWeights, counterweight_point
 from paminsa_viz.model.parameters import PARAMETERS
 
 Array = NDArray[np.float64]
@@ -180,22 +180,21 @@ def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> 
     geometry, gravity = design.geometry, design.gravity
     c = np.array(_lumped(geometry, gravity, _masses(mass_vector(design)), misprints)[0])
     for weight in design.counterweights:
-        point = bar_point(geometry, weight.bar, weight.joint, weight.beyond)
-        c += weight.mass * point_mass_column(point, gravity)
+        c += weight.mass * point_mass_column(counterweight_point(geometry, weight), gravity)
     return c
 
 
-def point_mass_column(point: LegPoint, gravity: float) -> Array:
+def point_mass_column(point: PointWeights, gravity: float) -> Array:
     """Return what 1 kg at a point of each leg adds to c, (18,), or (18, n) for n points.
 
-    Its height is z5 zeta + knee z9, and its velocity the same combination of those of 5 and 9, so
-    that V = m g z has two terms and T = m v^2 / 2 the squares and products of the factors.
+    Its height is z5 z_5 + r9 z_9, and its velocity the same sum of those of 5 and 9, so that
+    V = m g z has two terms and T = m v^2 / 2 the squares and products of the weights.
     """
-    r5, z5, knee = np.broadcast_arrays(*point)
-    column = np.zeros((len(COEFFICIENTS), *np.shape(knee)))
-    column[0], column[1] = gravity * z5, gravity * knee
-    column[3], column[4], column[5] = 0.5 * r5 * r5, 0.5 * z5 * z5, 0.5 * knee * knee
-    column[6], column[7] = r5 * knee, z5 * knee
+    r5, r9, z5 = np.broadcast_arrays(point.r5, point.r9, point.z5)
+    column = np.zeros((len(COEFFICIENTS), *r9.shape))
+    column[0], column[1] = gravity * z5, gravity * r9
+    column[3], column[4], column[5] = 0.5 * r5 * r5, 0.5 * z5 * z5, 0.5 * r9 * r9
+    column[6], column[7] = r5 * r9, z5 * r9
     return column
 
 

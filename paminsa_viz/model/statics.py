@@ -15,7 +15,7 @@ from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Assembly, Design, Geometry
 from paminsa_viz.model.kinematics import solve_posture
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.leg_points import bar_point
+from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
     lumped_coefficients,
@@ -112,10 +112,7 @@ def static_breakdown(
     share = lumped_matrix(geometry, design.gravity) * mass_vector(design)
     index = [MASS_PATHS.index(path) for path in BODIES]
     extra = [
-        weight.mass
-        * point_mass_column(
-            bar_point(geometry, weight.bar, weight.joint, weight.beyond), design.gravity
-        )
+        weight.mass * point_mass_column(counterweight_point(geometry, weight), design.gravity)
         for weight in design.counterweights
     ]
     mp1, mp2, mp3 = np.column_stack([share[:, index], *extra])[:3]
