@@ -4,6 +4,10 @@ All numbers are written in full precision, so that the text carries the design e
 stands assembled in its start pose when it is loaded; hinge and slide values are the mechanism's own
 (pose, theta_k, Z, r_8, angles between bars), not offsets from that pose.
 
+Pinocchio's reader of MJCF takes the same text: the tree with all its masses, and from version 4 on
+the loop closures too (``buildModelAndLegacyConstraintsFromMJCF``), but not gravity, which has to be
+set where it is not 9.81 m/s^2. A URDF could not carry the loops.
+
 Two things MuJoCo asks for: a moving body may not be without mass or inertia, so a zero becomes
 `FLOOR`; and loops are closed by soft constraints, which are set as stiff as the time step allows.
 Friction of the design is left out: MuJoCo's dry friction is another law than the model's.

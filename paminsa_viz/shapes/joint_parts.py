@@ -133,14 +133,24 @@ def swivel() -> Part:
 
     Origin at joint 5, x and y along and across the leg plane; it turns about its z axis.
     """
+    return swivel_disc().join(swivel_head())
+
+
+def swivel_disc() -> Part:
+    """Return the round foot of `swivel`, which looks the same however it is turned."""
     floor = -at.PLATE_BELOW_5
     part = Part().add("steel", rod(0.0175, floor - 0.0005, floor + 0.003, 0.0008, 28))
-    part.add("accent", rod(0.0205, floor + 0.003, floor + 0.0068, 0.001, 32))
+    return part.add("accent", rod(0.0205, floor + 0.003, floor + 0.0068, 0.001, 32))
+
+
+def swivel_head() -> Part:
+    """Return `swivel` without its foot."""
+    floor = -at.PLATE_BELOW_5
     low, high = at.span("b4")
     half = low - 0.004
     # An upright cheek with a round head, its outline in (x, -z), its thickness along y.
     cheek = np.array([[x, y, 0.0] for x, y in _cheek(0.0115, -(floor + 0.006), 0.0125)])
-    part.add("body", moved(prism(cheek, -half, half, 0.002, 2), rotation=ACROSS))
+    part = Part().add("body", moved(prism(cheek, -half, half, 0.002, 2), rotation=ACROSS))
     part.join(pin(-half, high))
     return part.add("steel", collar(half - 0.001, low))
 

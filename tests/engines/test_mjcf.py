@@ -121,6 +121,37 @@ def test_pinocchio_reads_the_exported_model(tmp_path: Path) -> None:
     assert pinocchio.computeTotalMass(model) == pytest.approx(whole, rel=1e-12)
 
 
+@BOTH
+def test_pinocchio_reads_the_loops_too(tmp_path: Path, assembly: Assembly) -> None:
+    """Its constrained dynamics, from nothing but the file, moves as the torques were meant to."""
+    pin = pytest.importorskip("pinocchio", reason="pinocchio comes with the extra 'verify'")
+    if not hasattr(pin, "buildModelAndLegacyConstraintsFromMJCF"):
+        pytest.skip("this Pinocchio does not read closures from MJCF")
+    pytest.importorskip("mujoco", reason="it tells the joint positions of a platform state")
+    design = DESIGNS[1]
+    file = tmp_path / "robot.xml"
+    file.write_text(mjcf_text(design, assembly), encoding="utf-8")
+    model, closures = pin.buildModelAndLegacyConstraintsFromMJCF(str(file))
+    assert len(closures) == 12
+    model.gravity.linear = np.array([0.0, 0.0, -design.gravity])  # its reader leaves 9.81 m/s^2
+    platform = [*(f"platform_{n}" for n in ("x", "y", "z", "theta", "roll", "pitch"))]
+    names = [*platform, *list(model.names)[2:]]
+    robot = MujocoRobot(design, assembly)
+    order = [[robot.model.joint(i).name for i in range(robot.model.njnt)].index(n) for n in names]
+    x, u, du = (a[0] for a in samples.random_states(np.random.default_rng(11), design, assembly))
+    q, v = (a[order] for a in robot.state(x, u))
+    force = np.zeros(model.nv)
+    torque = oracle.inverse_dynamics(design, x, u, du, assembly)
+    force[[names.index(n) for n in robot.mechanism.actuated]] = torque
+    data, kept = model.createData(), pin.StdVec_RigidConstraintData()
+    for closure in closures:
+        kept.append(closure.createData())
+    pin.initConstraintDynamics(model, data, closures, kept)
+    settings = pin.ProximalSettings(1e-14, 1e-10, 200)
+    found = pin.constraintDynamics(model, data, q, v, force, closures, kept, settings)
+    np.testing.assert_allclose(found[[0, 1, 3, 2]], du, rtol=0, atol=1e-8)
+
+
 def test_a_start_out_of_reach_is_refused() -> None:
     with pytest.raises(UnreachablePose, match="can not close"):
         mjcf_text(APPENDIX_4, pose=(0.0, 0.0, 0.0, -2.0))
