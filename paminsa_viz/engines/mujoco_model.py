@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.errors import EngineMissing
-from paminsa_viz.engines.mjcf import Servos, mjcf_text
-from paminsa_viz.engines.placing import start_pose
+from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Assembly, Design
 
@@ -60,25 +58,6 @@ class MujocoRobot(ClosedLoopRobot):
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)
         self._set_order(model.joint(index).name for index in range(model.njnt))
-
-    def to_xml(self, *, pose: Sequence[float] | None = None, servos: bool = True) -> str:
-        """Return the design's MJCF text; MuJoCo's viewer opens it standing still.
-
-        Args:
-            pose: Start pose [m, m, rad, m]; default `start_pose`.
-            servos: Position servos about the start pose; otherwise plain motors.
-
-        Raises:
-            UnreachablePose: If the robot can not stand in the start pose.
-        """
-        start = start_pose(self.design, self.assembly) if pose is None else np.asarray(pose, float)
-        if not np.isfinite(holding := self.static_torques(start)).all():
-            holding = np.zeros(4)  # no posture or singular: the former is refused below
-        inertia = self.actuator_inertia(start)
-        return mjcf_text(
-            self.design, self.assembly, pose=start.tolist(), holding=holding.tolist(),
-            servos=Servos.critical(inertia) if servos else None,
-        )  # fmt: skip
 
     def _tree(self, q: Array) -> tuple[Array, Array]:
         mujoco, model, data = self._mujoco, self.model, self.data

@@ -8,7 +8,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TextIO
+from typing import Any, TextIO
 
 from paminsa_viz.files.errors import FileError
 
@@ -24,6 +24,22 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[TextIO]:
     Raises:
         FileError: If the file can not be created, written or put in place.
     """
+    with _written(path, mode="w", encoding="utf-8", newline="") as file:
+        yield file
+
+
+def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
+    """Write a file of any kind completely or not at all, as `written_whole` does with a text.
+
+    Raises:
+        FileError: If the file can not be created, written or put in place.
+    """
+    with _written(path, mode="wb") as file:
+        file.write(content)
+
+
+@contextmanager
+def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     name = os.fspath(path)
     mode = None
     try:
@@ -39,7 +55,7 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[TextIO]:
     except (OSError, ValueError) as error:
         raise as_file_error(name, error, "written") from error
     try:
-        with open(descriptor, "w", encoding="utf-8", newline="") as file:
+        with open(descriptor, **how) as file:
             yield file
             file.flush()
             os.fsync(file.fileno())

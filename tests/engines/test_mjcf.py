@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.simulation import play
@@ -69,8 +70,7 @@ def test_it_loads_and_stands_still_for_two_seconds(
     mujoco: Any, design: Design, assembly: Assembly, servos: bool
 ) -> None:
     pose = samples.random_poses(np.random.default_rng(9), design, assembly, 1)[0]
-    robot = MujocoRobot(design, assembly)
-    text = robot.to_xml(pose=pose.tolist(), servos=servos)
+    text = exported_mjcf(design, assembly, pose=pose.tolist(), servos=servos)
     # Motors hold by a constant force, and the robot is unstable: what is off grows.
     model, data, gap = run(mujoco, text, 2.0 if servos else 0.5)
     start = MujocoRobot(design, assembly, xml=text)
@@ -81,7 +81,7 @@ def test_it_loads_and_stands_still_for_two_seconds(
 
 @BOTH
 def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, assembly: Assembly) -> None:
-    _, _, gap = run(mujoco, MujocoRobot(APPENDIX_4, assembly).to_xml(servos=False), 2.0)
+    _, _, gap = run(mujoco, exported_mjcf(APPENDIX_4, assembly, servos=False), 2.0)
     assert gap < 1e-6
 
 
@@ -90,7 +90,7 @@ def test_servos_follow_their_controls(mujoco: Any, assembly: Assembly) -> None:
     """The viewer's sliders: all at once, smoothly over half a second."""
     robot = MujocoRobot(APPENDIX_4, assembly)
     wish = np.array([0.15, -0.1, 0.05, 0.04])
-    text = robot.to_xml()
+    text = exported_mjcf(APPENDIX_4, assembly)
     model, data, gap = run(mujoco, text, 1.5, lambda t: wish * min(2 * t, 1.0))
     joints = [model.joint(name).qposadr[0] for name in robot.mechanism.actuated]
     reached = (data.qpos - model.qpos0)[joints]
@@ -155,6 +155,14 @@ def test_pinocchio_reads_the_loops_too(tmp_path: Path, assembly: Assembly) -> No
 def test_a_start_out_of_reach_is_refused() -> None:
     with pytest.raises(UnreachablePose, match="can not close"):
         mjcf_text(APPENDIX_4, pose=(0.0, 0.0, 0.0, -2.0))
+
+
+def test_an_export_that_nothing_holds_is_refused() -> None:
+    with pytest.raises(UnreachablePose, match="over-stretched"):
+        exported_mjcf(APPENDIX_4, pose=(0.0, 0.0, 0.0, -2.0))
+    turn = float(np.arccos(0.1 / 0.35))
+    with pytest.raises(InvalidInput, match="singular"):
+        exported_mjcf(APPENDIX_4, pose=(0.0, 0.0, turn, -0.6))
 
 
 def quintic(first: Any, last: Any, times: Any) -> tuple[Any, Any, Any]:

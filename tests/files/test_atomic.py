@@ -6,7 +6,7 @@ import os
 
 import pytest
 
-from paminsa_viz.files.atomic import written_whole
+from paminsa_viz.files.atomic import write_bytes, written_whole
 from paminsa_viz.files.errors import FileError
 
 
@@ -17,6 +17,16 @@ def test_new_text_appears_when_the_block_ends(tmp_path) -> None:
         assert not path.exists()
     assert path.read_bytes() == "θ\r\n".encode()
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_bytes_replace_a_file(tmp_path) -> None:
+    path = tmp_path / "a.bin"
+    path.write_bytes(b"old")
+    write_bytes(path, b"\r\n\0\xff")
+    assert path.read_bytes() == b"\r\n\0\xff"
+    assert list(tmp_path.iterdir()) == [path]
+    with pytest.raises(FileError, match="its folder"):
+        write_bytes(tmp_path / "no" / "a.bin", b"new")
 
 
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt, OSError])

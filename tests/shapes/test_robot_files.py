@@ -13,6 +13,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
+from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.placing import joint_values
 from paminsa_viz.model import APPENDIX_4, Assembly, Design, InvalidInput, solve_posture
@@ -57,9 +58,7 @@ def written(files: dict[str, bytes], folder: Path) -> str:
 def test_it_loads_and_steps_two_seconds_without_a_warning(
     mujoco: Any, tmp_path: Path, assembly: Assembly
 ) -> None:
-    from paminsa_viz.engines.mujoco_model import MujocoRobot
-
-    text = MujocoRobot(LOADED, assembly).to_xml(pose=standing(START, assembly))
+    text = exported_mjcf(LOADED, assembly, pose=standing(START, assembly))
     model = mujoco.MjModel.from_xml_path(written(files_of(LOADED, assembly, text=text), tmp_path))
     data = mujoco.MjData(model)
     for _ in range(round(2.0 / model.opt.timestep)):
