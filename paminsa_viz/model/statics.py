@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Assembly, Design, Geometry
-from paminsa_viz.model.kinematics import solve_posture
-from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.kinematics import leg_states, solve_posture
+from paminsa_viz.model.leg import LegPosition, mechanism
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
@@ -135,17 +136,28 @@ def unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: Assembly) -> 
 
     Defined beyond the limits of reach as well, where the bars can close.
     """
-    from paminsa_viz.model.jacobian import jacobian
-    from paminsa_viz.model.kinematics import leg_states
-
     still = np.zeros_like(pose)
     g, _ = leg_states(geometry, pose, still, still, assembly)
+    return torques_of_legs(geometry, pose, g, g.z9_rho, g.z9_zeta)
+
+
+def torques_of_legs(
+    geometry: Geometry, pose: Array, legs: LegPosition, by_rho: Array, by_zeta: Array
+) -> Array:
+    """Return the torques that hold an energy of each leg's own plane, (..., 4 actuators, 3 legs).
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+        legs: The legs at these poses.
+        by_rho, by_zeta: (..., 3) the energy's derivatives by X_1 and by z_5 [N].
+    """
     j = jacobian(geometry, pose)[..., :3, :3]
     with np.errstate(all="ignore"):
-        turn = g.px * g.uy - g.py * g.ux
-        gradient = g.z9_rho[..., None] * np.stack([g.ux, g.uy, turn], axis=-1)
+        turn = legs.px * legs.uy - legs.py * legs.ux
+        gradient = by_rho[..., None] * np.stack([legs.ux, legs.uy, turn], axis=-1)
         rotary = np.einsum("...ij,...ki->...jk", j, gradient)
-        lift = geometry.magnification * g.z9_zeta
+        lift = geometry.magnification * by_zeta
     return np.concatenate([rotary, lift[..., None, :]], axis=-2)
 
 

@@ -15,14 +15,14 @@ class Shortfall:
         label: What is limited.
         unit: Its SI unit.
         limit: The limit asked for.
-        attainable: The least value within the bounds, the other limits met; None if those alone
-            can not be met either.
+        attainable: The least value within the bounds, the other limits met; with the other limits
+            left out where they can not be met either.
     """
 
     label: str
     unit: str
     limit: float
-    attainable: float | None
+    attainable: float
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,8 @@ class InfeasibleBounds(PaminsaError):
         self.limits = limits
         self.relax = relax
         asked = "; ".join(
-            f"{item.label} of at most {item.limit:.6g} {item.unit} is asked for"
-            + (
-                f" and {item.attainable:.6g} {item.unit} is the least"
-                if item.attainable is not None
-                else ""
-            )
+            f"{item.label} of at most {item.limit:.6g} {item.unit} is asked for and "
+            f"{item.attainable:.6g} {item.unit} is the least"
             for item in limits
         )
         remedy = ", ".join(

@@ -154,9 +154,9 @@ def active_bounds(
         amount, price = float(found.amounts[number]), float(found.prices[number])
         near = ACTIVE * max(carrier.high - carrier.low, 1e-12)
         if amount <= carrier.low + near:
-            active.append(Active(carrier.name, "low", carrier.low, "kg", max(price, 0.0)))
+            active.append(Active(carrier.name, "low", carrier.low, "kg", max(0.0, price)))
         if amount >= carrier.high - near:
-            active.append(Active(carrier.name, "high", carrier.high, "kg", max(-price, 0.0)))
+            active.append(Active(carrier.name, "high", carrier.high, "kg", max(0.0, -price)))
         first, last = carrier.span
         if last > first and amount > near:
             slope = float(found.slopes[number])
@@ -168,7 +168,7 @@ def active_bounds(
             for side, (end, mass) in held.items():
                 if mass > near:
                     gain = slope if side == "nearest" else -slope
-                    active.append(Active(carrier.name, side, end, "m", max(mass * gain, 0.0)))
+                    active.append(Active(carrier.name, side, end, "m", max(0.0, mass * gain)))
     for (term, limit), price in zip(limits, found.limit_prices, strict=False):
         if price > 0:
             active.append(Active(term.label, "limit", float(limit), term.unit, float(price)))
@@ -188,18 +188,18 @@ def infeasible(
     short = []
     for number, (limit, piece) in enumerate(program.limits):
         others = tuple(item for i, item in enumerate(program.limits) if i != number)
+        alone = replace(program, goals=((1.0, piece),), limits=())
         try:
-            least = solve(replace(program, goals=((1.0, piece),), limits=others)).value
+            least = solve(replace(alone, limits=others)).value
         except Infeasible:
-            least = None
-        if least is None or least > limit:
-            label, unit = labels[number]
-            short.append(Shortfall(label, unit, limit, least))
-    return InfeasibleBounds(tuple(short), _relaxations(space, program))
+            least = solve(alone).value
+        label, unit = labels[number]
+        short.append(Shortfall(label, unit, limit, least))
+    return InfeasibleBounds(tuple(short), movable_bounds(space, program))
 
 
-def _relaxations(space: MassSpace, program: Program) -> tuple[Relaxation, ...]:
-    """Return the bounds whose least movement makes a programme's limits possible."""
+def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]:
+    """Return the bounds whose least movement makes a programme's limits possible, if any does."""
     low = np.array([carrier.low for carrier in space.carriers])
     high = np.array([carrier.high for carrier in space.carriers])
     most = float(space.counts.sum()) * (WIDER + float(high.max(initial=0.0)))
