@@ -12,11 +12,15 @@ from typing import Final
 import numpy as np
 from viser import FrameHandle, GlbHandle, SceneApi
 
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.kinematics import Posture
 from paminsa_viz.shapes import bodies as shapes
 from paminsa_viz.shapes import load
 from paminsa_viz.shapes.placement import about_z, elevated
+
+Position = tuple[float, float, float]
+Quaternion = Array
 
 PARENT: Final = {
     "guide": "",
@@ -105,27 +109,40 @@ class BodyNodes:
 
     def pose(self, posture: Posture) -> None:
         """Move the bodies to a solved posture of shape (); the caller opens ``atomic()``."""
-        nodes = self._nodes
+        positions, turns = self.places(posture)
+        for body, position in positions.items():
+            self._nodes[body].position = position
+        for body, turn in turns.items():
+            leg = body.removeprefix("leg")
+            node = self._legs[int(leg) - 1] if leg.isdigit() else self._nodes[body]
+            node.wxyz = turn
+
+    def places(self, posture: Posture) -> tuple[dict[str, Position], dict[str, Quaternion]]:
+        """Return what a posture of shape () moves, by body, each in its parent's frame.
+
+        Returns:
+            Positions [m] of the bodies that slide, and quaternions (w, x, y, z) of those that turn;
+            the legs' own frames are ``leg1`` to ``leg3``.
+        """
         x, y, theta, z = posture.pose
-        nodes["carriage"].position = (0.0, 0.0, float(posture.actuators[3]))
-        nodes["platform"].position = (float(x), float(y), float(z))
-        nodes["platform"].wxyz = about_z(theta)
+        positions = {
+            "carriage": (0.0, 0.0, float(posture.actuators[3])),
+            "platform": (float(x), float(y), float(z)),
+        }
+        turns = {"platform": about_z(theta)}
         legs = about_z(posture.beta)
         b3, b7 = elevated(posture.phi + np.pi), elevated(posture.psi)
         b8, b4 = elevated(posture.phi), elevated(posture.psi - posture.phi)
         along = self._along(posture)
         for leg in range(3):
-            name = f"leg{leg + 1}/"
-            self._legs[leg].wxyz = legs[leg]
-            nodes[name + "shaft"].position = (0.0, 0.0, float(posture.points[3][leg, 2]))
-            nodes[name + "slider"].position = (along[8][leg], 0.0, 0.0)
-            nodes[name + "swivel"].position = (
-                along[5][leg], 0.0, float(posture.points[5][leg, 2]),
-            )  # fmt: skip
-            nodes[name + "b3"].wxyz = b3[leg]
-            nodes[name + "b7"].wxyz = b7[leg]
-            nodes[name + "b8"].wxyz = b8[leg]
-            nodes[name + "b4"].wxyz = b4[leg]
+            name = f"leg{leg + 1}"
+            positions[f"{name}/shaft"] = (0.0, 0.0, float(posture.points[3][leg, 2]))
+            positions[f"{name}/slider"] = (along[8][leg], 0.0, 0.0)
+            positions[f"{name}/swivel"] = (along[5][leg], 0.0, float(posture.points[5][leg, 2]))
+            turns[name] = legs[leg]
+            for bar, turn in (("b3", b3), ("b7", b7), ("b8", b8), ("b4", b4)):
+                turns[f"{name}/{bar}"] = turn[leg]
+        return positions, turns
 
     def _along(self, posture: Posture) -> dict[int, list[float]]:
         """Return r of joints 5 and 8 in each leg plane [m]."""

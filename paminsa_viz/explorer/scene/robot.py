@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from viser import SceneApi
 
-from paminsa_viz.explorer.scene.bodies import BodyNodes
+from paminsa_viz.explorer.scene.bodies import BodyNodes, Position, Quaternion, node_name
 from paminsa_viz.explorer.scene.efforts import EffortArrows
 from paminsa_viz.explorer.scene.labels import ActuatorLabels
 from paminsa_viz.explorer.scene.masses import MassLayers
 from paminsa_viz.explorer.scene.skeleton import Skeleton
-from paminsa_viz.explorer.scene.stage import Stage
+from paminsa_viz.explorer.scene.stage import SHADOW, Stage
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.kinematics import Posture
 
@@ -96,6 +96,17 @@ class RobotScene:
         self._masses.pose(posture)
         self._efforts.pose(float(posture.actuators[3]))
         return True
+
+    def places(self, posture: Posture) -> tuple[dict[str, Position], dict[str, Quaternion]]:
+        """Return where `pose` would move bodies and shadow, by scene node, in its parent's frame.
+
+        Returns:
+            Positions [m], and quaternions (w, x, y, z); only of nodes that slide or turn.
+        """
+        positions, turns = self._bodies.places(posture)
+        named = {node_name(body): place for body, place in positions.items()}
+        named[SHADOW] = self._stage.shadow_place(float(posture.pose[0]), float(posture.pose[1]))
+        return named, {node_name(body): turn for body, turn in turns.items()}
 
     def change(self, design: Design, assembly: Assembly | None = None) -> tuple[str, ...]:
         """Take another design or assembly; remake only what differs in shape.

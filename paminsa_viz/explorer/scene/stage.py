@@ -29,6 +29,9 @@ FLOOR_GLOW: Final = (168, 174, 184)
 
 SHADE_PIXELS: Final = 128
 
+SHADOW: Final = "/stage/ground/below"
+"""Scene name of the soft shadow below the platform."""
+
 
 def backdrop() -> NDArray[np.uint8]:
     """Return a soft vertical gradient, (256, 4, 3)."""
@@ -80,7 +83,7 @@ class Stage:
             receive_shadow=False,
         )
         self._below = scene.add_image(
-            "/stage/ground/below",
+            SHADOW,
             soft_spot(0.42, 1.6),
             0.62,
             0.62,
@@ -105,7 +108,11 @@ class Stage:
 
     def pose(self, x: float, y: float) -> None:
         """Move the soft shadow below the platform [m]."""
-        self._below.position = (x, y, self._height + 0.0012)
+        self._below.position = self.shadow_place(x, y)
+
+    def shadow_place(self, x: float, y: float) -> tuple[float, float, float]:
+        """Return where the soft shadow `SHADOW` lies below the platform [m]."""
+        return (x, y, self._height + 0.0012)
 
     @property
     def visible(self) -> bool:

@@ -1,0 +1,233 @@
+"""A played motion as one HTML page, which opens from a file without a server or a network.
+
+viser writes the page of a standing scene. The motion is played by a small script of ours
+(`motion_player.html`), which moves the nodes: viser's own player makes the whole scene anew
+whenever the motion starts again, and stands still meanwhile. The scene needs a server to belong
+to, so one is started while the page is made, guarded and on this machine only.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import threading
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import rich
+import viser
+
+from paminsa_viz import __version__, palette
+from paminsa_viz.explorer.scene.bodies import Position, Quaternion
+from paminsa_viz.explorer.scene.cameras import preset
+from paminsa_viz.explorer.scene.curves import Curve
+from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
+from paminsa_viz.explorer.scene.view import raised
+from paminsa_viz.explorer.server import open_server
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.trajectory.analysis import TrajectoryAnalysis, analyse
+from paminsa_viz.model.trajectory.check import ImpossibleTrajectory
+from paminsa_viz.model.trajectory.planners import PLACE
+from paminsa_viz.model.trajectory.sampled import Trajectory
+
+FRAME_RATE = 30.0
+"""Places of the robot a second [1/s]; between them the page interpolates."""
+
+MOST_FRAMES = 3000
+"""Longer motions have fewer places a second; each is some 400 bytes."""
+
+PAUSE = 0.6
+"""How long the end is shown before a motion that ends elsewhere starts again [s]."""
+
+_CLOSED = 1e-6
+"""Difference of two poses that are the same [m, rad]."""
+
+_ROUNDING = 1e-9
+"""Change of a place that is none [m, 1]."""
+
+_PATH_POINTS = 600
+"""Points of the path that is drawn."""
+
+_ASPECT, _COVERED = 1.6, 0.2
+"""Width over height of the window that the camera is placed for, and what the controls cover."""
+
+Frames = list[tuple[dict[str, Position], dict[str, Quaternion]]]
+"""Positions and quaternions by scene node, of each instant."""
+
+_alone = threading.Lock()
+
+_PLAYER = Path(__file__).with_name("motion_player.html")
+
+
+def motion_html(
+    design: Design,
+    assembly: Assembly,
+    trajectory: Trajectory,
+    *,
+    frame_rate: float = FRAME_RATE,
+) -> bytes:
+    """Return a page that plays a motion in real time, over and over, with the robot and its path.
+
+    A motion that the robot can not run is played up to where it first fails; the rest of its path
+    is red, and the page says why.
+
+    Args:
+        design: The robot.
+        assembly: How its pantographs are put together.
+        trajectory: The motion.
+        frame_rate: Places of the robot a second [1/s].
+
+    Returns:
+        HTML, UTF-8.
+
+    Raises:
+        InvalidInput: If the frame rate is not above 0 and up to 60 a second.
+        ImpossibleTrajectory: If the motion fails at its very start: there is nothing to play.
+        CannotListen: If no port is left for the server.
+    """
+    if not 0 < frame_rate <= 60:
+        raise InvalidInput("frame_rate", f"above 0 and up to 60 is needed, not {frame_rate!r}")
+    analysis = analyse(design, trajectory, assembly)
+    first = analysis.check.first
+    if first is not None and analysis.check.until < 2:
+        raise ImpossibleTrajectory(first)
+    until = analysis.check.until
+    times = frame_times(float(trajectory.t[0]), float(trajectory.t[until - 1]), frame_rate)
+    with _quiet():
+        server = open_server(port=0)
+        try:
+            scene, frames = _record(server, analysis, times)
+        finally:
+            server.stop()
+    return _page(scene, analysis, times, frames).encode()
+
+
+def frame_times(begin: float, end: float, frame_rate: float = FRAME_RATE) -> Array:
+    """Return the instants of the robot's places in equal steps, both ends among them (n,) [s]."""
+    steps = min(max(math.ceil((end - begin) * frame_rate - 1e-9), 1), MOST_FRAMES - 1)
+    return np.linspace(begin, end, steps + 1)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep viser from announcing a server that nobody is to open; one caller at a time."""
+    console = rich.get_console()  # where viser prints
+    with _alone:
+        before, console.quiet = console.quiet, True
+        try:
+            yield
+        finally:
+            console.quiet = before
+
+
+def _record(
+    server: viser.ViserServer, analysis: TrajectoryAnalysis, times: Array
+) -> tuple[str, Frames]:
+    """Return viser's page of the robot at its first place, and its nodes' places at all times."""
+    design, trajectory = analysis.design, analysis.trajectory
+    assembly = analysis.solved.assembly
+    robot = RobotScene(server.scene, design, assembly)
+    for layer in Layer:
+        robot.show(layer, layer in SHOWN_AT_START)
+    poses = trajectory.at(times).pose
+    robot.pose(solve_posture(design.geometry, poses[0], assembly))
+    _draw_path(server.scene, trajectory, float(times[-1]))
+    view = raised(preset("3D", design.geometry, assembly, robot.posture, _ASPECT), _COVERED)
+    camera = server.initial_camera
+    camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)
+    camera.fov = view.fov
+    page = server.get_scene_serializer().as_html()
+    postures = [solve_posture(design.geometry, pose, assembly) for pose in poses]
+    return page, [robot.places(posture) for posture in postures]
+
+
+def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> None:
+    """Draw the way of the platform: what is run, and red what is not."""
+    begin, last = float(trajectory.t[0]), float(trajectory.t[-1])
+    for name, colour, start, stop in (
+        ("run", palette.INK, begin, end),
+        ("beyond", palette.BAD, end, last),
+    ):
+        if stop > start:
+            way = trajectory.at(np.linspace(start, stop, _PATH_POINTS)).pose[:, PLACE]
+            Curve(scene, f"/path/{name}", colour, thickness=3.0).draw([way])
+
+
+def _page(
+    scene: str,
+    analysis: TrajectoryAnalysis,
+    times: Array,
+    frames: Frames,
+) -> str:
+    """Return viser's page with our title, words, controls and places."""
+    title = f"PAMINSA: {analysis.trajectory.name}"
+    data = json.dumps(_data(analysis, times, frames))
+    player = _PLAYER.read_text(encoding="utf-8")
+    for key, content in (
+        ("TITLE", html.escape(title)),
+        ("WORDS", "".join(f"<p>{html.escape(line)}</p>" for line in _words(analysis))),
+        ("DATA", data.replace("<", "\\u003c")),  # a name may hold </script>
+    ):
+        player = player.replace(f"@{key}@", content, 1)
+    head, _, rest = scene.partition("</head>")
+    head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
+    page = f"{head}</head>{rest}"
+    end = page.rindex("</body>")
+    return page[:end] + player + page[end:]
+
+
+def _words(analysis: TrajectoryAnalysis) -> list[str]:
+    """Return what the page says of the motion, a line each."""
+    trajectory, first = analysis.trajectory, analysis.check.first
+    words = [
+        f"Design “{analysis.design.name}”, {analysis.solved.assembly.value} assembly; "
+        f"{trajectory.duration:.4g} s. paminsa_viz {__version__}.",
+        *trajectory.notes,
+    ]
+    if first is not None:
+        words.insert(0, f"The motion fails {first.explanation}. It is played up to there.")
+    return words
+
+
+def _data(analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> dict[str, Any]:
+    """Return what the player needs: which nodes move how, float32 in base64, frame by frame."""
+    first_positions, first_turns = frames[0]
+    positions = _changing(
+        {name: np.array([p[name] for p, _ in frames]) for name in first_positions}
+    )
+    turns = _changing({name: np.array([q[name] for _, q in frames]) for name in first_turns})
+    until = analysis.check.until
+    t = analysis.trajectory.t[:until]
+    torque = np.stack([np.interp(times, t, column[:until]) for column in analysis.torque.T], axis=1)
+    pose = analysis.trajectory.pose
+    closed = until == len(pose) and np.abs(pose[0] - pose[-1]).max() < _CLOSED
+    return {
+        "duration": float(times[-1] - times[0]),
+        "pause": 0.0 if closed else PAUSE,
+        "frames": times.size,
+        "moved": list(positions),
+        "turned": list(turns),
+        "positions": _packed(positions.values()),
+        "turns": _packed(turns.values()),
+        "torques": _packed([torque]),
+        "colours": palette.ACTUATOR_COLOURS,
+    }
+
+
+def _changing(places: dict[str, Array]) -> dict[str, Array]:
+    """Return the places (n, k) that are not the same all the time, but for rounding."""
+    return {name: rows for name, rows in places.items() if np.ptp(rows, axis=0).max() > _ROUNDING}
+
+
+def _packed(arrays: Collection[Array]) -> str:
+    """Return arrays (n, k) side by side, frame by frame, as little-endian float32 in base64."""
+    rows = np.concatenate(list(arrays), axis=1)
+    return base64.b64encode(rows.astype("<f4").tobytes()).decode()
