@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Layers
@@ -50,6 +51,12 @@ def commands(session: Session) -> list[Command]:
             "P",
             "shift",
             lambda: session.ask("reference", actions.unpin_reference),
+        ),
+        Command(
+            "Play or pause the motion",
+            "M",
+            None,
+            lambda: session.ask("playback.play", requests.play_or_pause, step=False),
         ),
         *(
             Command(f"Camera: {name}", str(number), None, camera(name))

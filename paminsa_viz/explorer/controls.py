@@ -22,9 +22,19 @@ class Control:
     each other, the input's own value does not.
     """
 
-    def __init__(self, session: Session, handle: Any, name: str, apply: Apply, show: Show) -> None:
+    def __init__(
+        self,
+        session: Session,
+        handle: Any,
+        name: str,
+        apply: Apply,
+        show: Show,
+        *,
+        step: bool = True,
+    ) -> None:
+        """Bind an input; see `Session.ask` for ``step``."""
         self.session, self.handle, self.name = session, handle, name
-        self._apply, self._show = apply, show
+        self._apply, self._show, self._step = apply, show, step
         # What the input held when it was last read or written here. If it holds something else,
         # the page has just set it, and the callback that says so is on its way.
         self._known: Any = handle.value
@@ -34,7 +44,7 @@ class Control:
         if event.client is None:  # set by this program
             self._known = self.handle.value
             return
-        self.session.ask(self.name, self._intent)
+        self.session.ask(self.name, self._intent, step=self._step)
 
     def _intent(self, state: State) -> State:
         value = self._known = self.handle.value

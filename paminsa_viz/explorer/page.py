@@ -9,15 +9,19 @@ import viser
 from paminsa_viz.explorer import actions, commands, saving
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.clock import Clock
+from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.compare_panel import ComparePanel
 from paminsa_viz.explorer.panels.design_panel import DesignPanel
 from paminsa_viz.explorer.panels.file_panel import FilePanel
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
+from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
 from paminsa_viz.explorer.panels.readout import Readout
 from paminsa_viz.explorer.panels.view_panel import ViewPanel
 from paminsa_viz.explorer.scene.floor import FloorMap
 from paminsa_viz.explorer.scene.gizmo import Gizmo
+from paminsa_viz.explorer.scene.path import MotionPath
 from paminsa_viz.explorer.scene.view import RobotView, look
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
@@ -61,6 +65,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
     look(client, "3D", session.state)
+    motions = MotionStore()
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose", viser.Icon.ARROWS_MOVE):
@@ -68,14 +73,17 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         pose = PosePanel(session)
     with tabs.add_tab("Design", viser.Icon.WEIGHT):
         design_panel = DesignPanel(session)
+    with tabs.add_tab("Motion", viser.Icon.ROUTE):
+        motion = MotionPanel(session, motions)
     with tabs.add_tab("Compare", viser.Icon.PIN):
         compare = ComparePanel(session)
     with tabs.add_tab("View", viser.Icon.EYE):
         view = ViewPanel(session)
     with tabs.add_tab("File", viser.Icon.FILE):
         files = FilePanel(session)
-    maps = MapsPanel(session, bridge)
+    maps = MapsPanel(session, bridge, motions)
     session.first += [RobotView(session), Gizmo(session), readout, pose, design_panel, view]
+    session.first += [Clock(session), motion, MotionPath(session, motions)]
     session.later += [FloorMap(session, maps.store), maps, compare, files, TabStore(bridge)]
     commands.register(session)
 

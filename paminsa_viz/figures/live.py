@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from paminsa_viz.figures.live_frame import frame, snapped
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.ranges import per_panel
 from paminsa_viz.figures.scale import InvalidScale, Scale
-from paminsa_viz.palette import INK
+from paminsa_viz.palette import BAD, INK
 
 LEAST_WIDTH = 200
 """Narrowest figure [pixels]; below it numbers would run into each other."""
@@ -36,6 +37,13 @@ _ROOM = Room(
     largest=460,
     upright=600,
 )
+
+
+class Way(NamedTuple):
+    """A motion seen from above: curves (n, 2) that the robot can run, and that it can not [m]."""
+
+    good: tuple[lines.Line, ...]
+    bad: tuple[lines.Line, ...]
 
 
 def screen_room(ratio: float = 1.0) -> Room:
@@ -64,6 +72,7 @@ def live_image(
     *,
     contours: bool = True,
     pixel_ratio: float = 1.0,
+    way: Way | None = None,
 ) -> NDArray[np.uint8]:
     """Draw all panels side by side with axes and colour bar, as RGB (height, width, 3).
 
@@ -73,6 +82,7 @@ def live_image(
         width: Width of the picture [pixels]; the height follows.
         contours: Draw contour lines.
         pixel_ratio: Device pixels for one page pixel; text and lines grow with it.
+        way: A motion to draw on every panel.
 
     Raises:
         InvalidScale: If the number of scales or the width is not possible.
@@ -96,6 +106,8 @@ def live_image(
         )
         canvas.paste(int(box.left), int(box.top), picture[:, :, :3])
     _draw_lines(canvas, data, scales, boxes, contours, pixel_ratio)
+    if way is not None:
+        _draw_way(canvas, data, boxes, way, pixel_ratio)
     for index, box in enumerate(boxes):
         _marker(canvas, data, box, pixel_ratio)
         _say_why(canvas, axes.emptiness(data, index), box, pixel_ratio)
@@ -141,6 +153,26 @@ def _draw_lines(
         Stroke(circles, width=1.5 * ratio, dash=(5 * ratio, 4 * ratio)),
     ]
     canvas.strokes(ink, INK)
+
+
+def _draw_way(canvas: Canvas, data: MapData, boxes: list[Box], way: Way, ratio: float) -> None:
+    good: list[lines.Line] = []
+    bad: list[lines.Line] = []
+    left, right, bottom, top = data.extent
+    for box in boxes:
+        factor, shift = _transform(data, box)
+        for found, curves in ((good, way.good), (bad, way.bad)):
+            for curve in curves:
+                # The part beyond the map would run over its neighbour.
+                x, y = curve.T
+                inside = (x >= left) & (x <= right) & (y >= bottom) & (y <= top)
+                found.extend(
+                    curve[part] * factor + shift
+                    for part in np.ma.clump_unmasked(np.ma.array(x, mask=~inside))
+                )
+    canvas.strokes([Stroke([*good, *bad], width=4.5 * ratio)], "#ffffff")
+    canvas.strokes([Stroke(good, width=2.5 * ratio)], INK)
+    canvas.strokes([Stroke(bad, width=2.5 * ratio, dash=(4 * ratio, 3 * ratio))], BAD)
 
 
 def _marker(canvas: Canvas, data: MapData, box: Box, ratio: float) -> None:

@@ -15,6 +15,7 @@ import viser
 from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
+from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.hover import REASON_CELLS, HoverFigure
 from paminsa_viz.explorer.panels.map_controls import (
     QUANTITY_LABELS,
@@ -251,7 +252,9 @@ def server() -> Iterator[viser.ViserServer]:
 
 @pytest.fixture
 def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, lambda session: MapsPanel(session, Bridge(session.client))) as made:
+    with desk_with(
+        server, lambda session: MapsPanel(session, Bridge(session.client), MotionStore())
+    ) as made:
         yield made
 
 

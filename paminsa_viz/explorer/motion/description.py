@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from enum import Enum
 
@@ -54,7 +55,12 @@ class Timing(Enum):
 
 
 DEFAULT_LIMITS = MotionLimits(
-    speed=1.0, turn_speed=6.0, acceleration=10.0, turn_acceleration=60.0, torque=6.0, force=400.0
+    speed=1.0,
+    turn_speed=math.radians(360.0),
+    acceleration=10.0,
+    turn_acceleration=math.radians(3600.0),
+    torque=6.0,
+    force=400.0,
 )
 """Limits to begin with, within what Appendix 4's robot can do; none of them is the paper's."""
 

@@ -10,15 +10,18 @@ from typing import Any, cast
 import numpy as np
 
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.way import cut
 from paminsa_viz.explorer.panels.hover import HoverFigure
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.figures import ticks
-from paminsa_viz.figures.live import live_image, screen_layout
+from paminsa_viz.figures.live import Way, live_image, screen_layout
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.scale import Scale
 from paminsa_viz.model import Quantity
+from paminsa_viz.model.trajectory import TrajectoryAnalysis
 from paminsa_viz.palette import INK, MUTED
 
 Quantities = Callable[[State], tuple[Quantity, ...]]
@@ -93,6 +96,7 @@ class MapPicture:
         name: str,
         quantities: Quantities,
         arrangement: Arrangement,
+        motions: MotionStore,
     ) -> None:
         """Make the picture.
 
@@ -103,10 +107,11 @@ class MapPicture:
             name: Name of the place; it comes back with clicks.
             quantities: What to show, one a panel.
             arrangement: Where the inputs go.
+            motions: Knows the motion, whose path is drawn on the maps.
         """
         gui = session.client.gui
         self._gui, self._store, self._slots = gui, store, slots
-        self._name, self._quantities = name, quantities
+        self._name, self._quantities, self._motions = name, quantities, motions
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
         gui.add_html(marker(name, arrangement.share) + arrangement.style(name))
@@ -125,16 +130,18 @@ class MapPicture:
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
+        motion = self._motions.present(state) if state.layers.path else None
         shown = (
             document.design, document.assembly, document.pose, reference, view, quantities, width,
-            self._slots.ratio,
+            self._slots.ratio, motion and motion.trajectory,
         )  # fmt: skip
         if self._drawn and self._drawn[0] == shown and (moving or self._drawn[1]):
             return
         data = self._store.data(state, COARSE if moving else FULL, quantities)
         scales = self._store.scales(state, data, quantities)
         ratio = 1.0 if moving else self._slots.ratio
-        picture = live_image(data, scales, round(width * ratio), pixel_ratio=ratio)
+        way = None if motion is None else way_of(motion)
+        picture = live_image(data, scales, round(width * ratio), pixel_ratio=ratio, way=way)
         if not moving:
             opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
@@ -162,6 +169,13 @@ class MapPicture:
         text = caption(state, data)
         if text != self._caption.content:
             self._caption.content = text
+
+
+def way_of(motion: TrajectoryAnalysis) -> Way:
+    """Return a motion as it is drawn on maps."""
+    found = cut(motion)
+    above = found.place[:, :2]
+    return Way(tuple(above[run] for run in found.good), tuple(above[run] for run in found.bad))
 
 
 def caption(state: State, data: MapData) -> str:

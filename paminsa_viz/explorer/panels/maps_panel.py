@@ -1,4 +1,4 @@
-"""The floating panel with the torque maps, the map of one quantity, and the export."""
+"""The floating panel: torque maps, the map of one quantity, the motion's curves, the export."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ import viser
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
+from paminsa_viz.explorer.motion.moment import PLACE as MOTION_SLOT
+from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.export_panel import ExportPanel
 from paminsa_viz.explorer.panels.incoming import number
 from paminsa_viz.explorer.panels.map_controls import MapControls
 from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
+from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
 from paminsa_viz.explorer.placing import MARGIN, start_width
 from paminsa_viz.explorer.session import Session
@@ -23,23 +26,23 @@ TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
 
 class MapsPanel:
-    """Three tabs over the 3D view: torque maps, single map, export.
+    """Four tabs over the 3D view: torque maps, single map, motion plots, export.
 
     Attributes:
         store: Where the maps come from; the floor map can share it.
     """
 
-    def __init__(self, session: Session, bridge: Bridge) -> None:
+    def __init__(self, session: Session, bridge: Bridge, motions: MotionStore) -> None:
         client = session.client
         self._session = session
         self.store = MapStore()
         width = start_width(client.camera.image_width, client.camera.image_height)
-        slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0})
+        slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
                 session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES,
-                Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"),
+                Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"), motions,
             )  # fmt: skip
             self._torque_inputs = MapControls(
                 session, self._torques, "torque maps", lambda _: Quantity.TAU_1.unit, brief=True
@@ -51,7 +54,7 @@ class MapsPanel:
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                Arrangement(share=0.56),
+                Arrangement(share=0.56), motions,
             )  # fmt: skip
             self._single_inputs = MapControls(
                 session, self._single, "single map", lambda s: s.map_view.quantity.unit
@@ -59,6 +62,9 @@ class MapsPanel:
             self._single_inputs.quantity()
             self._single_inputs.range()
             self._single_inputs.switches()
+        motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
+        with motion_tab:
+            self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
             self.export = ExportPanel(session, self.store)
         panel.float(x=MARGIN, y=-MARGIN, width=width)
@@ -70,6 +76,7 @@ class MapsPanel:
         self._torque_inputs.draw(frame, moving)
         self._single.draw(frame.state, moving)
         self._single_inputs.draw(frame, moving)
+        self.motion.draw(frame, moving)
         self.export.draw(frame, moving)
 
     def _click(self, data: Any) -> None:

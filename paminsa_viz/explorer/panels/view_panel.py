@@ -21,6 +21,7 @@ LAYER_LABELS = {
     "workspace": ("Workspace boundary", "Positions within reach at the present θ and z"),
     "singularity": ("Singular circle", "Where the platform escapes the actuators at this θ"),
     "floor_map": ("Floor map", "The chosen map, under the robot; click it to go there"),
+    "path": ("Path of the motion", "Coloured by torque, and on the maps"),
     "gizmo": ("Handle on the platform", "Drag the platform in the scene"),
 }
 

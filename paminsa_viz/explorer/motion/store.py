@@ -1,0 +1,84 @@
+"""What a session has worked out along its motion, kept so that little is worked out again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from paminsa_viz.explorer.motion.planning import planned
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import Assembly, Design, Misprint
+from paminsa_viz.model.trajectory import (
+    Simulation,
+    SolvedTrajectory,
+    Trajectory,
+    TrajectoryAnalysis,
+    analyse,
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Analysed:
+    """A motion and all that is plotted of it.
+
+    Attributes:
+        present: The present design on the motion.
+        reference: The pinned design on the same motion, or None.
+        printed: The present design by the formulae as printed, or None if they are not shown.
+        simulation: The last simulation, or None.
+    """
+
+    present: TrajectoryAnalysis
+    reference: TrajectoryAnalysis | None
+    printed: TrajectoryAnalysis | None
+    simulation: Simulation | None
+
+
+class MotionStore:
+    """Analyses the motion of one session; used by its worker alone."""
+
+    def __init__(self) -> None:
+        self._solved: dict[str, SolvedTrajectory] = {}
+        self._last: dict[str, tuple[tuple[object, ...], TrajectoryAnalysis]] = {}
+
+    def present(self, state: State) -> TrajectoryAnalysis | None:
+        """Return the present design on the present motion, or None without a motion."""
+        document = state.document
+        found = planned(document.motion, document.design, document.assembly)
+        if found.trajectory is None:
+            return None
+        return self._analysis("present", document.design, found.trajectory, document.assembly)
+
+    def all(self, state: State) -> Analysed | None:
+        """Return everything that is plotted, or None without a motion."""
+        present = self.present(state)
+        if present is None:
+            return None
+        document, motion = state.document, present.trajectory
+        reference = printed = None
+        if document.reference is not None:
+            reference = self._analysis("reference", document.reference, motion, document.assembly)
+        if state.plots.printed:
+            printed = self._analysis(
+                "printed", document.design, motion, document.assembly, Misprint.ALL
+            )
+        outcome = state.simulating.outcome
+        return Analysed(present, reference, printed, outcome.simulation if outcome else None)
+
+    def _analysis(
+        self,
+        role: str,
+        design: Design,
+        trajectory: Trajectory,
+        assembly: Assembly,
+        misprints: Misprint = Misprint.NONE,
+    ) -> TrajectoryAnalysis:
+        key = (design, trajectory, assembly, misprints)
+        known = self._last.get(role)
+        if known is not None and known[0] == key:
+            return known[1]
+        found = analyse(
+            design, trajectory, assembly, misprints=misprints, keep=self._solved.get(role)
+        )
+        self._solved[role] = found.solved
+        self._last[role] = (key, found)
+        return found

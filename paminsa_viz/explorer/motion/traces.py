@@ -1,0 +1,208 @@
+"""From an analysed motion to the curves that are plotted: two charts for each kind of plot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.explorer.motion.plots import Plot, PlotView
+from paminsa_viz.explorer.motion.store import Analysed
+from paminsa_viz.model.trajectory import TrajectoryAnalysis
+from paminsa_viz.palette import ACTUATOR_COLOURS, INK, MUTED
+
+Values = NDArray[np.float64]
+
+SOLID, DASHED, DOTTED = (), (6, 4), (2, 3)
+"""Strokes: the present design, the reference, the formulae as printed."""
+
+COORDINATE_COLOURS = ("#0072B2", "#D55E00", INK, "#009E73")
+PART_COLOURS = {
+    "inertial": "#E69F00",
+    "velocity": "#CC79A7",
+    "gravity": "#56B4E9",
+    "friction": "#6b6b6b",
+}
+"""Colours of x, y, theta, z, and of a torque's parts."""
+
+_DEGREES = 180 / np.pi
+
+_SMALL = 1e-4
+"""Errors up to this are shown in a thousandth of the unit [m, rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """One curve.
+
+    Attributes:
+        label: Its name in tables.
+        values: (n,) as a person reads them; NaN where there is none.
+        colour: ``#rrggbb``.
+        dash: Lengths of dash and gap [px]; empty for a full line.
+        wide: Whether it is drawn stronger than others.
+    """
+
+    label: str
+    values: Values
+    colour: str
+    dash: tuple[int, ...] = SOLID
+    wide: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """Curves over one axis of time.
+
+    Attributes:
+        title: What is drawn, with its unit.
+        unit: The unit.
+        t: (n,) [s].
+        traces: The curves.
+        failing: (n,) where the motion fails.
+        until: Samples before the first failure; numbers in tables are of these.
+    """
+
+    title: str
+    unit: str
+    t: Values
+    traces: tuple[Trace, ...]
+    failing: NDArray[np.bool_]
+    until: int
+
+
+def charts(view: PlotView, found: Analysed) -> tuple[Chart, ...]:
+    """Return the charts of a plot, one or two; none for a simulation that has not been run."""
+    if view.plot in (Plot.TRACKING, Plot.DRIVEN):
+        return _simulated(view.plot, found)
+    if view.plot is Plot.PARTS:
+        return (_parts(view.actuator, found),)
+    if view.plot is Plot.ENERGY:
+        return _energy(found)
+    if view.plot in _OF_PLATFORM:
+        return _of_platform(view.plot, found)
+    return _of_actuators(view.plot, found)
+
+
+def _chart(
+    title: str,
+    unit: str,
+    traces: list[Trace],
+    analysis: TrajectoryAnalysis,
+    t: Values | None = None,
+) -> Chart:
+    check = analysis.check
+    if t is None:
+        return Chart(title, unit, analysis.trajectory.t, tuple(traces), ~check.good, check.until)
+    none = np.zeros(t.size, dtype=bool)
+    return Chart(title, unit, t, tuple(traces), none, t.size)
+
+
+def _besides(
+    found: Analysed, pick: Callable[[TrajectoryAnalysis], Values], columns: tuple[int, ...]
+) -> list[Trace]:
+    """Return the curves of some actuators for the present design and what stands beside it."""
+    traces = [Trace(f"M{j + 1}", pick(found.present)[:, j], ACTUATOR_COLOURS[j]) for j in columns]
+    for beside, dash, name in (
+        (found.reference, DASHED, "reference"),
+        (found.printed, DOTTED, "as printed"),
+    ):
+        if beside is not None:
+            values = pick(beside)
+            traces += [
+                Trace(f"M{j + 1} {name}", values[:, j], ACTUATOR_COLOURS[j], dash, False)
+                for j in columns
+            ]
+    return traces
+
+
+def _of_actuators(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
+    if plot is Plot.TORQUES:
+        turning, lifting = ("Torques [N·m]", "N·m"), ("Force F₄ [N]", "N")
+        pick: Callable[[TrajectoryAnalysis], Values] = lambda a: a.torque  # noqa: E731
+    else:
+        turning, lifting = ("Power of M1–M3 [W]", "W"), ("Power of M4 [W]", "W")
+        pick = lambda a: a.power  # noqa: E731
+    return (
+        _chart(*turning, _besides(found, pick, (0, 1, 2)), found.present),
+        _chart(*lifting, _besides(found, pick, (3,)), found.present),
+    )
+
+
+def _parts(actuator: int, found: Analysed) -> Chart:
+    parts = found.present.breakdown
+    traces = [
+        Trace(name, getattr(parts, name)[:, actuator], colour, wide=False)
+        for name, colour in PART_COLOURS.items()
+    ]
+    total = found.present.torque[:, actuator]
+    traces.append(Trace(f"M{actuator + 1}, all", total, ACTUATOR_COLOURS[actuator]))
+    title, unit = ("Torque", "N·m") if actuator < 3 else ("Force", "N")
+    return _chart(f"{title} of M{actuator + 1} by cause [{unit}]", unit, traces, found.present)
+
+
+def _energy(found: Analysed) -> tuple[Chart, ...]:
+    present = found.present
+    gained = present.energy - present.energy[0]
+    balance = [
+        *_besides(found, lambda a: a.work, (3,)),
+        Trace("energy gained", gained, INK, DASHED),
+        Trace("work − losses − gain", present.energy_residual, MUTED, wide=False),
+    ]
+    return (
+        _chart("Work of M1–M3 [J]", "J", _besides(found, lambda a: a.work, (0, 1, 2)), present),
+        _chart("Work of M4, and the robot's energy [J]", "J", balance, present),
+    )
+
+
+_OF_PLATFORM = {
+    Plot.POSE: ("pose", "Position [mm]", "mm", "Angle θ [°]", "°"),
+    Plot.SPEED: ("velocity", "Speed [mm/s]", "mm/s", "Turning speed [°/s]", "°/s"),
+    Plot.ACCELERATION: ("acceleration", "Acceleration [m/s²]", "m/s²", "Of θ [rad/s²]", "rad/s²"),
+}  # fmt: skip
+
+
+def _of_platform(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
+    name, place, unit, turn, turn_unit = _OF_PLATFORM[plot]
+    scale = (1.0, 1.0) if plot is Plot.ACCELERATION else (1e3, _DEGREES)
+    return _coordinates(
+        getattr(found.present.trajectory, name), scale, (place, unit), (turn, turn_unit), found
+    )
+
+
+def _coordinates(
+    values: Values,
+    scale: tuple[float, float],
+    place: tuple[str, str],
+    turn: tuple[str, str],
+    found: Analysed,
+    t: Values | None = None,
+) -> tuple[Chart, ...]:
+    """Return charts of x, y, z and of theta for values (n, 4)."""
+    lengths = [Trace("xyθz"[i], scale[0] * values[:, i], COORDINATE_COLOURS[i]) for i in (0, 1, 3)]
+    angle = [Trace("θ", scale[1] * values[:, 2], COORDINATE_COLOURS[2])]
+    return (
+        _chart(*place, lengths, found.present, t),
+        _chart(*turn, angle, found.present, t),
+    )
+
+
+def _simulated(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
+    simulation = found.simulation
+    if simulation is None:
+        return ()
+    if plot is Plot.TRACKING:
+        error = np.abs(simulation.error)
+        length = ("mm", 1e3) if error[:, [0, 1, 3]].max() > _SMALL else ("µm", 1e6)
+        angle = ("°", _DEGREES) if error[:, 2].max() > _SMALL else ("m°", 1e3 * _DEGREES)
+        place = (f"Error of x, y, z [{length[0]}]", length[0])
+        turn = (f"Error of θ [{angle[0]}]", angle[0])
+        scale = (length[1], angle[1])
+        return _coordinates(simulation.error, scale, place, turn, found, simulation.t)
+    torques = [Trace(f"M{j + 1}", simulation.torque[:, j], ACTUATOR_COLOURS[j]) for j in range(4)]
+    return (
+        _chart("Commanded torques [N·m]", "N·m", torques[:3], found.present, simulation.t),
+        _chart("Commanded force F₄ [N]", "N", torques[3:], found.present, simulation.t),
+    )

@@ -1,0 +1,57 @@
+"""One chart of the motion on the page: a uPlot that is given new data, seldom made anew."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from paminsa_viz.explorer.motion import uplot
+from paminsa_viz.explorer.motion.traces import Chart, Values
+
+HEIGHT = 158
+"""Height of a chart with its heading and axis [px]."""
+
+
+class MotionChart:
+    """A chart in a container of the page.
+
+    Args:
+        gui: The tab's GUI.
+        container: What it is put into, a handle that can be entered.
+        order: Its place there.
+
+    Attributes:
+        handle: viser's handle, or None before the first curve.
+        shape: What the handle was made for, or None.
+    """
+
+    def __init__(self, gui: Any, container: Any, order: float) -> None:
+        self._gui, self._container, self._order = gui, container, order
+        self.handle: Any = None
+        self.shape: uplot.Layout | None = None
+
+    def draw(self, chart: Chart | None) -> None:
+        """Show a chart, or nothing."""
+        if chart is None:
+            if self.handle is not None:
+                self.handle.remove()
+            self.handle = self.shape = None
+            return
+        # A chart that was made for more pieces is kept: in a drag, gaps come and go.
+        known = self.shape.pieces if self.shape else 1
+        shape = uplot.layout(chart, known)
+        series = uplot.data(chart, shape.pieces)
+        if self.handle is not None and shape == self.shape:
+            self.handle.data = series
+            return
+        if self.handle is not None:
+            self.handle.remove()
+        self.shape = shape
+        with self._container:
+            self.handle = self._gui.add_uplot(
+                series, **uplot.options(shape), height=HEIGHT, order=self._order
+            )
+
+    def curve(self, number: int) -> tuple[Values, Values]:
+        """Return time and values of a curve as the page has them, (n,) each."""
+        assert self.shape is not None
+        return self.handle.data[0], uplot.curve(self.handle.data, self.shape, number)

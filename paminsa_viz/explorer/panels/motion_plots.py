@@ -1,0 +1,225 @@
+"""The curves of the motion: two charts, the numbers beside them, and what they show."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.controls import Control
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion.moment import PLACE, Moment
+from paminsa_viz.explorer.motion.plots import Plot
+from paminsa_viz.explorer.motion.readings import Reading, readings, value_at
+from paminsa_viz.explorer.motion.store import Analysed, MotionStore
+from paminsa_viz.explorer.motion.traces import DASHED, DOTTED, SOLID, Chart, charts
+from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
+from paminsa_viz.explorer.panels.motion_words import status_line
+from paminsa_viz.explorer.panels.slots import Slots, marker
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.symbols import number
+from paminsa_viz.palette import BAD, INK, MUTED
+
+ACTUATORS = ("M1", "M2", "M3", "M4")
+PLOTS = {plot.value: plot for plot in Plot}
+
+_STYLE = """
+<style>
+div:has(> div > [data-paminsa-slot="motion"]) {
+  display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); align-items: start;
+  padding: 4px 0 4px 0;
+  & > div { min-width: 0; padding: 0 6px 2px 6px; grid-column: span 4; }
+  & > div:has(> [data-paminsa-slot]) { display: none; }
+  & > div:has(> .uplot-container) { grid-column: span 6; padding: 0 2px; }
+  & > div:has(> .paminsa-whole) { grid-column: 1 / -1; }
+  & .uplot-container { margin: 0 !important; border: 0 !important; min-height: __HEIGHT__px; }
+  & .u-title { font-size: 12px; padding: 0; line-height: 15px; }
+  & > div:has(> .paminsa-numbers) { grid-column: 1 / span 8; grid-row: 3 / span 4; }
+  & > div:has(> .mantine-Flex-root), & > div:has(> .mantine-Box-root) { grid-column: span 4; }
+  & > div > .mantine-Flex-root > div:first-child { width: 5em !important; }
+  & .u-over { cursor: pointer; }
+}
+</style>
+"""
+
+
+class MotionPlots:
+    """Charts, numbers and inputs of the motion, in the current container of the page.
+
+    Attributes:
+        charts: The two charts.
+        store: What was worked out along the motion.
+    """
+
+    def __init__(
+        self, session: Session, bridge: Bridge, slots: Slots, container: Any, store: MotionStore
+    ) -> None:
+        gui = session.client.gui
+        self._slots, self.store = slots, store
+        self._moment = Moment(bridge, lambda time: _scrub(session, time))
+        gui.add_html(marker(PLACE) + _STYLE.replace("__HEIGHT__", str(HEIGHT)), order=0)
+        self.charts = tuple(MotionChart(gui, container, order) for order in (1.0, 2.0))
+        self._caption = gui.add_html("", order=3)
+        self._numbers = gui.add_html("", order=4)
+        plots = session.state.plots
+        shown = gui.add_dropdown(
+            "show", tuple(PLOTS), initial_value=plots.plot.value, order=5,
+            hint="What is plotted along the motion",
+        )  # fmt: skip
+        self.actuator = gui.add_dropdown(
+            "actuator", ACTUATORS, initial_value=ACTUATORS[plots.actuator], order=6,
+            hint="Whose torque is taken apart",
+        )  # fmt: skip
+        self.printed = gui.add_checkbox(
+            "formulae as printed", plots.printed, order=7,
+            hint="Dotted: what the paper's formulae give with all their misprints",
+        )  # fmt: skip
+        self._controls = [
+            Control(
+                session, shown, "plots.plot",
+                lambda s, value: requests.set_plots(s, plot=PLOTS[value]),
+                lambda s: s.plots.plot.value,
+            ),
+            Control(
+                session, self.actuator, "plots.actuator",
+                lambda s, value: requests.set_plots(s, actuator=ACTUATORS.index(value)),
+                lambda s: ACTUATORS[s.plots.actuator],
+            ),
+            Control(
+                session, self.printed, "plots.printed",
+                lambda s, value: requests.set_plots(s, printed=bool(value)),
+                lambda s: s.plots.printed,
+            ),
+        ]  # fmt: skip
+        self._key: tuple[object, ...] = ()
+        self._drawn: tuple[Chart, ...] = ()
+        self._read: tuple[tuple[Reading, ...], ...] = ()
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Draw what has changed, unless nobody sees it."""
+        state = frame.state
+        for control in self._controls:
+            control.draw(frame, moving)
+        if not self._slots.width(PLACE):
+            return
+        _show(self.actuator, state.plots.plot is Plot.PARTS)
+        _show(self.printed, state.plots.plot in (Plot.TORQUES, Plot.POWER, Plot.ENERGY))
+        self._draw_curves(state)
+        self._moment.show(state.playback.time)
+        _write(self._numbers, numbers_html(self._drawn, self._read, state.playback.time))
+
+    def _draw_curves(self, state: State) -> None:
+        found = self.store.all(state)
+        key = (found, state.plots) if found is None else (*vars(found).values(), state.plots)
+        if key == self._key:
+            return
+        self._key = key
+        self._drawn = () if found is None else charts(state.plots, found)
+        self._read = tuple(readings(chart) for chart in self._drawn)
+        for index, chart in enumerate(self.charts):
+            chart.draw(self._drawn[index] if index < len(self._drawn) else None)
+        _write(self._caption, caption_html(state, found, self._drawn))
+
+
+def _scrub(session: Session, time: float) -> None:
+    session.ask("playback.time", lambda state: requests.scrub(state, time), step=False)
+
+
+def caption_html(state: State, found: Analysed | None, drawn: tuple[Chart, ...]) -> str:
+    """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
+    if found is None:
+        return _instead(status_line(state, None)[1])
+    if not drawn:
+        return _instead("nothing has been simulated yet: press Simulate in the tab “Motion”")
+    t = found.present.trajectory
+    parts = [f"<b>{escape(t.name)}</b>, {number(t.duration, 4)} s"]
+    if found.reference is not None and state.plots.plot in _COMPARED:
+        parts.append(f"╌ reference “{escape(found.reference.design.name)}”")
+    if found.printed is not None and state.plots.plot in _COMPARED:
+        parts.append("┈ formulae as printed")
+    first = found.present.check.first
+    if first is not None:
+        parts.append(f'<span style="color:{BAD}"><b>fails</b> {escape(first.explanation)}</span>')
+    marks = "click: go to that instant · drag: zoom"
+    return (
+        '<div class="paminsa-whole" style="display:flex;flex-wrap:wrap;gap:1px 14px;'
+        f'font-size:12px;line-height:1.3;color:{INK}">'
+        + "".join(f"<span>{part}</span>" for part in parts)
+        + f'<span style="margin-left:auto;color:{MUTED}">{marks}</span></div>'
+    )
+
+
+def _instead(words: str) -> str:
+    style = f"padding:30px;color:{MUTED}"
+    return f'<div class="paminsa-whole" style="{style}">{escape(words)}</div>'
+
+
+_COMPARED = (Plot.TORQUES, Plot.POWER, Plot.ENERGY)
+
+
+def numbers_html(
+    drawn: tuple[Chart, ...], read: tuple[tuple[Reading, ...], ...], time: float
+) -> str:
+    """Return the table of the curves: the value at the cursor, the largest one, the RMS."""
+    if not drawn:
+        return '<div class="paminsa-numbers"></div>'
+    cell = "padding:0 0 0 10px;text-align:right;white-space:nowrap"
+    heads = (f"at {time:.3f} s", "largest", "at", "RMS", "")
+    rows = [
+        f'<tr style="color:{MUTED}"><th></th>'
+        + "".join(f'<th style="{cell};font-weight:600">{head}</th>' for head in heads)
+        + "</tr>"
+    ]
+    lines = [(chart, line) for chart, found in zip(drawn, read, strict=True) for line in found]
+    for dash in (SOLID, DASHED, DOTTED):
+        for chart, line in lines:
+            if line.trace.dash != dash:
+                continue
+            cells = (
+                f"<b>{written(value_at(chart, line.trace, time))}</b>", written(line.peak),
+                f"{line.peak_t:.3f} s" if np.isfinite(line.peak_t) else "–", written(line.rms),
+                line.unit,
+            )  # fmt: skip
+            rows.append(
+                f'<tr><td style="white-space:nowrap">{stroke(line.trace.colour, line.trace.dash)}'
+                f"{escape(line.trace.label)}</td>"
+                + "".join(f'<td style="{cell}">{text}</td>' for text in cells)
+                + "</tr>"
+            )
+    return (
+        '<div class="paminsa-numbers" data-testid="motion-numbers" style="max-height:118px;'
+        'overflow-y:auto"><table style="width:100%;border-collapse:collapse;font-size:12px;'
+        f'line-height:1.25;font-variant-numeric:tabular-nums;color:{INK}">'
+        + "".join(rows)
+        + "</table></div>"
+    )
+
+
+def stroke(colour: str, dash: tuple[int, ...]) -> str:
+    """Return a short piece of a curve for a table."""
+    style = "solid" if not dash else "dashed" if dash[0] > 3 else "dotted"
+    return (
+        f'<span style="display:inline-block;width:16px;border-top:2.5px {style} {colour};'
+        'vertical-align:middle;margin-right:6px"></span>'
+    )
+
+
+def written(value: float) -> str:
+    """Write a value of a curve shortly; rounding of the arithmetic as 0."""
+    if not np.isfinite(value):
+        return "–"
+    return number(value if abs(value) > 1e-12 else 0.0, 4)
+
+
+def _show(handle: Any, visible: bool) -> None:
+    if handle.visible != visible:
+        handle.visible = visible
+
+
+def _write(handle: Any, html: str) -> None:
+    if handle.content != html:
+        handle.content = html

@@ -1,0 +1,151 @@
+"""Forward simulation of the motion: robot, controller, and what came of it."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Any
+
+import numpy as np
+from viser import Icon
+
+from paminsa_viz.explorer.controls import Control
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion.simulating import Simulator
+from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.tables import note
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.symbols import number
+from paminsa_viz.model import PaminsaError
+from paminsa_viz.model.trajectory import Control as Controlled
+from paminsa_viz.palette import BAD, MUTED, OK, WARN
+
+CONTROLS = {
+    "computed torque": Controlled.COMPUTED_TORQUE,
+    "feed-forward + PD": Controlled.PD,
+    "feed-forward alone": Controlled.FEED_FORWARD,
+}
+
+
+def _label(control: Controlled) -> str:
+    return next(label for label, known in CONTROLS.items() if known is control)
+
+
+class SimulationInputs:
+    """Settings, the button, and the outcome, in the current container."""
+
+    def __init__(self, session: Session) -> None:
+        gui = session.client.gui
+        self._session = session
+        self._simulator = Simulator(session)
+        settings = session.state.simulating.settings
+        control = gui.add_dropdown(
+            "Control", tuple(CONTROLS), initial_value=_label(settings.control),
+            hint="Feed-forward alone has no feedback: the robot is unstable without it",
+        )  # fmt: skip
+        self._feedback = [
+            gui.add_number(
+                "Bandwidth [Hz]", settings.bandwidth, min=0.0, max=50.0, step=0.5,
+                hint="Of the error's own motion; the gains follow from it",
+            ),
+            gui.add_number("Damping ratio", settings.damping, min=0.0, max=5.0, step=0.1),
+        ]  # fmt: skip
+        load = gui.add_number(
+            "Unknown load [kg]", settings.extra_load, min=-10.0, max=50.0, step=0.1,
+            hint="Payload of the robot that the controller does not know of",
+        )  # fmt: skip
+        offset = gui.add_number(
+            "Start off by [mm]", 1e3 * settings.offset, min=-100.0, max=100.0, step=1.0,
+            hint="Error of x at the start",
+        )  # fmt: skip
+        friction = gui.add_checkbox(
+            "Controller knows the friction", settings.knows_friction,
+            hint="The friction itself is a number of the design, zero in the paper",
+        )  # fmt: skip
+        self.run = gui.add_button("Simulate", icon=Icon.PLAYER_TRACK_NEXT)
+        self.run.on_click(lambda _: session.ask("simulation", requests.simulate))
+        self._outcome = gui.add_html("")
+        self._controls = [
+            Control(
+                session, control, "simulation.control",
+                lambda s, label: requests.set_simulation(s, control=CONTROLS[label]),
+                lambda s: _label(s.simulating.settings.control),
+            ),
+            Control(
+                session, friction, "simulation.friction",
+                lambda s, value: requests.set_simulation(s, knows_friction=bool(value)),
+                lambda s: s.simulating.settings.knows_friction,
+            ),
+            self._number(self._feedback[0], "bandwidth"),
+            self._number(self._feedback[1], "damping"),
+            self._number(load, "extra_load"),
+            self._number(offset, "offset", 1e3),
+        ]  # fmt: skip
+
+    def _number(self, handle: Any, name: str, factor: float = 1.0) -> Control:
+        return PatientControl(
+            self._session, handle, f"simulation.{name}",
+            lambda s, value: requests.set_simulation(s, **{name: float(value) / factor}),
+            lambda s: round(factor * getattr(s.simulating.settings, name), 9),
+        )  # fmt: skip
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Follow the state, and begin what is asked for."""
+        state = frame.state
+        self._simulator.draw(frame, moving)
+        for control in self._controls:
+            control.draw(frame, moving)
+        feedback = state.simulating.settings.control is not Controlled.FEED_FORWARD
+        for handle in self._feedback:
+            if handle.visible != feedback:
+                handle.visible = feedback
+        busy = state.simulating.running is not None
+        if self.run.disabled != busy:
+            self.run.disabled = busy
+        html = outcome_html(state)
+        if self._outcome.content != html:
+            self._outcome.content = html
+
+
+def outcome_html(state: State) -> str:
+    """Say what came of the last simulation."""
+    simulating = state.simulating
+    if simulating.running is not None:
+        return _block(MUTED, "Simulating …")
+    outcome = simulating.outcome
+    if outcome is None:
+        return note("Errors and torques are plotted in “Motion plots”.", "simulation", muted=True)
+    if outcome.simulation is None:
+        return _block(BAD, f"<b>Not simulated</b><br>{escape(outcome.problem)}")
+    simulation = outcome.simulation
+    drift = float(np.abs(simulation.energy_drift).max())
+    lines = [
+        f"largest distance {number(1e3 * float(simulation.distance.max()), 3)} mm, "
+        f"at the end {number(1e3 * float(simulation.distance[-1]), 3)} mm",
+        f"energy drift of the solution {number(drift, 2)} J",
+    ]
+    colour, head = OK, f"Ran to the end, {simulation.t[-1]:.3f} s"
+    if simulation.stopped is not None:
+        colour, head = BAD, f"Stopped {escape(simulation.stopped.explanation)}"
+    if not _present(state):
+        colour = WARN if simulation.stopped is None else colour
+        lines.append("<b>of an earlier design, motion or setting: simulate again</b>")
+    return _block(colour, f"<b>{head}</b><br>" + "<br>".join(lines))
+
+
+def _present(state: State) -> bool:
+    """Whether the last outcome is that of the present state."""
+    outcome = state.simulating.outcome
+    try:
+        return outcome is not None and outcome.job.same(requests.wanted_job(state))
+    except PaminsaError:
+        return False
+
+
+def _block(colour: str, html: str) -> str:
+    return (
+        f'<div data-testid="simulation" style="border-left:5px solid {colour};padding:4px 9px;'
+        f"margin:2px 10px 6px 10px;background:{colour}18;border-radius:4px;font-size:12.5px;"
+        f'line-height:1.35">{html}</div>'
+    )

@@ -1,0 +1,44 @@
+"""What the page says of a motion in plain words."""
+
+from __future__ import annotations
+
+import math
+
+from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.state import Pose, State
+from paminsa_viz.explorer.symbols import number
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.trajectory import TrajectoryAnalysis
+
+_NAMES = {
+    Limit.STRETCHED: "a stretched pantograph",
+    Limit.FOLDED: "a folded pantograph",
+    Limit.GUIDE: "the end of a guide",
+    Limit.AXIS: "a leg axis",
+    Limit.SINGULAR: "a singular pose",
+}
+
+
+def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool, str]:
+    """Return whether a motion is fine, and the plain line that says so or says why not."""
+    found = requests.planned(state)
+    if analysis is None or found.trajectory is None:
+        return False, found.problem
+    if found.problem:
+        return False, found.problem
+    check = analysis.check
+    if check.first is not None:
+        return False, f"fails {check.first.explanation}"
+    near = check.closest
+    leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
+    words = f"{number(found.trajectory.duration, 4)} s, {found.trajectory.size} samples"
+    words += f"; nearest limit: {_NAMES.get(near.limit, 'a limit')}{leg}, "
+    words += f"{1e3 * near.margin:.0f} mm away at {number(near.t, 3)} s"
+    return True, words
+
+
+def pose_words(pose: Pose) -> str:
+    """Return a pose in millimetres and degrees."""
+    x, y, theta, z = pose
+    mm = [number(round(1e3 * value, 1)) for value in (x, y, z)]
+    return f"x {mm[0]}, y {mm[1]}, z {mm[2]} mm, θ {number(round(math.degrees(theta), 1))}°"

@@ -1,0 +1,164 @@
+"""The motion's path: coloured by what an actuator has to give, red where the motion fails."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from viser import LineSegmentsHandle
+
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.way import cut
+from paminsa_viz.explorer.scene.curves import Curve, segments
+from paminsa_viz.explorer.scene.tint import drawn
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.symbols import number
+from paminsa_viz.figures import colours
+from paminsa_viz.model.trajectory import TrajectoryAnalysis
+from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.shapes.layout import layout
+
+Array = NDArray[np.float64]
+
+WIDTH: Final = 5.0
+DASH: Final = 0.008
+"""Length of a dash where the motion fails [m]."""
+ABOVE: Final = 0.0045
+"""Height of the path's shadow over the ground, above the map and below the mark [m]."""
+_LIGHTEST: Final = 0.9
+"""Share of the colour table that is used; its end is too light to be seen against the backdrop."""
+
+
+class PathScale(NamedTuple):
+    """Sizes of torque [N m] or force [N] that the first and the last colour stand for."""
+
+    low: float
+    high: float
+
+
+def path_scale(analysis: TrajectoryAnalysis, actuator: int) -> PathScale:
+    """Return the range of an actuator's torque or force in size, from 0 for torques."""
+    size = np.abs(analysis.torque[:, actuator])
+    size = size[np.isfinite(size)]
+    if size.size == 0:
+        return PathScale(0.0, 1.0)
+    low = float(size.min()) if actuator == 3 else 0.0
+    return PathScale(low, max(float(size.max()), low + 1e-9))
+
+
+@cache
+def _hues() -> tuple[str, ...]:
+    """Return the colours from low to high, as ``#rrggbb``."""
+    table = colours.table("viridis")[: round(_LIGHTEST * colours.SIZE)]
+    return tuple("#{:02x}{:02x}{:02x}".format(*row) for row in np.rint(255 * table).astype(int))
+
+
+@cache
+def _drawn_hues() -> NDArray[np.uint8]:
+    return drawn(*_hues())
+
+
+def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:
+    """Return the place of torques or forces (...) among the colours."""
+    share = np.clip((np.abs(values) - scale.low) / (scale.high - scale.low), 0.0, 1.0)
+    return np.rint(share * (len(_hues()) - 1)).astype(np.intp)
+
+
+def legend_html(scale: PathScale, actuator: int) -> str:
+    """Return the colour bar of the path."""
+    bar = ",".join(_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale))
+    unit = "N·m" if actuator < 3 else "N"
+    name = ("|τ₁|", "|τ₂|", "|τ₃|", "|F₄|")[actuator]
+    return (
+        f'<div data-testid="path-legend" style="padding:0 12px 8px;font-size:12px;color:{INK}">'
+        f'<div style="height:9px;border-radius:3px;background:linear-gradient(to right,{bar})">'
+        '</div><div style="display:flex;justify-content:space-between">'
+        f"<span>{number(scale.low, 3)}</span><span>{name} [{unit}]</span>"
+        f"<span>{number(scale.high, 3)}</span></div>"
+        f'<span style="color:{MUTED}">dashed red: the motion fails</span></div>'
+    )
+
+
+class Pieces(NamedTuple):
+    """A path in pieces.
+
+    Attributes:
+        good: Segments (m, 2, 3) that can be run [m].
+        values: Torque or force at their ends, (m, 2) [N m or N].
+        bad: Curves (k, 3) that can not [m].
+        above: The whole path seen from above, (k, 2) [m].
+    """
+
+    good: Array
+    values: Array
+    bad: list[Array]
+    above: Array
+
+
+def pieces(analysis: TrajectoryAnalysis, actuator: int) -> Pieces:
+    """Return the platform's path in the scene [m], with an actuator's torque [N m or N]."""
+    found = cut(analysis)
+    torque = analysis.torque[found.samples, actuator]
+    pairs = [segments(found.place[run]) for run in found.good]
+    values = [np.stack([torque[run][:-1], torque[run][1:]], axis=1) for run in found.good]
+    return Pieces(
+        np.concatenate([np.zeros((0, 2, 3)), *pairs]),
+        np.concatenate([np.zeros((0, 2)), *values]),
+        [found.place[run] for run in found.bad],
+        found.place[:, :2],
+    )
+
+
+class MotionPath:
+    """Draws the path of a session's motion, in space and as a line on the ground below it."""
+
+    def __init__(self, session: Session, store: MotionStore) -> None:
+        self._scene = session.client.scene
+        self._store = store
+        self._way: LineSegmentsHandle | None = None
+        self._failing = Curve(self._scene, "/path/failing", BAD, WIDTH, dash=DASH)
+        self._below = Curve(self._scene, "/path/below", INK, 2.0)
+        self._key: tuple[object, ...] = ()
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Draw what has changed; nothing is worked out for a path that is hidden."""
+        del moving
+        state = frame.state
+        analysis = self._store.present(state) if state.layers.path else None
+        height = layout(state.standing.geometry, state.standing.assembly).ground + ABOVE
+        key = (analysis, state.plots.colour, height)
+        if key == self._key:
+            return
+        self._key = key
+        if analysis is None:
+            self._show(False)
+            return
+        found = pieces(analysis, state.plots.colour)
+        self._draw_way(found, path_scale(analysis, state.plots.colour))
+        self._failing.draw(found.bad)
+        self._below.draw([found.above], height)
+        self._show(True)
+
+    def _draw_way(self, found: Pieces, scale: PathScale) -> None:
+        colour = _drawn_hues()[hue(found.values, scale)]
+        points = found.good.astype(np.float32)
+        if len(points) == 0:
+            points, colour = np.zeros((1, 2, 3), np.float32), np.zeros((1, 2, 3), np.uint8)
+        if self._way is not None:
+            if self._way.points.shape == points.shape:
+                self._way.points = points
+                self._way.colors = colour
+                return
+            self._way.remove()
+        self._way = self._scene.add_line_segments(
+            "/path/way", points, colour, thickness=WIDTH, thickness_units="screen"
+        )
+
+    def _show(self, visible: bool) -> None:
+        if self._way is not None:
+            self._way.visible = visible
+        for curve in (self._failing, self._below):
+            curve.visible = visible
