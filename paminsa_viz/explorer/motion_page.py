@@ -199,11 +199,10 @@ def _words(analysis: TrajectoryAnalysis) -> list[str]:
 
 def _data(analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> dict[str, Any]:
     """Return what the player needs: which nodes move how, float32 in base64, frame by frame."""
-    first_positions, first_turns = frames[0]
-    positions = _changing(
-        {name: np.array([p[name] for p, _ in frames]) for name in first_positions}
+    positions, turns = (
+        _changing({name: np.array([frame[kind][name] for frame in frames]) for name in first})
+        for kind, first in enumerate(frames[0])
     )
-    turns = _changing({name: np.array([q[name] for _, q in frames]) for name in first_turns})
     until = analysis.check.until
     t = analysis.trajectory.t[:until]
     torque = np.stack([np.interp(times, t, column[:until]) for column in analysis.torque.T], axis=1)
