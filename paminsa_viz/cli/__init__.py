@@ -3,8 +3,8 @@
 Each command is a module with ``main(arguments) -> exit code``, imported only when it is asked for,
 so that a small command does not wait for the page's libraries.
 
-Exit codes: 0 done; 2 a wrong argument or file, with one line on stderr that names the place; 130
-stopped with Ctrl-C.
+Exit codes: 0 done; 1 a verification that failed; 2 a wrong argument or file, with one line on
+stderr that names the place; 130 stopped with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",
     "evaluate": "compute actuator positions, torques and status for a table of poses",
     "design": "check, show, compare design files; write Appendix 4's",
+    "verify": "check the formulae against MuJoCo and Pinocchio",
+    "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
 }
 """Commands and what they do; ``paminsa_viz.cli.<name>`` is the module."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +10,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import KEYS, Key
 from paminsa_viz.files.design_writer import differences, write_design
@@ -67,14 +67,14 @@ class Show:
         """Print the table."""
         design = _load(self.file)
         if self.json:
-            _print_json({"name": design.name, "values": _values(design)})
+            print_json({"name": design.name, "values": _values(design)})
             return 0
         print(design.name)
         rows = [
             (key.table, key.name, f"{design.value(key.parameter.path):.10g}", _meaning(key))
             for key in KEYS
         ]
-        _print_table(rows)
+        print_table(rows)
         return 0
 
 
@@ -113,7 +113,7 @@ class Diff:
         found = differences(first, second)
         if self.json:
             changes = {key.path: {"first": a, "second": b} for key, a, b in found}
-            _print_json({"first": first.name, "second": second.name, "differences": changes})
+            print_json({"first": first.name, "second": second.name, "differences": changes})
         elif not found:
             print("the designs have the same values")
         else:
@@ -122,7 +122,7 @@ class Diff:
                 for key, a, b in found
             ]
             names = [str(file or APPENDIX_4.name) for file in files]
-            _print_table([("", "", *names, "change", ""), *rows])
+            print_table([("", "", *names, "change", ""), *rows])
         return 0
 
 
@@ -151,15 +151,3 @@ def _meaning(key: Key) -> str:
 
 def _change(first: float, second: float) -> str:
     return f"{100 * (second / first - 1):+.3g} %" if first else ""
-
-
-def _print_json(value: object) -> None:
-    print(json.dumps(value, indent=2, ensure_ascii=False))
-
-
-def _print_table(rows: list[tuple[str, ...]]) -> None:
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    for row in rows:
-        print(
-            "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        )

@@ -48,8 +48,17 @@ class ClosedLoopRobot(ABC):
         self._names: tuple[str, ...] = ()
 
     def _set_order(self, names: Iterable[str]) -> None:
-        """Take note of the joints in the order of the engine's coordinates and velocities."""
+        """Take note of the joints in the order of the engine's coordinates and velocities.
+
+        Raises:
+            InvalidInput: If they are not the mechanism's: a model from elsewhere was loaded.
+        """
         self._names = tuple(names)
+        own = {joint.name for link in self.mechanism.links for joint in link.joints}
+        if strange := sorted(own.symmetric_difference(self._names)):
+            raise InvalidInput(
+                "model", f"its joints are not those of this robot ({', '.join(strange[:3])} ...)"
+            )
         self._independent = np.array([self._names.index(name) for name in POSE_JOINTS])
         self._actuated = np.array([self._names.index(name) for name in self.mechanism.actuated])
 

@@ -48,6 +48,7 @@ class MujocoRobot(ClosedLoopRobot):
         Raises:
             EngineMissing: If MuJoCo is not installed.
             InvalidDesign: If a bar's inertias belong to no rigid body.
+            InvalidInput: If the given text is another robot's.
             UnreachablePose: If the design can not stand in its start pose.
             ValueError: If MuJoCo can not read the text.
         """

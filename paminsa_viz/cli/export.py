@@ -1,0 +1,114 @@
+"""``paminsa-viz export``: the posed robot for other programs."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Literal
+
+import numpy as np
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError, parse
+from paminsa_viz.engines.exported import exported_mjcf
+from paminsa_viz.engines.placing import start_pose
+from paminsa_viz.files.atomic import as_file_error, write_bytes
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.reach import require_reachable
+
+DESCRIPTION = """\
+Write the robot, standing in a pose, for other programs.
+
+  paminsa-viz export --glb robot.glb            a 3D model: Blender, CAD viewers, slides
+  paminsa-viz export --mjcf robot.xml           one file for MuJoCo: all masses, loops, actuators
+  paminsa-viz export --meshes robot             a folder for MuJoCo with the real shapes too
+  paminsa-viz export --meshes robot.zip --design robot.toml --pose 50 -30 20 -550
+
+Try `python -m mujoco.viewer --mjcf=robot/robot.xml`: the sliders move the four actuators. Pinocchio
+4 reads the same file with its loops (buildModelAndLegacyConstraintsFromMJCF)."""
+
+
+@dataclass(frozen=True)
+class Export:
+    """Flags of the command."""
+
+    glb: Annotated[Path | None, tyro.conf.arg(metavar="FILE.glb")] = None
+    """Write the posed robot as GLB."""
+    mjcf: Annotated[Path | None, tyro.conf.arg(metavar="FILE.xml")] = None
+    """Write the MuJoCo model with simple shapes, in one file."""
+    meshes: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER|FILE.zip")] = None
+    """Write the MuJoCo model with the robot's shapes: robot.xml and meshes/*.obj."""
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4."""
+    assembly: Literal["printed", "mirror"] = "printed"
+    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    pose: Annotated[
+        tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y THETA Z")
+    ] = None
+    """Pose in mm, mm, degrees, mm; in the middle of the workspace if left out."""
+    motors: bool = False
+    """Give the MuJoCo models plain motors, whose controls are torques, instead of position servos
+    about the pose."""
+
+
+def main(words: list[str]) -> int:
+    """Run the command."""
+    flags = parse(Export, words, "export", DESCRIPTION)
+    if flags.glb is None and flags.mjcf is None and flags.meshes is None:
+        raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
+    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    assembly = Assembly(flags.assembly)
+    if flags.pose is None:
+        pose = start_pose(design, assembly)
+    else:
+        x, y, theta, z = flags.pose
+        pose = np.array([1e-3 * x, 1e-3 * y, math.radians(theta), 1e-3 * z])
+    require_reachable(design.geometry, pose)
+    for path, content in _contents(flags, design, assembly, pose):
+        if isinstance(content, bytes):
+            write_bytes(path, content)
+            print(f"{path}: written")
+        else:
+            _write_folder(path, content)
+            print(f"{path}: written, {len(content)} files")
+    return 0
+
+
+def _contents(
+    flags: Export, design: Design, assembly: Assembly, pose: Array
+) -> list[tuple[Path, bytes | dict[str, bytes]]]:
+    """Return what was asked for: paths with their content, or with files by name for a folder.
+
+    All of it is made before the first file is written, so that a refused pose leaves none behind.
+    """
+    # Late: the shapes' libraries take a second to load.
+    from paminsa_viz.shapes import assemble_glb
+    from paminsa_viz.shapes.robot_files import robot_files, zipped
+
+    posture = solve_posture(design.geometry, pose, assembly)
+    made: list[tuple[Path, bytes | dict[str, bytes]]] = []
+    if flags.glb is not None:
+        made.append((flags.glb, assemble_glb(design, posture)))
+    if flags.mjcf is not None or flags.meshes is not None:
+        text = exported_mjcf(design, assembly, pose=pose.tolist(), servos=not flags.motors)
+        if flags.mjcf is not None:
+            made.append((flags.mjcf, text.encode()))
+        if flags.meshes is not None:
+            files = robot_files(text, design, posture)
+            packed = flags.meshes.suffix.lower() == ".zip"
+            made.append((flags.meshes, zipped(files, flags.meshes.stem) if packed else files))
+    return made
+
+
+def _write_folder(folder: Path, files: dict[str, bytes]) -> None:
+    for name, content in files.items():
+        path = folder / name
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise as_file_error(str(folder), error, "written") from error
+        write_bytes(path, content)

@@ -1,0 +1,182 @@
+"""``paminsa-viz verify``: the formulae against physics engines, with a verdict."""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ET
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import parse
+from paminsa_viz.cli.motions import DEFAULT_MOTION, motion_of
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.engines.comparison import Comparison
+from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, name, verify
+from paminsa_viz.files.atomic import as_file_error, write_bytes
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.files.errors import FileError
+from paminsa_viz.model.design import APPENDIX_4, Assembly
+from paminsa_viz.model.errors import PaminsaError
+
+DESCRIPTION = """\
+Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
+
+  paminsa-viz verify                                  Appendix 4 on a motion with 1 m/s²
+  paminsa-viz verify --design robot.toml --trajectory circle --figures checked
+  paminsa-viz verify --trajectory motion.csv --json   for other programs
+
+Static torques at random poses of the workspace and dynamic torques along a trajectory, of all four
+actuators: by how much formulae and engine differ, at most and on average (RMS), over the largest
+torque of the same actuator. The formulae as the paper prints them stand beside it, and a simulation
+in which MuJoCo moves under the calculated torques. Joint friction is left out.
+
+Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
+
+HEAD = ("", "largest torque", "largest difference", "RMS", "relative", "RMS")
+
+
+@dataclass(frozen=True)
+class Verify:
+    """Flags of the command."""
+
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4."""
+    assembly: Literal["printed", "mirror"] = "printed"
+    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    trajectory: Annotated[str, tyro.conf.arg(metavar="NAME|FILE.csv")] = DEFAULT_MOTION
+    """Ready-made motion (paper-like, quintic, trapezoid, s-curve, waypoints, line, circle, arch) or
+    a table with t_s,x_m,y_m,theta_rad,z_m."""
+    poses: int = POSES
+    """Number of random poses at rest."""
+    seed: int = 0
+    """Seed of the random poses."""
+    tolerance: float = TOLERANCE
+    """Largest difference that passes, over the largest torque of the actuator."""
+    model: Annotated[Path | None, tyro.conf.arg(metavar="FILE.xml")] = None
+    """Check this exported MJCF model against the design, instead of the design's own."""
+    json: bool = False
+    """Print JSON for other programs."""
+    figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
+    """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
+    format: Literal["png", "svg", "pdf"] = "png"
+    """Kind of the figures."""
+
+
+def main(words: list[str]) -> int:
+    """Run the command."""
+    flags = parse(Verify, words, "verify", DESCRIPTION)
+    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    assembly = Assembly(flags.assembly)
+    motion = motion_of(flags.trajectory, design.geometry, assembly)
+    xml = None if flags.model is None else _mechanics(flags.model)
+    try:
+        found = verify(
+            design, assembly, motion,
+            poses=flags.poses, seed=flags.seed, tolerance=flags.tolerance, xml=xml,
+        )  # fmt: skip
+    except PaminsaError:
+        raise
+    except ValueError as error:
+        if flags.model is None:
+            raise
+        raise FileError(str(flags.model), f"MuJoCo can not use it: {error}") from error
+    drawn = [] if flags.figures is None else _figures(found, flags)
+    if flags.json:
+        files = {"figures": [str(path) for path in drawn]} if drawn else {}
+        print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": flags.seed, **files})
+    else:
+        _show(found)
+        for path in drawn:
+            print(f"{path}: written")
+    return 0 if found.passed else 1
+
+
+def _mechanics(path: Path) -> str:
+    """Return the text of an MJCF file without its meshes, which are other files."""
+    try:
+        root = ET.fromstring(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError) as error:
+        raise as_file_error(str(path), error, "read") from error
+    except ET.ParseError as error:
+        raise FileError(str(path), f"is no valid XML: {error}") from error
+    for parent in root.iter():
+        for child in list(parent):
+            if child.tag == "mesh" or child.get("type") == "mesh":
+                parent.remove(child)
+    return ET.tostring(root, encoding="unicode")
+
+
+def _show(found: Verification) -> None:
+    motion = found.trajectory
+    print(
+        f"{found.design.name}, {found.assembly.value} assembly: {len(found.poses)} poses at rest, "
+        f'{motion.size} states of "{motion.name}" ({motion.duration:.3g} s)'
+    )
+    for check in found.engines:
+        print(f"\nFormulae and {check.engine} {check.version}")
+        print_table([HEAD, *_rows("at rest", check.static), *_rows("moving", check.dynamic)],
+                    indent=2, right=True)  # fmt: skip
+    for engine in found.missing:
+        print(f"\n{engine} is not installed; it comes with pip install 'paminsa-viz[verify]'")
+    print(f"\nFormulae as printed and {found.engines[0].engine}, moving: relative differences")
+    rows = [
+        (name(item), *(f"{value:.1e}" for value in comparison.relative))
+        for item, comparison in found.printed.items()
+    ]
+    head = ("", "tau_1", "tau_2", "tau_3", "F_4")
+    print_table([head, *rows], indent=2, right=True)
+    _show_simulation(found)
+    verdict = "PASS" if found.passed else "FAIL"
+    print(
+        f"\n{verdict}: the largest difference is {found.worst:.1e} of the largest torque; "
+        f"{found.tolerance:g} is allowed"
+    )
+
+
+def _rows(where: str, comparison: Comparison) -> list[tuple[str, ...]]:
+    return [
+        (
+            f"{where}, {row['actuator']} [{row['unit']}]",
+            f"{row['largest_torque']:.4g}",
+            f"{row['max_difference']:.1e}",
+            f"{row['rms_difference']:.1e}",
+            f"{row['max_relative']:.1e}",
+            f"{row['rms_relative']:.1e}",
+        )
+        for row in comparison.summary()
+    ]
+
+
+def _show_simulation(found: Verification) -> None:
+    said: dict[str, Any] = found.to_dict()["simulation"]
+    x, y, theta, z = said["drift_m_rad"]
+    end = "to the end" if said["complete"] else "until the unstable robot had strayed"
+    print(
+        f"\nMoved by the calculated torques alone, {said['engine']} ran {said['until_s']:.3g} s "
+        f"({end}); then off by\n"
+        f"  x {1e3 * x:.2g} mm, y {1e3 * y:.2g} mm, theta {math.degrees(theta):.2g} deg, "
+        f"z {1e3 * z:.2g} mm; loops opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
+    )
+
+
+def _figures(found: Verification, flags: Verify) -> list[Path]:
+    """Write a figure for each engine, and one of the printed formulae."""
+    # Late: matplotlib takes a second to load.
+    from paminsa_viz.figures.curves_paper import render_curves
+    from paminsa_viz.figures.verified import verified_curves
+
+    folder = flags.figures or Path()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise as_file_error(str(folder), error, "written") from error
+    written = []
+    for stem, title, data in verified_curves(found):
+        path = folder / f"{stem}.{flags.format}"
+        write_bytes(path, render_curves(data, flags.format, title=title))
+        written.append(path)
+    return written
