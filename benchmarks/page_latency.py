@@ -125,8 +125,9 @@ def start_bare() -> tuple[subprocess.Popen[str], str]:
     """Start the bare page; returns its process and address."""
     process = subprocess.Popen([sys.executable, "-c", BARE, "0"], stdout=subprocess.PIPE, text=True)
     assert process.stdout is not None
-    port = process.stdout.readline().split()[1]
-    return process, f"http://127.0.0.1:{port}"
+    while not (line := process.stdout.readline()).startswith("ready"):
+        assert process.poll() is None, "the bare page did not start"
+    return process, f"http://127.0.0.1:{line.split()[1]}"
 
 
 def start_explorer() -> tuple[subprocess.Popen[str], str]:
@@ -147,7 +148,7 @@ def open_page(browser: Any, url: str, ready: str, size: tuple[int, int]) -> Any:
     page.set_default_timeout(120_000)
     page.goto(url + "/?fixedDpr=1")
     page.locator(ready).first.wait_for()
-    page.evaluate(SCRIPT + THUMB)
+    page.evaluate(SCRIPT + THUMB + "null")  # not the function itself, which would be called
     return page
 
 

@@ -137,7 +137,7 @@ def bar(layer: str, length: float, middle: float | None = None) -> Part:
     part = Part()
     socket = 0.014
     if length > 2 * socket:
-        part.add("accent", moved(rod(radius, socket, length - socket, 0.0005, 24), rotation=ALONG))
+        part.add("accent", moved(rod(radius, socket, length - socket, 0.0, 12), rotation=ALONG))
     for stop in stops:
         part.join(fixed_part("barrel").moved((stop, 0.0, 0.0)))
     gaps = [high - low for low, high in pairwise(stops)]
@@ -178,12 +178,12 @@ def shaft(length: float) -> Part:
 
 def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
     """Return a shaft with six shallow grooves along z, which show that it turns."""
-    angle = 2 * np.pi * np.arange(36) / 36
-    depth = np.where(np.arange(36) % 6 == 0, 0.0016, 0.0)
+    angle = 2 * np.pi * np.arange(24) / 24
+    depth = np.where(np.arange(24) % 6 == 0, 0.0016, 0.0)
     flat = (radius - depth)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
 
     def level(height: float) -> Array:
-        return np.hstack([flat, np.full((36, 1), height)])
+        return np.hstack([flat, np.full((24, 1), height)])
 
     return loft([level(bottom), level(top)])
 
@@ -196,7 +196,7 @@ def guide(length: float, assembly: Assembly) -> Part:
     rail = beam(0.02, length - 0.001, (0.022, 0.021), (0.022, 0.021), 0.002, 0.0005)
     part.add("body", moved(rail, rotation=turn("z", np.pi)))
     for side in (-1.0, 1.0):
-        strip = box((max(length - 0.045, 0.01), 0.003, 0.007), chamfer=0.0006)
+        strip = box((max(length - 0.045, 0.01), 0.003, 0.007), chamfer=0.0)
         part.add("steel", moved(strip, (-(length + 0.015) / 2, side * 0.0112, 0.0)))
     part.add("accent", box((0.010, 0.034, 0.032), (-length - 0.005, 0.0, 0.0), 0.002))
     return part
@@ -219,9 +219,9 @@ def carriage(base_radius: float, arm_length: float, ram: float) -> Part:
         part.join(fixed_part("arm_bearing").moved(frame.polar(tip, angle)))
     if ram:
         top = at.CARRIAGE_HALF + ram + 0.02
-        part.add("steel", rod(frame.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 36))
-        part.add("body", rod(0.026, at.CARRIAGE_HALF - 0.001, at.CARRIAGE_HALF + 0.012, 0.002, 40))
-        part.add("body", rod(0.026, -at.CARRIAGE_HALF - 0.004, 0.001 - at.CARRIAGE_HALF, 0.002, 40))
+        part.add("steel", rod(frame.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 22))
+        part.add("body", rod(0.026, at.CARRIAGE_HALF - 0.001, at.CARRIAGE_HALF + 0.012, 0.002, 24))
+        part.add("body", rod(0.026, -at.CARRIAGE_HALF - 0.004, 0.001 - at.CARRIAGE_HALF, 0.002, 24))
     return part
 
 
@@ -230,9 +230,9 @@ def platform(radius: float, joint_height: float) -> Part:
     top = joint_height - at.PLATE_BELOW_5
     corners = np.array([frame.polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
     part = Part()
-    plate = prism(rounded_polygon(corners, 0.025, steps=12), top - 0.010, top, 0.0016, 3)
+    plate = prism(rounded_polygon(corners, 0.025, steps=8), top - 0.010, top, 0.0016)
     part.add("platform", plate)
-    part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0008, 48))
+    part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0, 28))
     return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - 0.010)))
 
 

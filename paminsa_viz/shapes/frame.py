@@ -47,11 +47,11 @@ def ground(geometry: Geometry, assembly: Assembly) -> Part:
     """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
     radius = plinth_radius(geometry, assembly)
     top = layout(geometry, assembly).ground
-    part = Part().add("floor", rod(radius - 0.002, top - 0.004, top, 0.0005, 96))
-    part.add("rim", rod(radius, top - 0.020, top - 0.0015, 0.001, 80))
+    part = Part().add("floor", rod(radius - 0.002, top - 0.004, top, 0.0, 72))
+    part.add("rim", rod(radius, top - 0.020, top - 0.0015, 0.0, 64))
     # Circles every 0.2 m for scale; they stand out by less than the pictures laid on the floor.
     for line in np.arange(0.2, radius - 0.05, 0.2):
-        part.add("line", tube(line - 0.0012, line + 0.0012, top, top + 0.0005, 0.0002, 64))
+        part.add("line", tube(line - 0.0012, line + 0.0012, top, top + 0.0005, 0.0, 44))
     return part
 
 
@@ -101,22 +101,22 @@ def _lift(place: Layout, assembly: Assembly) -> Part:
     foot = place.column_top + PLATE_OF_BRIDGE
     top = foot + _cylinder_length(place)
     part = fixed_part("lift_foot").moved((0.0, 0.0, foot - 0.002))
-    part.add("frame", moved(rod(CYLINDER_RADIUS, foot, top, 0.002, 48)))
-    part.add("accent", tube(0.03, CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 48))
+    part.add("frame", moved(rod(CYLINDER_RADIUS, foot, top, 0.002, 32)))
+    part.add("accent", tube(0.03, CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 32))
     return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
 
 
 def _base_plate(geometry: Geometry, place: Layout) -> Part:
     """The plate above the guides: hub, spokes to the motors, ring."""
     low, high = at.MOUNT, at.MOUNT + at.PLATE
-    part = Part().add("frame", rod(0.064, low, high, 0.002, 60))
+    part = Part().add("frame", rod(0.064, low, high, 0.002, 32))
     radius = geometry.base_radius
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
         # Spokes stand on edge above the plate's lower face, clear of the bars below.
         spoke = beam(0.05, radius - 0.05, (0.050, 0.016), (0.034, 0.016), 0.003, 0.0015)
         part.add("frame", moved(spoke, (0.0, 0.0, low + 0.0085), spin))
-        seat = tube(at.QUILL_RADIUS + 0.001, 0.073, low + 0.0003, high, 0.002, 48)
+        seat = tube(at.QUILL_RADIUS + 0.001, 0.073, low + 0.0003, high, 0.0015, 28)
         part.add("frame", moved(seat, polar(radius, angle)))
     gap = 2 * np.arcsin(min(0.060 / (2 * radius), 1.0))
     for angle in AXIS_ANGLES:
@@ -133,12 +133,12 @@ def _mast(place: Layout) -> Part:
     where = polar(place.mast_radius, MAST_ANGLE)
     low, top = place.ground, place.mast_top
     part = fixed_part("mast_foot").moved(where + polar(0.0, 0.0, low), spin)
-    profile = prism(rounded_rectangle(*MAST, 0.010, steps=4), low + 0.008, top, 0.001)
+    profile = prism(rounded_rectangle(*MAST, 0.010, steps=3), low + 0.008, top, 0.001)
     part.add("frame", moved(profile, where, spin))
     for side in (-1.0, 1.0):
         # Dark inlays in the profile's grooves; they stand out by less than can be seen.
         for offset in (-0.022, 0.022):
-            groove = box((0.008, 0.002, top - low - 0.07), chamfer=0.0004)
+            groove = box((0.008, 0.002, top - low - 0.07), chamfer=0.0)
             across = np.array([offset, side * (MAST[1] / 2 - 0.0006), (top + low) / 2])
             part.add("body", moved(moved(groove, across), where, spin))
     cap = prism(
@@ -186,9 +186,9 @@ def _column(place: Layout) -> Part:
     """M4's column in the printed assembly: foot, three guide rods and the screw."""
     bottom = at.MOUNT + at.PLATE
     part = fixed_part("lift_foot").moved((0.0, 0.0, bottom))
-    part.add("steel", rod(SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.001, 24))
+    part.add("steel", rod(SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 10))
     for angle in ROD_ANGLES:
-        guide = rod(ROD_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.001, 20)
+        guide = rod(ROD_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 8)
         part.add("steel", moved(guide, polar(ROD_CIRCLE, angle)))
     return part
 
@@ -196,6 +196,6 @@ def _column(place: Layout) -> Part:
 def _bridge(place: Layout) -> Part:
     """The arm over the robot in the mirror assembly, which carries M4."""
     low, high = place.column_top, place.column_top + PLATE_OF_BRIDGE
-    part = Part().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 60))
+    part = Part().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
     part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))
     return part

@@ -22,7 +22,6 @@ from paminsa_viz.shapes.solids import (
     revolve,
     rod,
     rounded_rectangle,
-    tube,
 )
 
 LOAD_DENSITY: Final = 3500.0
@@ -38,31 +37,31 @@ def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Par
 
     Heads stand outside; an end without one is flush, where something else passes close by.
     """
-    part = Part().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0005, 12), rotation=ACROSS))
+    part = Part().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0, 8), rotation=ACROSS))
     head = at.PIN_HEAD
     for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):
         if not headed:
             continue
         inner, outer = sorted((end - side * 0.0002, end + side * head))
-        part.add("steel", moved(rod(0.0105, inner, outer, 0.0012, 14), rotation=ACROSS))
+        part.add("steel", moved(rod(0.0105, inner, outer, 0.0, 10), rotation=ACROSS))
         socket = end + side * head
         inner, outer = sorted((socket - side * 0.001, socket + side * 0.0002))
-        part.add("dark", moved(rod(0.0048, inner, outer, 0.0001, 6), rotation=ACROSS))
+        part.add("dark", moved(rod(0.0048, inner, outer, 0.0, 4), rotation=ACROSS))
     return part
 
 
 def collar(low: float, high: float) -> trimesh.Trimesh:
     """Return a spacer on a pin across the leg plane."""
-    return moved(rod(0.0105, low, high, 0.0006, 14), rotation=ACROSS)
+    return moved(rod(0.0105, low, high, 0.0, 10), rotation=ACROSS)
 
 
 def barrel() -> Part:
     """Return the bearing barrel at a joint of a bar; origin in its middle, its axis along y."""
     half, radius = at.BARREL / 2, at.BARREL_RADIUS
-    part = Part().add("steel", moved(rod(radius, -half, half, 0.0016, 24), rotation=ACROSS))
+    part = Part().add("steel", moved(rod(radius, -half, half, 0.0, 14), rotation=ACROSS))
     for side in (-1.0, 1.0):
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0004)))
-        part.add("dark", moved(rod(0.0125, inner, outer, 0.0003, 16), rotation=ACROSS))
+        part.add("dark", moved(rod(0.0125, inner, outer, 0.0, 8), rotation=ACROSS))
     return part
 
 
@@ -72,8 +71,8 @@ def bar_end() -> Part:
     Origin in the middle of the barrel, the tube toward +x. It is scaled to nothing: tubes of every
     bar fit into it.
     """
-    profile = [(0.0125, 0.010), (0.0135, 0.013), (0.0135, 0.028), (0.0125, 0.0295), (0.009, 0.0295)]
-    return Part().add("steel", moved(revolve(profile, 16), rotation=ALONG))
+    profile = [(0.0130, 0.010), (0.0135, 0.0290)]
+    return Part().add("steel", moved(revolve(profile, 10), rotation=ALONG))
 
 
 def slider() -> Part:
@@ -84,9 +83,11 @@ def slider() -> Part:
     half = at.CORE
     part = Part().add("body", box((2 * at.SLIDER_HALF - 0.008, 2 * half, 0.036), chamfer=0.003))
     for end in (-1.0, 1.0):
-        wiper = box((0.0042, 2 * half - 0.004, 0.033), (end * (at.SLIDER_HALF - 0.002), 0.0, 0.0))
+        wiper = box(
+            (0.0042, 2 * half - 0.004, 0.033), (end * (at.SLIDER_HALF - 0.002), 0.0, 0.0), 0.0
+        )
         part.add("dark", wiper)
-    part.add("accent", box((0.022, 0.020, 0.003), (0.0, 0.0, 0.0175), 0.001))
+    part.add("accent", box((0.022, 0.020, 0.003), (0.0, 0.0, 0.0175), 0.0))
     part.join(pin(at.span("b8")[0], at.span("b7")[1]))
     part.add("steel", collar(at.span("b8")[1], 0.001 - half))
     return part.add("steel", collar(half - 0.001, at.span("b7")[0]))
@@ -98,10 +99,12 @@ def shaft_end() -> Part:
     Origin at joint 3, +z up the shaft, y across the leg plane.
     """
     part = Part()
-    block = prism(rounded_rectangle(0.032, 2 * at.CORE - 0.001, 0.007), -0.0175, 0.019, 0.003, 2)
+    block = prism(rounded_rectangle(0.032, 2 * at.CORE - 0.001, 0.007), -0.0175, 0.019, 0.003)
     part.add("body", block)
-    part.add("body", revolve([(0.0155, 0.0185), (0.0155, 0.024), (0.0125, 0.031), (0.0, 0.031)]))
-    part.add("accent", tube(0.0095, 0.0158, 0.0195, 0.0225, 0.0004, 32))
+    part.add(
+        "body", revolve([(0.0155, 0.0185), (0.0155, 0.024), (0.0125, 0.031), (0.0, 0.031)], 14)
+    )
+    part.add("accent", rod(0.0158, 0.0195, 0.0225, 0.0, 14))
     low, high = at.span("b3")
     part.join(pin(-at.CORE + 0.0005, high))
     return part.add("steel", collar(at.CORE - 0.001, low))
@@ -110,22 +113,21 @@ def shaft_end() -> Part:
 def arm_bearing() -> Part:
     """Return the bearing of joint 2 at the tip of an arm; origin at joint 2, +z up."""
     half = at.ARM_BEARING_HALF
-    bore = at.SHAFT_RADIUS + 0.0003
-    part = Part().add("accent", tube(bore, 0.0265, -half, half, 0.003, 28))
+    part = Part().add("accent", rod(0.0265, -half, half, 0.003, 16))
     for side in (-1.0, 1.0):
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0006)))
-        part.add("dark", tube(bore, 0.0205, inner, outer, 0.0003, 18))
+        part.add("dark", rod(0.0205, inner, outer, 0.0, 14))
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0012)))
-        part.add("steel", tube(bore, 0.0145, inner, outer, 0.0004, 16))
+        part.add("steel", rod(0.0145, inner, outer, 0.0, 12))
     return part
 
 
 def shaft_nut() -> Part:
     """Return the nut and collar that hold shaft B2 in joint 2; origin at joint 2, +z up."""
     half = at.ARM_BEARING_HALF + 0.0012
-    part = Part().add("steel", rod(0.0138, half, half + 0.008, 0.0012, 6))
-    part.add("dark", rod(0.0102, half + 0.008, half + 0.0105, 0.0012, 24))
-    return part.add("steel", rod(0.0135, -half - 0.006, -half, 0.001, 28))
+    part = Part().add("steel", rod(0.0138, half, half + 0.008, 0.0, 6))
+    part.add("dark", rod(0.0102, half + 0.008, half + 0.0105, 0.0, 12))
+    return part.add("steel", rod(0.0135, -half - 0.006, -half, 0.0, 14))
 
 
 def swivel() -> Part:
@@ -139,8 +141,8 @@ def swivel() -> Part:
 def swivel_disc() -> Part:
     """Return the round foot of `swivel`, which looks the same however it is turned."""
     floor = -at.PLATE_BELOW_5
-    part = Part().add("steel", rod(0.0175, floor - 0.0005, floor + 0.003, 0.0008, 28))
-    return part.add("accent", rod(0.0205, floor + 0.003, floor + 0.0068, 0.001, 32))
+    part = Part().add("steel", rod(0.0175, floor - 0.0005, floor + 0.003, 0.0, 14))
+    return part.add("accent", rod(0.0205, floor + 0.003, floor + 0.0068, 0.0, 18))
 
 
 def swivel_head() -> Part:
@@ -150,22 +152,22 @@ def swivel_head() -> Part:
     half = low - 0.004
     # An upright cheek with a round head, its outline in (x, -z), its thickness along y.
     cheek = np.array([[x, y, 0.0] for x, y in _cheek(0.0115, -(floor + 0.006), 0.0125)])
-    part = Part().add("body", moved(prism(cheek, -half, half, 0.002, 2), rotation=ACROSS))
+    part = Part().add("body", moved(prism(cheek, -half, half, 0.002), rotation=ACROSS))
     part.join(pin(-half, high))
     return part.add("steel", collar(half - 0.001, low))
 
 
 def _cheek(radius: float, depth: float, foot: float) -> list[tuple[float, float]]:
     """Outline of an upright: a half disc of ``radius`` on a foot ``depth`` away."""
-    angle = np.pi + np.pi * np.arange(13) / 12
+    angle = np.pi + np.pi * np.arange(9) / 8
     arc = [(radius * np.cos(a), radius * np.sin(a)) for a in angle]
     return [*arc, (foot, depth), (-foot, depth)]
 
 
 def tool_flange() -> Part:
     """Return the flange in the middle of the platform; origin on the plate's lower face, +z up."""
-    part = Part().add("body", rod(0.032, -0.009, 0.001, 0.0015, 48))
-    part.add("steel", rod(0.0215, -0.0115, -0.0085, 0.001, 40))
+    part = Part().add("body", rod(0.032, -0.009, 0.001, 0.0015, 24))
+    part.add("steel", rod(0.0215, -0.0115, -0.0085, 0.0, 20))
     return part
 
 
@@ -180,4 +182,4 @@ def payload() -> Part:
     profile += [(r * radius, -height + h * height) for r, h in reversed(groove)]
     profile += [(1.0 * radius, -height * 0.64), (1.0 * radius, -height * 0.06)]
     profile += [(0.94 * radius, 0.0)]
-    return part.add("load", revolve(profile, 56))
+    return part.add("load", revolve(profile, 36))

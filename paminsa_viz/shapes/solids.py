@@ -97,7 +97,7 @@ def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
     return shade(vertices, np.vstack(faces))
 
 
-def circle(radius: float, height: float = 0.0, segments: int = 32) -> Array:
+def circle(radius: float, height: float = 0.0, segments: int = 24) -> Array:
     """Return a circle about z at a height, (segments, 3)."""
     angle = 2 * np.pi * np.arange(segments) / segments
     return np.stack(
@@ -106,13 +106,13 @@ def circle(radius: float, height: float = 0.0, segments: int = 32) -> Array:
 
 
 def rounded_rectangle(
-    width: float, depth: float, radius: float, height: float = 0.0, steps: int = 4
+    width: float, depth: float, radius: float, height: float = 0.0, steps: int = 2
 ) -> Array:
     """Return a rectangle (width along x, depth along y) with round corners about z."""
     radius = min(radius, width / 2, depth / 2)
     corners = []
     for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
-        angle = np.pi / 2 * (quarter + np.arange(steps + 1) / steps)
+        angle = np.pi / 2 * (quarter + np.arange(steps + 1) / max(steps, 1))
         corners.append(
             np.stack(
                 [
@@ -144,7 +144,7 @@ def rounded_polygon(corners: Array, radius: float, height: float = 0.0, steps: i
     return np.hstack([flat, np.full((len(flat), 1), height)])
 
 
-def revolve(profile: Sequence[tuple[float, float]], segments: int = 32) -> trimesh.Trimesh:
+def revolve(profile: Sequence[tuple[float, float]], segments: int = 20) -> trimesh.Trimesh:
     """Turn a profile of (radius, height) points about z; it runs bottom up on the outside.
 
     An end on the axis is closed there; other ends are capped.
@@ -153,7 +153,7 @@ def revolve(profile: Sequence[tuple[float, float]], segments: int = 32) -> trime
 
 
 def rod(
-    radius: float, bottom: float, top: float, chamfer: float = 0.001, segments: int = 24
+    radius: float, bottom: float, top: float, chamfer: float = 0.001, segments: int = 16
 ) -> trimesh.Trimesh:
     """Return a round bar along z from ``bottom`` to ``top`` with chamfered ends."""
     c = min(chamfer, radius / 2, (top - bottom) / 2.5)
@@ -168,7 +168,7 @@ def tube(
     bottom: float,
     top: float,
     chamfer: float = 0.001,
-    segments: int = 40,
+    segments: int = 24,
 ) -> trimesh.Trimesh:
     """Return a hollow cylinder along z with chamfered outer edges."""
     c = min(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
@@ -211,9 +211,10 @@ def box(
     centre: tuple[float, float, float] = (0.0, 0.0, 0.0),
     chamfer: float = 0.0015,
 ) -> trimesh.Trimesh:
-    """Return a box with broken edges."""
+    """Return a box with broken edges, or with sharp ones where ``chamfer`` is 0."""
     width, depth, height = size
-    outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=2)
+    steps = 1 if chamfer else 0
+    outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=steps)
     solid = prism(outline, -height / 2, height / 2, chamfer)
     return moved(solid, centre)
 
@@ -258,16 +259,14 @@ def arc_beam(
     """
     c, half = chamfer, width / 2
     section = [
-        (half - c, bottom),
-        (half, bottom + c),
+        (half, bottom),
         (half, top - c),
         (half - c, top),
         (c - half, top),
         (-half, top - c),
-        (-half, bottom + c),
-        (c - half, bottom),
+        (-half, bottom),
     ]
-    steps = max(int(np.ceil((end - start) / np.radians(4.5))), 1)
+    steps = max(int(np.ceil((end - start) / np.radians(7.5))), 1)
     loops = []
     for angle in np.linspace(start, end, steps + 1):
         loops.append(

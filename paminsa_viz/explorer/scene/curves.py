@@ -30,6 +30,17 @@ def segments(curve: ArrayLike, height: float = 0.0, closed: bool = False) -> Arr
     return pairs[np.isfinite(pairs).all(axis=(1, 2))]
 
 
+def thinned(curve: ArrayLike, most: int) -> Array:
+    """Return at most about ``most`` points of a fine curve (n, 2) or (n, 3), both ends among them.
+
+    A thick line costs a browser without a graphics card as much as a body, segment by segment.
+    """
+    points = np.atleast_2d(np.asarray(curve, dtype=np.float64))
+    if len(points) <= most:
+        return points
+    return points[np.linspace(0, len(points) - 1, most).round().astype(int)]
+
+
 def dashes(lines: Array, length: float) -> Array:
     """Cut segments (m, 2, 3) of one curve into dashes and gaps of a ``length`` [m] each."""
     if len(lines) == 0:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width, shows_difference
-from paminsa_viz.explorer.scene.curves import Curve
+from paminsa_viz.explorer.scene.curves import Curve, thinned
 from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -35,6 +35,8 @@ ABOVE: Final = {
 """Heights over the ground, above its soft shadows, so that nothing flickers through [m]."""
 
 DASH: Final = 0.022
+OUTLINE: Final = 120
+"""Most points of the workspace's boundary on the floor."""
 RING: Final = 0.032
 """Radius of the mark below the platform [m]."""
 
@@ -143,7 +145,8 @@ class FloorMap:
         # Shapes of the reach alone: the same for every quantity, and without a reference.
         cells = COARSE if moving else FULL
         data = self._store.present(state, cells, (Quantity.REACH_MARGIN,))
-        self._boundary.draw(lines.boundary(data), self._height + ABOVE["boundary"])
+        outline = [thinned(line, OUTLINE) for line in lines.boundary(data)]
+        self._boundary.draw(outline, self._height + ABOVE["boundary"])
         self._circle.draw(lines.singular_circle(data), self._height + ABOVE["circle"])
         self._curves_key = (shown, not moving)
 
