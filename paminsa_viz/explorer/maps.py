@@ -17,12 +17,11 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import MapView, RangeMode, State
 from paminsa_viz.figures import ticks
 from paminsa_viz.figures.from_model import TORQUES, map_data
+from paminsa_viz.figures.map_window import cell_centres, half_width
 from paminsa_viz.figures.maps import MapData, difference
 from paminsa_viz.figures.ranges import choose_scales
 from paminsa_viz.figures.scale import Kind, Scale, ScaleChoice
 from paminsa_viz.model import Assembly, Design, Field, Geometry, Quantity, solve_field, xy_grid
-from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.reach import workspace_radius
 
 COARSE = 72
 """Cells along each side while the hand moves; also what the colour range is found from, so that it
@@ -33,28 +32,10 @@ FULL = 200
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
 
-LEAST_HALF_WIDTH = 0.1
-"""Half width of a map of a robot that reaches next to nothing [m]."""
-
 LARGEST_END = 1e9
 """Largest size of a manual range, in its SI unit."""
 
 _Key = tuple[Geometry, Assembly, float, float, float, int]
-
-
-def half_width(geometry: Geometry) -> float:
-    """Return half the side of the square that maps of a geometry cover [m].
-
-    It holds every position within reach at any theta and z, so that a map stays where it is while
-    they are dragged; rounded up to a centimetre.
-    """
-    radius = max(1.005 * workspace_radius(geometry), LEAST_HALF_WIDTH)
-    return float(np.ceil(round(100 * radius, 6)) / 100)
-
-
-def cell_centres(half: float, cells: int) -> Array:
-    """Return the centres of ``cells`` equal cells from ``-half`` to ``half``, (cells,) [m]."""
-    return half * ((2 * np.arange(cells) + 1) / cells - 1)
 
 
 class MapStore:
