@@ -1,3 +1,112 @@
-"""Optimal redistribution of masses: counterweights, springs, fronts, sensitivities, search."""
+"""Optimal redistribution of masses, and what goes with it.
+
+`balance` is the paper's own (Eqs. 7-8). `optimise` makes any weighted sum of terms least within the
+bounds of `Changes`, with a certificate; `pareto_front` shows what two terms cost each other.
+`fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance` say
+how much each value matters, and `search_geometry` looks for better lengths.
+"""
 
 from __future__ import annotations
+
+from paminsa_viz.model.balancing.anchors import Anchor, at_joint, on_bar, on_guide, on_slider
+from paminsa_viz.model.balancing.balance import balance, paper_changes
+from paminsa_viz.model.balancing.changes import Changes, MassRange, Rail, along, beyond, whole_mass
+from paminsa_viz.model.balancing.errors import InfeasibleBounds, Relaxation, Shortfall
+from paminsa_viz.model.balancing.optimum import Active, Optimum, TermValue, optimise
+from paminsa_viz.model.balancing.pareto import Front, FrontPoint, pareto_front
+from paminsa_viz.model.balancing.requirements import Measures, Requirements, measure, resized
+from paminsa_viz.model.balancing.search import (
+    Progress,
+    SearchResult,
+    Weights,
+    search_geometry,
+)
+from paminsa_viz.model.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
+from paminsa_viz.model.balancing.springs import (
+    Spring,
+    SpringFit,
+    SpringPlace,
+    fit_springs,
+    spring_energy,
+    spring_lengths,
+    spring_torques,
+)
+from paminsa_viz.model.balancing.terms import (
+    LIFT,
+    ROTARY,
+    AddedMass,
+    MassChange,
+    StaticLift,
+    StaticPeak,
+    StaticRms,
+    Term,
+    TrajectoryEnergy,
+    TrajectoryPeak,
+    TrajectoryRms,
+)
+from paminsa_viz.model.balancing.tolerance import (
+    LengthTolerance,
+    MassTolerance,
+    length_tolerance,
+    mass_tolerance,
+)
+
+__all__ = [
+    "LIFT",
+    "OUTPUTS",
+    "ROTARY",
+    "Active",
+    "AddedMass",
+    "Anchor",
+    "Changes",
+    "Front",
+    "FrontPoint",
+    "InfeasibleBounds",
+    "LengthTolerance",
+    "MassChange",
+    "MassRange",
+    "MassTolerance",
+    "Measures",
+    "Optimum",
+    "Progress",
+    "Rail",
+    "Relaxation",
+    "Requirements",
+    "SearchResult",
+    "Shortfall",
+    "Spring",
+    "SpringFit",
+    "SpringPlace",
+    "StaticLift",
+    "StaticPeak",
+    "StaticRms",
+    "Term",
+    "TermValue",
+    "Tornado",
+    "TornadoBar",
+    "TrajectoryEnergy",
+    "TrajectoryPeak",
+    "TrajectoryRms",
+    "Weights",
+    "along",
+    "at_joint",
+    "balance",
+    "beyond",
+    "fit_springs",
+    "length_tolerance",
+    "mass_tolerance",
+    "measure",
+    "on_bar",
+    "on_guide",
+    "on_slider",
+    "optimise",
+    "paper_changes",
+    "pareto_front",
+    "resized",
+    "search_geometry",
+    "spring_energy",
+    "spring_lengths",
+    "spring_torques",
+    "tornado",
+    "whole_mass",
+]
