@@ -2,33 +2,27 @@
 
 from __future__ import annotations
 
-import difflib
 from pathlib import Path
+from typing import Literal, TypeAlias
 
-from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.trajectory import PRESET, Trajectory
 
-DEFAULT_MOTION = "paper-like"
+PresetName: TypeAlias = Literal[
+    "paper-like", "quintic", "trapezoid", "s-curve", "waypoints", "line", "circle", "arch"
+]
+"""Keys of `PRESET`, for flags."""
 
 
-def motion_of(name: str, geometry: Geometry, assembly: Assembly) -> Trajectory:
-    """Return a preset, sized for a robot, or the trajectory of a CSV file.
-
-    Args:
-        name: A key of `PRESET`, or a path.
-        geometry: The robot's lengths.
-        assembly: How its pantographs are put together.
+def motion_of(
+    preset: PresetName, file: Path | None, geometry: Geometry, assembly: Assembly
+) -> Trajectory:
+    """Return the trajectory of a CSV file, or else a preset, sized for a robot.
 
     Raises:
-        TableFileError: If there is such a file, but it can not be read.
-        UsageError: If it is neither.
+        TableFileError: If the file can not be read.
     """
-    if name in PRESET:
-        return PRESET[name].build(geometry, assembly).sample()
-    if Path(name).exists() or name.lower().endswith(".csv"):
-        return read_trajectory(name)
-    near = difflib.get_close_matches(name, PRESET, 1)
-    hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(PRESET)}"
-    raise UsageError(f"{name[:60]!r} is no ready-made trajectory and no CSV file; {hint}")
+    if file is not None:
+        return read_trajectory(file)
+    return PRESET[preset].build(geometry, assembly).sample()

@@ -12,7 +12,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.motions import DEFAULT_MOTION, motion_of
+from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, name, verify
@@ -26,8 +26,8 @@ DESCRIPTION = """\
 Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
 
   paminsa-viz verify                                  Appendix 4 on a motion with 1 m/s²
-  paminsa-viz verify --design robot.toml --trajectory circle --figures checked
-  paminsa-viz verify --trajectory motion.csv --json   for other programs
+  paminsa-viz verify --design robot.toml --preset circle --figures checked
+  paminsa-viz verify --file motion.csv --json         for other programs
 
 Static torques at random poses of the workspace and dynamic torques along a trajectory, of all four
 actuators: by how much formulae and engine differ, at most and on average (RMS), over the largest
@@ -47,9 +47,10 @@ class Verify:
     """Design file (TOML), instead of the paper's Appendix 4."""
     assembly: Literal["printed", "mirror"] = "printed"
     """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
-    trajectory: Annotated[str, tyro.conf.arg(metavar="NAME|FILE.csv")] = DEFAULT_MOTION
-    """Ready-made motion (paper-like, quintic, trapezoid, s-curve, waypoints, line, circle, arch) or
-    a table with t_s,x_m,y_m,theta_rad,z_m."""
+    preset: PresetName = "paper-like"
+    """A ready-made motion, sized for the robot. None of them is the paper's own."""
+    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """A motion as a table with t_s,x_m,y_m,theta_rad,z_m, instead of a preset."""
     poses: int = POSES
     """Number of random poses at rest."""
     seed: int = 0
@@ -71,7 +72,7 @@ def main(words: list[str]) -> int:
     flags = parse(Verify, words, "verify", DESCRIPTION)
     design = APPENDIX_4 if flags.design is None else load_design(flags.design)
     assembly = Assembly(flags.assembly)
-    motion = motion_of(flags.trajectory, design.geometry, assembly)
+    motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
     xml = None if flags.model is None else _mechanics(flags.model)
     try:
         found = verify(

@@ -6,16 +6,18 @@ import json
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from paminsa_viz.cli import main
+from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_columns import WRITTEN
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.model.trajectory import paper_like
+from paminsa_viz.model.trajectory import PRESET, paper_like
 
 pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
@@ -32,7 +34,7 @@ def motion(tmp_path, monkeypatch) -> str:
 
 
 def test_a_pass_is_told_in_a_table(motion, capsys) -> None:
-    assert main(["verify", "--trajectory", motion, "--poses", "20"]) == 0
+    assert main(["verify", "--file", motion, "--poses", "20"]) == 0
     said = capsys.readouterr().out
     assert said.startswith("Appendix 4, printed assembly: 20 poses at rest, 31 states of")
     assert "Formulae and MuJoCo" in said
@@ -42,7 +44,7 @@ def test_a_pass_is_told_in_a_table(motion, capsys) -> None:
 
 
 def test_json_holds_the_same(motion, capsys) -> None:
-    words = ["verify", "--trajectory", motion, "--poses", "9", "--seed", "5", "--json"]
+    words = ["verify", "--file", motion, "--poses", "9", "--seed", "5", "--json"]
     assert main(words) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["passed"] is True
@@ -58,7 +60,7 @@ def test_a_design_of_ones_own_in_the_mirror_assembly(tmp_path, monkeypatch, caps
     heavier = APPENDIX_4.vary({"payload.mass": 2.0, "links.b4": 0.9, **lengths})
     save_design(replace(heavier, name="heavier"), "d.toml")
     words = ["verify", "--design", "d.toml", "--assembly", "mirror", "--poses", "9"]
-    assert main([*words, "--trajectory", "arch", "--json"]) == 0
+    assert main([*words, "--preset", "arch", "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert (found["design"], found["assembly"]) == ("heavier", "mirror")
 
@@ -68,7 +70,7 @@ def test_a_wrong_mass_in_an_exported_model_fails(motion, capsys) -> None:
     Path("right.xml").write_text(text)
     assert 'mass="0.672"' in text
     Path("wrong.xml").write_text(text.replace('mass="0.672"', 'mass="0.673"', 1))
-    words = ["verify", "--trajectory", motion, "--poses", "9", "--model"]
+    words = ["verify", "--file", motion, "--poses", "9", "--model"]
     assert main([*words, "right.xml"]) == 0
     assert main([*words, "wrong.xml"]) == 1
     assert capsys.readouterr().out.splitlines()[-1].startswith("FAIL: the largest difference")
@@ -76,12 +78,12 @@ def test_a_wrong_mass_in_an_exported_model_fails(motion, capsys) -> None:
 
 def test_a_model_with_meshes_can_be_checked_too(motion, capsys) -> None:
     assert main(["export", "--meshes", "robot"]) == 0
-    words = ["verify", "--trajectory", motion, "--poses", "9", "--model", "robot/robot.xml"]
+    words = ["verify", "--file", motion, "--poses", "9", "--model", "robot/robot.xml"]
     assert main(words) == 0
 
 
 def test_figures_are_written_where_they_are_wanted(motion, capsys) -> None:
-    words = ["verify", "--trajectory", motion, "--poses", "9", "--figures", "a/b"]
+    words = ["verify", "--file", motion, "--poses", "9", "--figures", "a/b"]
     assert main([*words, "--format", "svg", "--json"]) == 0
     names = {path.name for path in Path("a/b").iterdir()}
     assert {"formulae_mujoco.svg", "formulae_as_printed_mujoco.svg"} <= names
@@ -89,12 +91,15 @@ def test_figures_are_written_where_they_are_wanted(motion, capsys) -> None:
     assert b"<svg" in Path("a/b/formulae_mujoco.svg").read_bytes()
 
 
+def test_every_preset_can_be_named() -> None:
+    assert get_args(PresetName) == tuple(PRESET)
+
+
 @pytest.mark.parametrize(
     ("words", "complaint"),
     [
-        ("--trajectory cirle", "did you mean circle?"),
-        ("--trajectory 7", "there are paper-like, quintic"),
-        ("--trajectory no.csv", "no.csv: can not be read: no such file"),
+        ("--preset cirle", "invalid choice 'cirle'"),
+        ("--file no.csv", "no.csv: can not be read: no such file"),
         ("--tolerance 0", "tolerance: a finite number above 0 is needed, not 0.0"),
         ("--poses 0", "poses: at least 1 is needed"),
         ("--seed -1", "seed: a whole number"),
@@ -103,8 +108,8 @@ def test_figures_are_written_where_they_are_wanted(motion, capsys) -> None:
         ("--model motion.csv", "motion.csv: is no valid XML"),
         ("--model other.xml", "model: its joints are not those of this robot"),
         ("--model broken.xml", "broken.xml: MuJoCo can not use it"),
-        ("--trajectory motion.csv --poses 1 --figures motion.csv", "motion.csv: can not be"),
-        ("--trajectory far.csv", "the trajectory can not be run: at 0 s"),
+        ("--file motion.csv --poses 1 --figures motion.csv", "motion.csv: can not be"),
+        ("--file far.csv", "the trajectory can not be run: at 0 s"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(motion, capsys, words, complaint) -> None:
@@ -120,7 +125,7 @@ def test_what_is_wrong_is_told_in_one_line(motion, capsys, words, complaint) -> 
 
 def test_without_the_engine_it_says_how_to_get_it(motion, capsys, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    assert main(["verify", "--trajectory", motion]) == 2
+    assert main(["verify", "--file", motion]) == 2
     assert capsys.readouterr().err == (
         "paminsa-viz: MuJoCo is not installed; it comes with the extra 'verify': "
         "pip install 'paminsa-viz[verify]'\n"
