@@ -21,6 +21,7 @@ from paminsa_viz.model.errors import PaminsaError
 
 COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",
+    "trajectory": "say what a motion asks of the robot; draw, simulate, write it",
     "evaluate": "compute actuator positions, torques and status for a table of poses",
     "design": "check, show, compare design files; write Appendix 4's",
     "verify": "check the formulae against MuJoCo and Pinocchio",

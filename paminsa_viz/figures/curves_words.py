@@ -27,14 +27,20 @@ NAMED_FAILURES = 4
 
 
 def value(number: float, unit: str, digits: int = 3) -> str:
-    """Return a value of a stored unit as a person reads it, with the shown unit.
+    """Return a value of a stored unit as a person reads it, with the shown unit."""
+    factor, after = reading(unit)
+    return f"{written(number * factor, digits)}{after}"
+
+
+def reading(unit: str) -> tuple[float, str]:
+    """Return the factor from a stored unit to the one that a person reads, and what follows it.
 
     Speeds and accelerations stay in metres, which is how drives and limits are rated.
     """
     base, _, rest = unit.partition("/")
     factor, name = (1.0, "m") if rest and base == "m" else SHOWN_UNITS.get(base, (1.0, base))
     between = "" if name == "°" else " "
-    return f"{written(number * factor, digits)}{between}{name}{f'/{rest}' if rest else ''}"
+    return factor, f"{between}{name}{f'/{rest}' if rest else ''}"
 
 
 def size(values: NDArray[np.float64], unit: str) -> str:

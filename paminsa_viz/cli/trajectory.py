@@ -1,0 +1,285 @@
+"""``paminsa-viz trajectory``: what a motion asks of the robot, as numbers, figures and a page."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Literal
+
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.motions import DEFAULT_MOTION
+from paminsa_viz.cli.output import print_json
+from paminsa_viz.cli.trajectory_files import ENDINGS, PICTURES, write_files
+from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
+from paminsa_viz.figures.curves import CurveKind
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.files.trajectory_table import read_trajectory
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.model.trajectory import (
+    PRESET,
+    Control,
+    Controller,
+    ImpossibleTrajectory,
+    InfeasibleMotion,
+    MotionLimits,
+    Shortest,
+    Simulation,
+    SimulationFailed,
+    Trajectory,
+    analyse,
+    shortest,
+    simulate,
+    through,
+)
+from paminsa_viz.model.trajectory.sampled import RATE
+
+DESCRIPTION = """\
+Say what a motion asks of the robot: torques, speeds, power and energy of every actuator.
+
+  paminsa-viz trajectory                                     four coordinates at 1 m/s²
+  paminsa-viz trajectory --preset circle --out circle.pdf    torques as a figure
+  paminsa-viz trajectory --file motion.csv --out loads.csv   every sample as a table
+  paminsa-viz trajectory --preset arch --shortest --max-speed 1 --max-torque 4
+  paminsa-viz trajectory --preset line --out line.html       the robot moves, in any browser
+  paminsa-viz trajectory --simulate computed-torque --payload-mismatch 0.5 --out run.png
+
+A table has the columns t_s,x_m,y_m,theta_rad,z_m, and may have velocities and accelerations; other
+units go into the header (t_ms, x_mm, theta_deg). The ending of --out says what is written:
+  .csv .npz         every sample; with --simulate, of the simulated motion
+  .png .svg .pdf    a figure for print, see --figure
+  .html             the motion with the robot, playable without a server
+
+Exit code: 0 the robot can run the motion; 1 it can not (leaves its workspace, comes too close to a
+singular pose, is too weak, or the simulation stopped), with the time and the reason; 2 a wrong
+argument or file."""
+
+
+@dataclass(frozen=True)
+class Flags:
+    """Flags of the command."""
+
+    preset: Literal[
+        "paper-like", "quintic", "trapezoid", "s-curve", "waypoints", "line", "circle", "arch"
+    ] | None = None  # fmt: skip
+    """A ready-made motion, sized for the robot; paper-like if nothing else is said.
+    None of them is the paper's own."""
+    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """A motion as a table, instead of a preset."""
+    waypoints: bool = False
+    """The rows of --file are a few waypoints: start and end at rest, smoothly through them."""
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4; also for friction and payload."""
+    reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Another design file, to compare with on the same motion."""
+    assembly: Literal["printed", "mirror"] = "printed"
+    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    printed: bool = False
+    """Also work it out by the formulae as the paper prints them, misprints included."""
+
+    duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
+    """Duration [s], instead of the motion's own."""
+    shortest: bool = False
+    """Run the motion in the shortest time that keeps the limits below."""
+    max_speed: Annotated[float | None, tyro.conf.arg(metavar="M/S")] = None
+    """Limit of the platform's speed [m/s]."""
+    max_turn_speed: Annotated[float | None, tyro.conf.arg(metavar="DEG/S")] = None
+    """Limit of its turning speed [°/s]."""
+    max_acceleration: Annotated[float | None, tyro.conf.arg(metavar="M/S2")] = None
+    """Limit of its acceleration [m/s²]."""
+    max_turn_acceleration: Annotated[float | None, tyro.conf.arg(metavar="DEG/S2")] = None
+    """Limit of its turning acceleration [°/s²]."""
+    max_jerk: Annotated[float | None, tyro.conf.arg(metavar="M/S3")] = None
+    """Limit of its jerk [m/s³]."""
+    max_turn_jerk: Annotated[float | None, tyro.conf.arg(metavar="DEG/S3")] = None
+    """Limit of its turning jerk [°/s³]."""
+    max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
+    """Limit of the torque of M1, M2 and M3 [N m]."""
+    max_force: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    """Limit of the force of M4 [N]."""
+    rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
+    """Samples a second; 1000 for planned motions, and as they are for a table."""
+
+    simulate: Literal["computed-torque", "pd", "feed-forward"] | None = None
+    """Let a controller drive the robot: computed torque, feed-forward with PD, or feed-forward.
+    With the last one alone the robot is unstable."""
+    payload_mismatch: Annotated[float, tyro.conf.arg(metavar="KG")] = 0.0
+    """Payload of the simulated robot that its controller does not know of [kg]."""
+    bandwidth: Annotated[float, tyro.conf.arg(metavar="HZ")] = Controller().bandwidth
+    """Bandwidth of the controller [Hz]."""
+
+    out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
+    """File to write; may be given several times."""
+    figure: CurveKind | None = None
+    """What figures show: torques, or with --simulate the tracking, if nothing else is said.
+    A comparison is with --engine, else --printed, else --reference."""
+    engine: Literal["mujoco", "pinocchio"] | None = None
+    """Work the torques out in a physics engine too, for the comparison."""
+    width: Annotated[float, tyro.conf.arg(metavar="MM")] = 170.0
+    """Width of figures [mm]; 85 is a column, 170 a page."""
+    dpi: float = 300.0
+    """Pixels per inch of PNG."""
+    json: bool = False
+    """Print JSON for other programs, in SI units."""
+
+    def check(self) -> None:
+        """Refuse flags that do not belong together, before anything is computed.
+
+        Raises:
+            UsageError: Which flag, and what to do.
+        """
+        limits = [name for name in vars(self) if name.startswith("max_") and self.given(name)]
+        limit = f"--{(limits or ['max_speed'])[0].replace('_', '-')}"
+        unplanned = self.file is not None and not self.waypoints
+        drawn = any(path.suffix.lower() in PICTURES for path in self.out)
+        kind, second = self.figure_kind, self.engine or self.printed or self.reference
+        pictures = "needs --out with .png, .svg or .pdf"
+        plan = "needs a planned motion: a preset, or --file with --waypoints"
+        for wrong, problem in (
+            (self.preset and self.file, "--preset and --file exclude each other"),
+            (self.waypoints and self.file is None, "--waypoints belongs to --file"),
+            (self.shortest and self.given("duration"), "--duration excludes --shortest"),
+            (self.given("duration") and unplanned, f"--duration {plan}"),
+            (self.shortest and unplanned, f"--shortest {plan}"),
+            (self.shortest and not limits, f"--shortest needs a limit, such as {limit}"),
+            (limits and not self.shortest, f"{limit} belongs to --shortest"),
+            (self.payload_mismatch and not self.simulate, "--payload-mismatch needs --simulate"),
+            (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),
+            (
+                kind == "comparison" and not second,
+                "--figure comparison needs --engine, --printed or --reference",
+            ),
+            (self.engine and kind != "comparison", "--engine belongs to --figure comparison"),
+            (self.figure and not drawn, f"--figure {pictures}"),
+            (self.engine and not drawn, f"--engine {pictures}"),
+        ):
+            if wrong:
+                raise UsageError(f"{problem}; see paminsa-viz trajectory --help")
+        for path in self.out:
+            if path.suffix.lower() not in ENDINGS:
+                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(ENDINGS)}")
+
+    def given(self, name: str) -> bool:
+        """Whether a flag without a default is given."""
+        return getattr(self, name) is not None
+
+    @property
+    def figure_kind(self) -> CurveKind:
+        """What figures show."""
+        if self.figure is not None:
+            return self.figure
+        if self.engine is not None:
+            return "comparison"
+        return "torques" if self.simulate is None else "tracking"
+
+    @property
+    def limits(self) -> MotionLimits:
+        """The limits, in SI units."""
+
+        def turn(value: float | None) -> float | None:
+            return None if value is None else math.radians(value)
+
+        return MotionLimits(
+            speed=self.max_speed,
+            turn_speed=turn(self.max_turn_speed),
+            acceleration=self.max_acceleration,
+            turn_acceleration=turn(self.max_turn_acceleration),
+            jerk=self.max_jerk,
+            turn_jerk=turn(self.max_turn_jerk),
+            torque=self.max_torque,
+            force=self.max_force,
+        )
+
+
+def main(words: list[str]) -> int:
+    """Run the command."""
+    flags = parse(Flags, words, "trajectory", DESCRIPTION)
+    flags.check()
+    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    reference = None if flags.reference is None else load_design(flags.reference)
+    try:
+        results = _worked_out(flags, design, reference, Assembly(flags.assembly))
+    except (ImpossibleTrajectory, InfeasibleMotion) as error:
+        complain(error)
+        if flags.json:
+            print_json({"ok": False, "problems": [str(error)]})
+        return 1
+    for problem in results.problems:
+        complain(problem)
+    written = write_files(
+        results, flags.out, kind=flags.figure_kind, engine=flags.engine,
+        width_mm=flags.width, dpi=flags.dpi, simulated=flags.simulate is not None,
+    )  # fmt: skip
+    if flags.json:
+        print_json(report(results, written))
+    else:
+        print_report(results, written)
+    return 1 if results.problems else 0
+
+
+def _worked_out(
+    flags: Flags, design: Design, reference: Design | None, assembly: Assembly
+) -> Results:
+    """Return all that is asked for.
+
+    Raises:
+        ImpossibleTrajectory, InfeasibleMotion: If there is no motion to work out.
+    """
+    trajectory, quickest = _motion(flags, design, assembly)
+    analysis = analyse(design, trajectory, assembly)
+    results = Results(analysis, quickest)
+    if reference is not None:
+        results = replace(results, reference=analyse(reference, trajectory, assembly))
+    if flags.printed:
+        as_printed = analyse(design, trajectory, assembly, misprints=Misprint.ALL)
+        results = replace(results, printed=as_printed)
+    if analysis.check.first is not None:
+        return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))
+    if flags.simulate is None:
+        return results
+    try:
+        simulation = _simulated(flags, design, trajectory, assembly)
+    except SimulationFailed as error:
+        return replace(results, problems=(error,))
+    results = replace(results, simulation=simulation)
+    if simulation.stopped is None:
+        return results
+    return replace(results, problems=(SimulationStopped(simulation.stopped),))
+
+
+def _motion(flags: Flags, design: Design, assembly: Assembly) -> tuple[Trajectory, Shortest | None]:
+    """Return the motion as samples, and what its duration follows from if that was asked."""
+    if flags.file is None:
+        plan = PRESET[flags.preset or DEFAULT_MOTION].build(design.geometry, assembly)
+    else:
+        read = read_trajectory(flags.file)
+        if not flags.waypoints:
+            return (read if flags.rate is None else read.resampled(flags.rate)), None
+        way = through(read.pose, times=read.t, name=read.name)
+        plan = replace(way, notes=read.notes)
+    quickest = None
+    if flags.duration is not None:
+        plan = plan.lasting(flags.duration)
+    elif flags.shortest:
+        quickest = shortest(plan, flags.limits, design, assembly)
+        plan = quickest.plan
+    return plan.sample(RATE if flags.rate is None else flags.rate), quickest
+
+
+def _simulated(
+    flags: Flags, design: Design, trajectory: Trajectory, assembly: Assembly
+) -> Simulation:
+    robot = design.vary({"payload.mass": design.payload.mass + flags.payload_mismatch})
+    control = _CONTROLS[flags.simulate or "pd"]
+    controller = Controller(control, bandwidth=flags.bandwidth)
+    return simulate(robot, trajectory, assembly, model=design, controller=controller)
+
+
+_CONTROLS = {
+    "computed-torque": Control.COMPUTED_TORQUE,
+    "pd": Control.PD,
+    "feed-forward": Control.FEED_FORWARD,
+}

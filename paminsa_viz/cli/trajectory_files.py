@@ -1,0 +1,130 @@
+"""The files of ``paminsa-viz trajectory``; what they hold follows from their endings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import cast
+
+from paminsa_viz.cli.arguments import complain
+from paminsa_viz.cli.trajectory_report import Results
+from paminsa_viz.figures.curves import CurveKind, OtherTorques, figure_bytes
+from paminsa_viz.figures.printing import Kind
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.errors import FileError
+from paminsa_viz.files.trajectory_series import (
+    analysis_series,
+    series_csv,
+    series_npz,
+    simulation_series,
+)
+from paminsa_viz.model.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
+
+TABLES = (".csv", ".npz")
+PICTURES = (".png", ".svg", ".pdf")
+PAGE = ".html"
+ENDINGS = (*TABLES, *PICTURES, PAGE)
+
+
+def write_files(
+    results: Results,
+    paths: Sequence[Path],
+    *,
+    kind: CurveKind,
+    engine: str | None,
+    width_mm: float,
+    dpi: float,
+    simulated: bool,
+) -> list[Path]:
+    """Write files, each completely or not at all.
+
+    What can not be shown, because the motion fails, is left out with a line on stderr.
+
+    Args:
+        results: What was worked out.
+        paths: Files, whose endings are among `ENDINGS`.
+        kind: What figures show.
+        engine: ``"mujoco"`` or ``"pinocchio"``, to compare with, or None.
+        width_mm: Width of figures [mm].
+        dpi: Pixels per inch of PNG.
+        simulated: Whether tables and figures of tracking are to show a simulated motion.
+
+    Returns:
+        Those that are written.
+
+    Raises:
+        FileError: If a file can not be written.
+        EngineMissing: If the engine is not installed.
+        InvalidInput: If a figure's width or resolution is not possible.
+    """
+    other = None if engine is None else engine_torques(results.analysis, engine)
+    written = []
+    for path in paths:
+        ending = path.suffix.lower()
+        needs_simulation = (simulated and ending in TABLES) or (
+            ending in PICTURES and kind == "tracking"
+        )
+        if needs_simulation and results.simulation is None:
+            complain(_NotWritten(path, "there is no simulated motion"))
+            continue
+        try:
+            content = _content(results, ending, kind, other, width_mm, dpi)
+        except ImpossibleTrajectory:
+            complain(_NotWritten(path, "the motion fails at its start"))
+            continue
+        write_bytes(path, content)
+        written.append(path)
+    return written
+
+
+def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> OtherTorques:
+    """Return torques from an engine along an analysed trajectory; joint friction is ours.
+
+    Raises:
+        EngineMissing: If the engine is not installed.
+    """
+    from paminsa_viz.engines.mujoco_model import MujocoRobot
+    from paminsa_viz.engines.pinocchio_model import PinocchioRobot
+
+    name, make = {"mujoco": ("MuJoCo", MujocoRobot), "pinocchio": ("Pinocchio", PinocchioRobot)}[
+        engine
+    ]
+    design, motion = analysis.design, analysis.trajectory
+    robot = make(design, analysis.solved.assembly)
+    torque = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
+    torque[~analysis.check.good] = float("nan")
+    return OtherTorques(name, torque + analysis.solved.friction(design.friction))
+
+
+def _content(
+    results: Results,
+    ending: str,
+    kind: CurveKind,
+    other: OtherTorques | None,
+    width_mm: float,
+    dpi: float,
+) -> bytes:
+    analysis = results.analysis
+    if ending in TABLES:
+        if results.simulation is not None:
+            series = simulation_series(results.simulation)
+        else:
+            series = analysis_series(analysis)
+        return series_csv(series) if ending == ".csv" else series_npz(series)
+    if ending == PAGE:
+        from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
+
+        return motion_html(analysis.design, analysis.solved.assembly, analysis.trajectory)
+    return figure_bytes(
+        kind, analysis,
+        reference=results.reference, printed=results.printed, simulation=results.simulation,
+        engine=other, format=cast(Kind, ending[1:]), width_mm=width_mm, dpi=dpi,
+    )  # fmt: skip
+
+
+class _NotWritten(FileError):
+    """A file that is left out."""
+
+    def __init__(self, path: Path, reason: str) -> None:
+        super().__init__(os.fspath(path), f"not written; {reason}")

@@ -1,0 +1,234 @@
+"""What ``paminsa-viz trajectory`` says: a table for people, the same as data for programs."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.output import print_table
+from paminsa_viz.figures.curves_words import reading
+from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.model.trajectory import (
+    PathEvent,
+    Shortest,
+    Simulation,
+    TrajectoryAnalysis,
+)
+from paminsa_viz.model.trajectory.limits import ACTUATOR_NAMES
+
+_UNITS = ("N m", "N m", "N m", "N")
+_SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
+
+
+@dataclass(frozen=True, eq=False)
+class Results:
+    """What the command worked out.
+
+    Attributes:
+        analysis: The design on the motion.
+        quickest: What the duration follows from, if the shortest one was asked for.
+        reference: Another design on the same motion.
+        printed: The design by the formulae as printed.
+        simulation: The robot driven along the motion.
+        problems: Why the motion, or its simulation, fails.
+    """
+
+    analysis: TrajectoryAnalysis
+    quickest: Shortest | None = None
+    reference: TrajectoryAnalysis | None = None
+    printed: TrajectoryAnalysis | None = None
+    simulation: Simulation | None = None
+    problems: tuple[PaminsaError, ...] = ()
+
+
+class SimulationStopped(PaminsaError):
+    """A simulated robot that came to a limit.
+
+    Attributes:
+        event: The limit, and when.
+    """
+
+    def __init__(self, event: PathEvent) -> None:
+        self.event = event
+        super().__init__(f"the simulation stopped {event.explanation}")
+
+
+def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
+    """Return everything as data for JSON, in SI units."""
+    analysis, check = results.analysis, results.analysis.check
+    t = analysis.trajectory
+    quickest = results.quickest
+    return {
+        "made_by": f"paminsa_viz {__version__}",
+        "design": analysis.design.name,
+        "assembly": analysis.solved.assembly.value,
+        "trajectory": {
+            "name": t.name,
+            "kind": t.kind,
+            "duration_s": t.duration,
+            "samples": t.size,
+            "notes": list(t.notes),
+        },
+        "ok": not results.problems,
+        "problems": [str(problem) for problem in results.problems],
+        "failure": _failure(check.first),
+        "closest": _event(check.closest),
+        "shortest": None
+        if quickest is None
+        else {
+            "quantity": quickest.quantity,
+            "limit": quickest.limit,
+            "unit": quickest.unit,
+            "t_s": quickest.t,
+        },
+        "actuators": _actuators(analysis),
+        "reference": None if results.reference is None else _other(results.reference),
+        "printed": None if results.printed is None else _other(results.printed),
+        "simulation": None if results.simulation is None else _simulation(results.simulation),
+        "files": [os.fspath(path) for path in written],
+    }
+
+
+def print_report(results: Results, written: Sequence[Path]) -> None:
+    """Print the same for people, lengths in mm and angles in degrees."""
+    analysis, check = results.analysis, results.analysis.check
+    t = analysis.trajectory
+    kind = f" ({t.kind})" if t.kind else ""
+    print(f"{t.name}{kind}: {t.duration:.4g} s, {t.size} samples")
+    print(f'design "{analysis.design.name}", {analysis.solved.assembly.value} assembly')
+    for note in t.notes:
+        print(note)
+    if results.quickest is not None:
+        print(f"shortest duration, {results.quickest.explanation}")
+    print()
+    if analysis.summary:
+        rows = [("", *ACTUATOR_NAMES), *_rows(analysis)]
+        for title, other in (("reference", results.reference), ("as printed", results.printed)):
+            if other is not None and other.summary:
+                rows += [
+                    (f"{title}: {row[0]}", *row[1:]) for row in _rows(other) if row[0] in _BOTH
+                ]
+        print_table(rows, right=True)
+        print()
+    if check.first is not None:
+        print(f"fails {check.first.explanation}")
+        if analysis.summary:
+            print("the numbers are of the time before")
+    else:
+        near = check.closest
+        leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
+        where = f"{_plain(near.margin, 'm')} from {near.limit.word}{leg} at {near.t:.4g} s"
+        print(f"can be run; closest to a limit: {where}")
+    if results.reference is not None:
+        first = results.reference.check.first
+        said = "can run it too" if first is None else f"fails {first.explanation}"
+        print(f'reference "{results.reference.design.name}": {said}')
+    if results.simulation is not None:
+        _print_simulation(results.simulation)
+    for path in written:
+        print(f"{path}: written")
+
+
+_BOTH = ("peak", "RMS", "peak power")
+"""Rows that are repeated for a reference and for the formulae as printed."""
+
+
+def _rows(analysis: TrajectoryAnalysis) -> list[tuple[str, ...]]:
+    found = analysis.summary
+
+    def row(name: str, values: Sequence[float], units: Sequence[str]) -> tuple[str, ...]:
+        return (name, *(_plain(v, u) for v, u in zip(values, units, strict=True)))
+
+    seconds, watts, joules = ("s",) * 4, ("W",) * 4, ("J",) * 4
+    return [
+        row("peak", [a.peak for a in found], _UNITS),
+        row("  at", [a.peak_t for a in found], seconds),
+        row("RMS", [a.rms for a in found], _UNITS),
+        row("largest speed", [a.top_speed for a in found], _SPEED_UNITS),
+        row("peak power", [a.top_power for a in found], watts),
+        row("  at", [a.top_power_t for a in found], seconds),
+        row("energy, driving", [a.driven for a in found], joules),
+        row("energy, braking", [a.braked for a in found], joules),
+    ]
+
+
+def _plain(number: float, unit: str) -> str:
+    """Return a value in the characters that every terminal and every program knows."""
+    factor, after = reading(unit)
+    return f"{number * factor:.3g}{after}"
+
+
+def _event(event: PathEvent) -> dict[str, Any]:
+    return {
+        "t_s": event.t,
+        "limit": event.limit.word,
+        "leg": event.leg + 1 if event.leg >= 0 else None,
+        "margin_m": event.margin,
+        "pose": list(event.pose),
+    }
+
+
+def _failure(event: PathEvent | None) -> dict[str, Any] | None:
+    return None if event is None else {**_event(event), "explanation": event.explanation}
+
+
+def _actuators(analysis: TrajectoryAnalysis) -> list[dict[str, Any]]:
+    names = zip(ACTUATOR_NAMES, _UNITS, _SPEED_UNITS, strict=True)
+    return [
+        {
+            "name": name,
+            "unit": unit,
+            "peak": found.peak,
+            "peak_t_s": found.peak_t,
+            "rms": found.rms,
+            "speed_unit": speed_unit,
+            "top_speed": found.top_speed,
+            "top_power_W": found.top_power,
+            "top_power_t_s": found.top_power_t,
+            "driven_J": found.driven,
+            "braked_J": found.braked,
+        }
+        for (name, unit, speed_unit), found in zip(names, analysis.summary, strict=False)
+    ]
+
+
+def _other(analysis: TrajectoryAnalysis) -> dict[str, Any]:
+    return {
+        "design": analysis.design.name,
+        "failure": _failure(analysis.check.first),
+        "actuators": _actuators(analysis),
+    }
+
+
+def _simulation(simulation: Simulation) -> dict[str, Any]:
+    return {
+        "controller": simulation.controller.control.value,
+        "bandwidth_Hz": simulation.controller.bandwidth,
+        "payload_kg": simulation.design.payload.mass,
+        "end_t_s": float(simulation.t[-1]),
+        "stopped": _failure(simulation.stopped),
+        "largest_distance_m": float(simulation.distance.max()),
+        "end_distance_m": float(simulation.distance[-1]),
+        "largest_error": np.abs(simulation.error).max(axis=0).tolist(),
+        "energy_drift_J": float(np.abs(simulation.energy_drift).max()),
+    }
+
+
+def _print_simulation(simulation: Simulation) -> None:
+    x, y, theta, z = np.abs(simulation.error).max(axis=0)
+    print(
+        f"simulated with {simulation.controller.control.value}, payload "
+        f"{simulation.design.payload.mass:.4g} kg: largest errors x {_plain(x, 'm')}, "
+        f"y {_plain(y, 'm')}, theta {_plain(theta, 'rad')}, z {_plain(z, 'm')}; at the end "
+        f"{_plain(simulation.distance[-1], 'm')} from its place"
+    )
+    if simulation.stopped is not None:
+        print(f"it stopped {simulation.stopped.explanation}")
+    drift = float(np.abs(simulation.energy_drift).max())
+    print(f"energy drift of the solution: {_plain(drift, 'J')}")

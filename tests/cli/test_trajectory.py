@@ -1,0 +1,264 @@
+"""``trajectory``: its numbers are the model's, its exit code says whether the motion can be run."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from dataclasses import replace
+from typing import get_args, get_type_hints
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from paminsa_viz.cli import COMMANDS, main
+from paminsa_viz.cli.trajectory import Flags
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.files.pose_columns import POSE, TORQUES
+from paminsa_viz.model import APPENDIX_4, Assembly, Friction, Misprint
+from paminsa_viz.model.trajectory import PRESET, analyse, compare, home, move
+from tests.samples import random_design
+
+TOO_FAR = "t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,0.45,0,0,-0.5\n2,0.9,0,0,-0.5\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(capsys, *words: str) -> tuple[int, str, str]:
+    code = main(["trajectory", *words])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+def told(capsys, *words: str) -> dict:
+    code, out, err = run(capsys, *words, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+def read(path) -> dict[str, np.ndarray]:
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(line for line in file if not line.startswith("#")))
+    header, *cells = rows
+    return {
+        name: np.array([row[i] for row in cells])
+        for i, name in enumerate(header)
+    }  # fmt: skip
+
+
+def numbers(table, names) -> np.ndarray:
+    return np.stack([table[name].astype(float) for name in names], axis=1)
+
+
+def preset(key: str, assembly: Assembly = Assembly.PRINTED, rate: float = 1000.0):
+    return PRESET[key].build(APPENDIX_4.geometry, assembly).sample(rate)
+
+
+def test_it_is_a_command_with_every_preset() -> None:
+    assert "trajectory" in COMMANDS
+    literal, _ = get_args(get_type_hints(Flags)["preset"])
+    assert set(get_args(literal)) == set(PRESET)
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+def test_numbers_are_those_of_the_model(capsys, assembly) -> None:
+    rng = np.random.default_rng(3)
+    design = replace(
+        random_design(rng), geometry=APPENDIX_4.geometry, friction=Friction(0.1, 0.2, 3.0, 4.0),
+    )  # fmt: skip
+    save_design(design, "robot.toml")
+    found = told(capsys, "--design", "robot.toml", "--preset", "arch", "--rate", "300",
+                 "--assembly", assembly.value, "--printed")  # fmt: skip
+    motion = preset("arch", assembly, 300.0)
+    for data, misprints in ((found, Misprint.NONE), (found["printed"], Misprint.ALL)):
+        expected = analyse(design, motion, assembly, misprints=misprints).summary
+        for got, actuator in zip(data["actuators"], expected, strict=True):
+            assert got["peak"] == pytest.approx(actuator.peak, rel=1e-9)
+            assert got["rms"] == pytest.approx(actuator.rms, rel=1e-9)
+            assert got["driven_J"] == pytest.approx(actuator.driven, rel=1e-9)
+            assert got["top_speed"] == pytest.approx(actuator.top_speed, rel=1e-9)
+    assert found["ok"]
+    assert found["failure"] is None
+    assert found["trajectory"]["samples"] == motion.size
+
+
+def test_the_summary_reads_well(capsys) -> None:
+    code, out, err = run(capsys)
+    assert (code, err) == (0, "")
+    assert "It is not the motion of the paper's Figs. 8-11" in out
+    lines = out.splitlines()
+    assert any(line.split() == ["M1", "M2", "M3", "M4"] for line in lines)
+    (peaks,) = [line for line in lines if line.startswith("peak  ")]
+    assert peaks.split()[1:] == ["-2.56", "N·m", "2.17", "N·m", "3.98", "N·m", "250", "N"]
+    assert "can be run; closest to a limit: 73.1 mm from singular" in out
+    out.encode("cp1252")  # a terminal of Windows can print it
+
+
+def test_a_written_table_gives_the_same_again(capsys) -> None:
+    run(capsys, "--preset", "circle", "--rate", "200", "--out", "a.csv")
+    first = analyse(APPENDIX_4, preset("circle", rate=200.0))
+    table = read("a.csv")
+    np.testing.assert_allclose(numbers(table, TORQUES), first.torque, atol=1e-12)
+    run(capsys, "--file", "a.csv", "--out", "b.npz", "--out", "b.csv")
+    np.testing.assert_allclose(numbers(read("b.csv"), TORQUES), first.torque, atol=1e-12)
+    with np.load("b.npz") as arrays:
+        np.testing.assert_array_equal(arrays["x_m"], first.trajectory.pose[:, 0])
+
+
+def test_the_shortest_motion_reaches_its_limit(capsys) -> None:
+    found = told(capsys, "--preset", "arch", "--shortest", "--max-torque", "4", "--max-turn-speed",
+                 "200", "--out", "a.csv")  # fmt: skip
+    torques = numbers(read("a.csv"), TORQUES[:3])
+    assert np.abs(torques).max() == pytest.approx(4.0, rel=1e-4)
+    assert np.abs(torques).max() <= 4.0
+    assert found["shortest"]["quantity"].startswith("torque of M")
+
+
+def test_degrees_are_degrees(capsys) -> None:
+    told(capsys, "--shortest", "--max-turn-speed", "90", "--out", "a.csv")
+    speed = read("a.csv")["omega_rad_s"].astype(float)
+    assert np.abs(speed).max() == pytest.approx(np.pi / 2, rel=1e-6)
+
+
+def test_waypoints_are_passed_and_take_the_time_they_are_given(capsys, folder) -> None:
+    poses = home(APPENDIX_4.geometry) + np.array(
+        [[0, 0, 0, 0], [0.05, 0.02, 0.2, 0.03], [-0.04, 0.06, -0.1, -0.02]]
+    )
+    rows = [[i, *pose] for i, pose in enumerate(poses.tolist())]
+    text = "\n".join(",".join(map(repr, row)) for row in rows)
+    (folder / "way.csv").write_text(f"t_s,{','.join(POSE)}\n{text}\n")
+    found = told(capsys, "--file", "way.csv", "--waypoints", "--duration", "4", "--out", "a.csv")
+    assert found["trajectory"]["duration_s"] == 4.0
+    table = read("a.csv")
+    way, speed = numbers(table, POSE), table["vx_m_s"].astype(float)
+    np.testing.assert_allclose(way[[0, 2000, 4000]], poses, atol=1e-9)
+    assert speed[0] == speed[-1] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_motion_out_of_reach_is_exit_code_1_with_the_place(capsys, folder) -> None:
+    (folder / "far.csv").write_text(TOO_FAR)
+    code, out, err = run(capsys, "--file", "far.csv", "--rate", "500", "--out", "far.svg")
+    assert code == 1
+    assert err.count("\n") == 1
+    assert "can not be run: at 0." in err
+    assert "fails at 0." in out
+    assert (folder / "far.svg").read_bytes().startswith(b"<?xml")
+    code, out, _ = run(capsys, "--file", "far.csv", "--rate", "500", "--json")
+    data = json.loads(out)
+    assert (code, data["ok"]) == (1, False)
+    assert 0 < data["failure"]["t_s"] < 2
+    assert len(data["actuators"]) == 4
+
+
+def test_a_motion_that_fails_at_once_has_no_numbers_and_no_page(capsys, folder) -> None:
+    start = np.add(home(APPENDIX_4.geometry), (0.9, 0, 0, 0))
+    motion = move(start, start + 0.01).sample(10)
+    rows = "\n".join(
+        ",".join(map(repr, row)) for row in np.column_stack([motion.t, motion.pose]).tolist()
+    )
+    (folder / "far.csv").write_text(f"t_s,{','.join(POSE)}\n{rows}\n")
+    code, out, err = run(capsys, "--file", "far.csv", "--out", "far.html", "--out", "far.csv.npz")
+    assert code == 1
+    assert "leg 1" in err
+    assert "far.html: not written" in err
+    assert "far.csv.npz: written" in out
+    assert not (folder / "far.html").exists()
+
+
+def test_too_weak_actuators_are_exit_code_1(capsys) -> None:
+    words = ("--shortest", "--max-force", "100")
+    code, out, err = run(capsys, *words)
+    assert (code, out) == (1, "")
+    assert "no duration is long enough" in err
+    code, out, _ = run(capsys, *words, "--json")
+    assert (code, json.loads(out)["ok"]) == (1, False)
+
+
+def test_a_simulation_carries_what_its_controller_does_not_know(capsys) -> None:
+    words = ("--preset", "line", "--rate", "200", "--simulate", "computed-torque")
+    exact = told(capsys, *words)["simulation"]
+    loaded = told(capsys, *words, "--payload-mismatch", "0.5", "--out", "run.csv")["simulation"]
+    assert exact["largest_distance_m"] < 1e-6 < loaded["largest_distance_m"]
+    assert loaded["payload_kg"] == 0.5
+    table = read("run.csv")
+    error = numbers(table, POSE) - numbers(table, [f"wanted_{name}" for name in POSE])
+    np.testing.assert_allclose(np.abs(error).max(axis=0), loaded["largest_error"])
+
+
+def test_a_simulation_that_stops_is_exit_code_1(capsys) -> None:
+    words = ("--preset", "line", "--rate", "100", "--payload-mismatch", "1")
+    code, out, err = run(capsys, *words, "--simulate", "feed-forward")  # it sinks
+    assert code == 1
+    assert "the simulation stopped at" in err
+    assert "it stopped at" in out
+
+
+def test_files_are_what_their_ending_says(capsys, folder) -> None:
+    save_design(replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light"), "light.toml")
+    names = ("a.png", "a.pdf", "a.html")
+    files = [word for name in names for word in ("--out", name)]
+    found = told(capsys, "--preset", "line", "--rate", "100", "--reference", "light.toml",
+                 "--figure", "power", "--dpi", "50", "--width", "100", *files)  # fmt: skip
+    assert found["files"] == list(names)
+    assert Image.open(io.BytesIO((folder / "a.png").read_bytes())).width == round(100 / 25.4 * 50)
+    assert (folder / "a.pdf").read_bytes().startswith(b"%PDF")
+    assert b'id="motion-data"' in (folder / "a.html").read_bytes()
+    motion = preset("line", rate=100.0)
+    light = analyse(APPENDIX_4.vary({"links.b4": 0.3}), motion)
+    ratio = compare(light, analyse(APPENDIX_4, motion))[0].peak
+    got = found["reference"]["actuators"][0]["peak"] / found["actuators"][0]["peak"]
+    assert abs(got) == pytest.approx(ratio)
+
+
+def test_an_engine_is_compared_with_friction_on_both_sides(capsys, folder) -> None:
+    pytest.importorskip("pinocchio")
+    save_design(replace(APPENDIX_4, friction=Friction(0.5, 0.1, 5.0, 2.0)), "rough.toml")
+    told(capsys, "--preset", "line", "--rate", "50", "--design", "rough.toml", "--engine",
+         "pinocchio", "--out", "a.svg")  # fmt: skip
+    from paminsa_viz.cli.trajectory_files import engine_torques
+    from paminsa_viz.files.design_file import load_design
+
+    analysis = analyse(load_design("rough.toml"), preset("line", rate=50.0))
+    other = engine_torques(analysis, "pinocchio")
+    np.testing.assert_allclose(other.torque, analysis.torque, atol=1e-9)
+    assert (folder / "a.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("--preset", "spiral"), "spiral"),
+        (("--preset", "line", "--file", "a.csv"), "--file"),
+        (("--file", "missing.csv"), "missing.csv"),
+        (("--waypoints",), "--waypoints"),
+        (("--shortest",), "--max-speed"),
+        (("--max-torque", "3"), "--max-torque"),
+        (("--shortest", "--max-speed", "-1"), "speed"),
+        (("--shortest", "--max-speed", "1", "--duration", "2"), "--duration"),
+        (("--duration", "0"), "duration"),
+        (("--rate", "nan"), "rate"),
+        (("--rate", "1e9"), "rate"),
+        (("--payload-mismatch", "1"), "--simulate"),
+        (("--simulate", "pd", "--payload-mismatch", "-1"), "payload"),
+        (("--simulate", "pd", "--bandwidth", "-1"), "bandwidth"),
+        (("--figure", "tracking", "--out", "a.png"), "--simulate"),
+        (("--figure", "comparison", "--out", "a.png"), "--engine"),
+        (("--figure", "power"), "--out"),
+        (("--engine", "pinocchio", "--figure", "power", "--out", "a.png"), "--engine"),
+        (("--out", "a.xlsx"), "a.xlsx"),
+        (("--out", "no/folder/a.csv"), "no/folder/a.csv"),
+        (("--out", "a.png", "--width", "10"), "width"),
+        (("--design", "missing.toml"), "missing.toml"),
+    ],
+)
+def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, folder, words, place) -> None:
+    code, out, err = run(capsys, *words)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert place in err
+    assert list(folder.iterdir()) == []
