@@ -10,7 +10,6 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, complain, parse
-from paminsa_viz.cli.motions import DEFAULT_MOTION
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import ENDINGS, PICTURES, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
@@ -253,7 +252,7 @@ def _worked_out(
 def _motion(flags: Flags, design: Design, assembly: Assembly) -> tuple[Trajectory, Shortest | None]:
     """Return the motion as samples, and what its duration follows from if that was asked."""
     if flags.file is None:
-        plan = PRESET[flags.preset or DEFAULT_MOTION].build(design.geometry, assembly)
+        plan = PRESET[flags.preset or "paper-like"].build(design.geometry, assembly)
     else:
         read = read_trajectory(flags.file)
         if not flags.waypoints:
