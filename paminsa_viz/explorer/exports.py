@@ -63,6 +63,17 @@ def plain(name: str) -> str:
     return "-".join(words)[:LONGEST_NAME].strip("-")
 
 
+def require_range(name: str, value: float, ends: tuple[float, float]) -> None:
+    """Check a number that a person set.
+
+    Raises:
+        InvalidInput: If it is not between both ends.
+    """
+    low, high = ends
+    if not low <= value <= high:
+        raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
+
+
 def shown_quantities(state: State, single: bool) -> tuple[Quantity, ...]:
     """Return what the figure of one map, or of three torques, shows."""
     return (state.map_view.quantity,) if single else TORQUES
@@ -92,9 +103,8 @@ def figure(
     # Late: matplotlib takes a second to load, and most sessions never print.
     from paminsa_viz.figures.paper import KINDS, render
 
-    for name, value, (low, high) in (("width", width_mm, WIDTHS), ("dpi", dpi, RESOLUTIONS)):
-        if not low <= value <= high:
-            raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
+    require_range("width", width_mm, WIDTHS)
+    require_range("dpi", dpi, RESOLUTIONS)
     for known in KINDS:
         if known == kind:
             quantities = shown_quantities(state, single)

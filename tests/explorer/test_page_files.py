@@ -30,7 +30,9 @@ def download(tab: Tab, click: Any) -> tuple[str, bytes]:
 def export(tab: Tab, button: str) -> tuple[str, bytes]:
     """Use a button of the export tab."""
     tab.open_tab("Export")
-    return download(tab, lambda: tab.page.get_by_role("button", name=button, exact=True).click())
+    return download(
+        tab, lambda: tab.page.get_by_role("button", name=button, exact=True).first.click()
+    )
 
 
 def as_picture(content: bytes) -> np.ndarray:

@@ -254,3 +254,12 @@ def simulate(state: State) -> State:
         plots = replace(plots, plot=Plot.TRACKING)
     running = wanted_job(state)
     return replace(state, plots=plots, simulating=replace(state.simulating, running=running))
+
+
+def simulated_as_it_is(state: State) -> bool:
+    """Whether the last simulation is one of the present design, motion and settings."""
+    outcome = state.simulating.outcome
+    try:
+        return outcome is not None and outcome.job.same(wanted_job(state))
+    except InvalidInput:
+        return False

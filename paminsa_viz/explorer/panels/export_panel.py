@@ -11,6 +11,7 @@ from paminsa_viz.explorer import exports
 from paminsa_viz.explorer.controls import check_value
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
+from paminsa_viz.explorer.motion import exporting
 from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -91,6 +92,16 @@ class ExportPanel:
         scene = gui.add_button_group(
             "save", ("View as PNG", "Robot as GLB"), hint="The 3D view as it is, or the posed robot"
         )
+        self._about_motion = gui.add_html(heading("Motion", _motion(session.state)))
+        curves = gui.add_button_group(
+            "figure", ("PNG", "SVG", "PDF"), hint="The curves of “Motion plots”, width as above"
+        )
+        series = gui.add_button_group(
+            "data", ("CSV", "NPZ", "HTML page"),
+            hint="All numbers over time in SI units, or a page that plays the motion by itself",
+        )  # fmt: skip
+        curves.on_click(self._curves)
+        series.on_click(self._series)
         figures.on_click(self._figure)
         tables.on_click(self._table)
         scene.on_click(self._scene)
@@ -101,6 +112,9 @@ class ExportPanel:
         about = heading("Maps", self._what(frame.state))
         if self._about.content != about:
             self._about.content = about
+        motion = heading("Motion", _motion(frame.state))
+        if self._about_motion.content != motion:
+            self._about_motion.content = motion
 
     @staticmethod
     def _what(state: State) -> str:
@@ -128,6 +142,22 @@ class ExportPanel:
             f"data as {kind}",
             lambda state: exports.table(state, self._store, kind.lower(), self._single()),
         )
+
+    def _curves(self, event: Any) -> None:
+        kind, width, dpi = str(event.target.value), self._width.value, self._dpi.value
+
+        def make(state: State) -> exports.File:
+            check_value("export", (float(width), float(dpi)))
+            return exporting.figure(state, kind.lower(), float(width), float(dpi))
+
+        self._save(f"a figure as {kind}", make)
+
+    def _series(self, event: Any) -> None:
+        kind = str(event.target.value)
+        if kind == "HTML page":
+            self._save("a page that plays the motion", exporting.page)
+            return
+        self._save(f"data as {kind}", lambda state: exporting.table(state, kind.lower()))
 
     def _scene(self, event: Any) -> None:
         if event.target.value == "Robot as GLB":
@@ -161,6 +191,11 @@ class ExportPanel:
                 notice.remove()
         finally:
             self._busy.release()
+
+
+def _motion(state: State) -> str:
+    kind = exporting.figure_kind(state)
+    return f"as chosen in “Motion”; the figure is: {kind}, as in “Motion plots”"
 
 
 def _size_of(count: int) -> str:

@@ -35,6 +35,8 @@ div:has(> div > [data-paminsa-slot="motion"]) {
   & > div { min-width: 0; padding: 0 6px 2px 6px; grid-column: span 4; }
   & > div:has(> [data-paminsa-slot]) { display: none; }
   & > div:has(> .uplot-container) { grid-column: span 6; padding: 0 2px; }
+  & > div:nth-child(2):has(> .uplot-container):not(:has(+ div > .uplot-container)) {
+    grid-column: 1 / -1; }
   & > div:has(> .paminsa-whole) { grid-column: 1 / -1; }
   & .uplot-container { margin: 0 !important; border: 0 !important; min-height: __HEIGHT__px; }
   & .u-title { font-size: 12px; padding: 0; line-height: 15px; }

@@ -17,7 +17,6 @@ from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.trajectory import Control as Controlled
 from paminsa_viz.palette import BAD, MUTED, OK, WARN
 
@@ -128,19 +127,10 @@ def outcome_html(state: State) -> str:
     colour, head = OK, f"Ran to the end, {simulation.t[-1]:.3f} s"
     if simulation.stopped is not None:
         colour, head = BAD, f"Stopped {escape(simulation.stopped.explanation)}"
-    if not _present(state):
+    if not requests.simulated_as_it_is(state):
         colour = WARN if simulation.stopped is None else colour
         lines.append("<b>of an earlier design, motion or setting: simulate again</b>")
     return _block(colour, f"<b>{head}</b><br>" + "<br>".join(lines))
-
-
-def _present(state: State) -> bool:
-    """Whether the last outcome is that of the present state."""
-    outcome = state.simulating.outcome
-    try:
-        return outcome is not None and outcome.job.same(requests.wanted_job(state))
-    except PaminsaError:
-        return False
 
 
 def _block(colour: str, html: str) -> str:

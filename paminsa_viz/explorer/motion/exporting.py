@@ -1,0 +1,116 @@
+"""What can be saved of a motion: its curves as figures, its numbers, and a page that plays it."""
+
+from __future__ import annotations
+
+from paminsa_viz.explorer.exports import RESOLUTIONS, WIDTHS, File, plain, require_range
+from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion.plots import Plot
+from paminsa_viz.explorer.motion.store import Analysed, MotionStore
+from paminsa_viz.explorer.state import State
+from paminsa_viz.figures.curves import CurveKind, figure_bytes
+from paminsa_viz.files.trajectory_series import (
+    Series,
+    analysis_series,
+    series_csv,
+    series_npz,
+    simulation_series,
+)
+from paminsa_viz.model import InvalidInput
+
+FIGURES: dict[Plot, CurveKind] = {
+    Plot.TORQUES: "torques",
+    Plot.PARTS: "breakdown",
+    Plot.POWER: "power",
+    Plot.ENERGY: "energy",
+    Plot.POSE: "pose",
+    Plot.SPEED: "pose",
+    Plot.ACCELERATION: "pose",
+    Plot.TRACKING: "tracking",
+    Plot.DRIVEN: "tracking",
+}
+"""The printed figure that belongs to what is plotted on the page."""
+
+_SIMULATED = (Plot.TRACKING, Plot.DRIVEN)
+
+
+def figure_kind(state: State) -> CurveKind:
+    """Return which figure `figure` draws of a state."""
+    return FIGURES[state.plots.plot]
+
+
+def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
+    """Draw the curves of the motion for print.
+
+    Args:
+        state: What to show.
+        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        width_mm: Width [mm].
+        dpi: Pixels per inch.
+
+    Raises:
+        InvalidInput: If there is no motion or no simulation, or a number is out of its range.
+    """
+    require_range("width", width_mm, WIDTHS)
+    require_range("dpi", dpi, RESOLUTIONS)
+    found, what = _analysed(state), figure_kind(state)
+    simulation = found.simulation if what == "tracking" else None
+    if what == "tracking" and not (simulation and requests.simulated_as_it_is(state)):
+        raise InvalidInput("simulation", "simulate the present motion first")
+    for known in ("png", "svg", "pdf"):
+        if known == kind:
+            content = figure_bytes(
+                what, found.present, reference=found.reference, printed=found.printed,
+                simulation=simulation, format=known, width_mm=width_mm, dpi=dpi,
+            )  # fmt: skip
+            return File(_name(state, found, what, kind), content)
+    raise InvalidInput("kind", "png, svg or pdf is needed")
+
+
+def table(state: State, kind: str) -> File:
+    """Write the motion and what it asks of the design, or the simulation if that is plotted.
+
+    Args:
+        state: What to save.
+        kind: ``"csv"`` or ``"npz"``.
+
+    Raises:
+        InvalidInput: If there is no motion, or no such kind.
+    """
+    writers = {"csv": series_csv, "npz": series_npz}
+    if kind not in writers:
+        raise InvalidInput("kind", "csv or npz is needed")
+    found = _analysed(state)
+    simulated = state.plots.plot in _SIMULATED and found.simulation is not None
+    series: Series
+    if simulated and found.simulation is not None:
+        series = simulation_series(found.simulation)
+    else:
+        series = analysis_series(found.present)
+    return File(_name(state, found, "simulation" if simulated else "", kind), writers[kind](series))
+
+
+def page(state: State) -> File:
+    """Write a page that plays the motion without a server.
+
+    Raises:
+        PaminsaError: If there is no motion, or the robot can not even start it.
+    """
+    from paminsa_viz.explorer.motion_page import motion_html  # late: it starts a server
+
+    found = _analysed(state)
+    document = state.document
+    content = motion_html(document.design, document.assembly, found.present.trajectory)
+    return File(_name(state, found, "", "html"), content)
+
+
+def _analysed(state: State) -> Analysed:
+    # A store of its own: the session's belongs to its worker.
+    found = MotionStore().all(state)
+    if found is None:
+        raise InvalidInput("motion", requests.planned(state).problem)
+    return found
+
+
+def _name(state: State, found: Analysed, what: str, ending: str) -> str:
+    parts = (state.document.design.name, found.present.trajectory.name, what)
+    return "_".join(["paminsa", "motion", *filter(None, map(plain, parts))]) + f".{ending}"

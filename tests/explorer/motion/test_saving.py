@@ -1,0 +1,84 @@
+"""A motion as saved text, and text that is none."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.explorer import saving, sharing
+from paminsa_viz.explorer.motion.description import Kind, Motion, Timing
+from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.model import PaminsaError
+from paminsa_viz.model.trajectory import PRESETS, MotionLimits, Profile, from_samples
+
+lengths = st.floats(-1, 1)
+poses = st.tuples(lengths, lengths, lengths, lengths)
+some = st.none() | st.floats(0.01, 100)
+motions = st.builds(
+    Motion,
+    kind=st.sampled_from([kind for kind in Kind if kind is not Kind.TABLE]),
+    preset=st.sampled_from([preset.key for preset in PRESETS]),
+    start=st.none() | poses,
+    goal=st.none() | poses,
+    height=st.floats(0, 1),
+    waypoints=st.lists(poses, max_size=5).map(tuple),
+    centre=st.none() | poses,
+    radius=st.floats(0.001, 1),
+    profile=st.sampled_from(Profile),
+    timing=st.sampled_from(Timing),
+    duration=st.floats(0.1, 100),
+    limits=st.builds(MotionLimits, speed=some, turn_jerk=some, torque=some, force=some),
+    back=st.booleans(),
+    rate=st.floats(50, 10_000),
+)
+
+
+@given(motions)
+def test_a_motion_comes_back(motion: Motion) -> None:
+    document = replace(initial_state().document, motion=motion)
+    assert saving.load(saving.dump(document)) == document
+    assert sharing.decode(sharing.encode(document)) == document
+
+
+def test_the_longest_motion_fits_into_a_share_code() -> None:
+    pose = (1 / 3, 1 / 7, 1 / 9, 1 / 11)
+    way = tuple(tuple(value * (1 + i / 41) for value in pose) for i in range(40))
+    motion = Motion(kind=Kind.WAYPOINTS, waypoints=way)  # type: ignore[arg-type]
+    document = replace(initial_state().document, motion=motion)
+    assert sharing.decode(sharing.encode(document)) == document
+
+
+def test_a_file_is_not_saved() -> None:
+    table = from_samples([0.0, 1.0], [[0.0] * 4, [0.1] * 4])
+    document = replace(initial_state().document, motion=Motion(kind=Kind.TABLE, table=table))
+    assert saving.load(saving.dump(document)) == initial_state().document
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        {"kind": "fly"},
+        {"kind": "table"},
+        {"preset": "none of them"},
+        {"duration": -1},
+        {"duration": "1"},
+        {"duration": True},
+        {"start": [0, 0, 0]},
+        {"start": [1e9, 0, 0, 0]},
+        {"waypoints": [[0, 0, 0, 0]] * 41},
+        {"waypoints": 3},
+        {"limits": {"speed": -1}},
+        {"limits": {"colour": 1}},
+        {"limits": 4},
+        7,
+    ],
+)
+def test_what_is_no_motion_is_refused(bad: Any) -> None:
+    text = json.loads(saving.dump(initial_state().document)) | {"motion": bad}
+    with pytest.raises(PaminsaError):
+        saving.load(json.dumps(text))
