@@ -3,8 +3,8 @@
 Each command is a module with ``main(arguments) -> exit code``, imported only when it is asked for,
 so that a small command does not wait for the page's libraries.
 
-Exit codes: 0 done; 1 a verification that failed; 2 a wrong argument or file, with one line on
-stderr that names the place; 130 stopped with Ctrl-C.
+Exit codes: 0 done; 1 a verification that failed, or a motion that can not be run; 2 a wrong
+argument or file, with one line on stderr that names the place; 130 stopped with Ctrl-C.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from paminsa_viz.model.errors import PaminsaError
 
 COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",
-    "trajectory": "say what a motion asks of the robot; draw, simulate, write it",
     "evaluate": "compute actuator positions, torques and status for a table of poses",
     "design": "check, show, compare design files; write Appendix 4's",
+    "trajectory": "say what a motion asks of the robot; draw, simulate, write it",
     "verify": "check the formulae against MuJoCo and Pinocchio",
     "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
 }

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import ENDINGS, PICTURES, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
@@ -61,9 +62,7 @@ argument or file."""
 class Flags:
     """Flags of the command."""
 
-    preset: Literal[
-        "paper-like", "quintic", "trapezoid", "s-curve", "waypoints", "line", "circle", "arch"
-    ] | None = None  # fmt: skip
+    preset: PresetName | None = None
     """A ready-made motion, sized for the robot; paper-like if nothing else is said.
     None of them is the paper's own."""
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
