@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 from paminsa_viz.model.errors import InvalidInput
 
@@ -24,16 +24,18 @@ def as_mapper(executor: Any) -> Mapper:
     """
     if executor is None:
         return map
-    if hasattr(executor, "gather") and hasattr(executor, "map"):
+    spread: Any = getattr(executor, "map", None)
+    gather: Any = getattr(executor, "gather", None)
+    if spread is not None and gather is not None:
 
-        def run(function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
-            return executor.gather(executor.map(function, list(items), pure=False))
+        def run(function: Callable[[Any], Any], items: Iterable[Any]) -> Iterable[Any]:
+            return gather(spread(function, list(items), pure=False))
 
         return run
-    if hasattr(executor, "map"):
-        return executor.map
+    if spread is not None:
+        return spread
     if callable(executor):
-        return executor
+        return cast(Mapper, executor)
     raise InvalidInput("executor", "something with a map method, or like map itself, is needed")
 
 

@@ -129,9 +129,12 @@ class Master:
         state_rows, amount_rows, matrix, rhs = rows
         levers: Levers = [[] for _ in p.carriers]
         position = 0
-        for number, places in enumerate(self.levers):
+        for number, (carrier, places) in enumerate(zip(p.carriers, self.levers, strict=True)):
+            # what the solver leaves outside the bounds is its rounding
+            least = carrier.low if len(places) == 1 else 0.0
             for lever in places:
-                levers[number].append((lever, max(float(x[position]), 0.0)))
+                amount = min(max(float(x[position]), least), carrier.high)
+                levers[number].append((lever, amount))
                 position += 1
         # The Lagrangian's least value: carriers at their best lever, auxiliaries at a bound.
         on_state = y @ state_rows

@@ -170,7 +170,7 @@ def search_geometry(
             cancelled = True
             raise StopIteration
 
-    workers = in_parts(as_mapper(executor), PART)
+    workers: Any = in_parts(as_mapper(executor), PART)
     found = differential_evolution(
         trial, list(chosen.values()), maxiter=generations, popsize=population,
         rng=np.random.default_rng(seed), callback=after_generation, polish=False,
