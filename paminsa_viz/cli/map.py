@@ -1,0 +1,244 @@
+"""``paminsa-viz map``: torques and other quantities over the workspace, as figures and tables."""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal, cast
+
+import numpy as np
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.explorer.bounds import require_workable
+from paminsa_viz.explorer.maps import FULL, MapStore
+from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
+from paminsa_viz.figures.from_model import TORQUES
+from paminsa_viz.figures.maps import DISPLAY_UNITS, MapData
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.files.map_table import map_csv, map_npz
+from paminsa_viz.model import APPENDIX_4, Assembly, Design, PaminsaError, Quantity
+from paminsa_viz.model.reach import Limit, status_words
+
+DESCRIPTION = """\
+Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
+the paper's Fig. 3, and more.
+
+  paminsa-viz map --out torques.pdf                       M1, M2 and M3 at 60 degrees, as in Fig. 3
+  paminsa-viz map --z -450 --quantity max-torque --out map.png --out map.csv
+  paminsa-viz map --design light.toml --reference heavy.toml --out difference.svg
+  paminsa-viz map --quantity condition --log --range 1 1000 --out condition.png
+
+The paper does not say the height of its Fig. 3; it is yours to choose. Figures and tables are those
+of the explorer. The ending of --out says what is written: .png .svg .pdf for print, .csv .npz with
+every cell.
+
+Exit code: 0 done; 1 no position can be reached there; 2 a wrong argument or file."""
+
+PICTURES = (".png", ".svg", ".pdf")
+ENDINGS = (*PICTURES, ".csv", ".npz")
+
+FEWEST, MOST = 10, 2000
+"""Cells along a side that can be asked for."""
+
+
+@dataclass(frozen=True)
+class Map:
+    """Flags of the command."""
+
+    quantity: Literal[
+        "torques", "tau-1", "tau-2", "tau-3", "f-4", "max-torque", "rms-torque", "condition",
+        "determinant", "reach-margin",
+    ] = "torques"  # fmt: skip
+    """What to map; torques are those of M1, M2 and M3 side by side."""
+    theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 60.0
+    """Angle of the platform [°]."""
+    z: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    """Height of the platform [mm]; in the middle of the workspace if left out."""
+    at: Annotated[tuple[float, float], tyro.conf.arg(metavar="X Y")] = (0.0, 0.0)
+    """Position of the ring that marks a pose [mm]."""
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4."""
+    reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Another design file; the maps show the design minus this one."""
+    assembly: Literal["printed", "mirror"] = "printed"
+    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    cells: int = FULL
+    """Cells along each side."""
+
+    range: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
+    """Ends of the colours [N m, N, mm]; by default the ordinary values are seen best, and what
+    explodes next to a singularity lies beyond."""
+    full_range: bool = False
+    """Let the colours span every value."""
+    log: bool = False
+    """Let the colours follow a logarithm to both sides of zero."""
+    own_ranges: bool = False
+    """Give each of the three torques colours of its own."""
+
+    out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
+    """File to write; may be given several times."""
+    width: Annotated[float, tyro.conf.arg(metavar="MM")] = 170.0
+    """Width of figures [mm]; 85 is a column, 170 a page."""
+    dpi: float = 300.0
+    """Pixels per inch."""
+    json: bool = False
+    """Print JSON for other programs, in SI units."""
+
+    @property
+    def quantities(self) -> tuple[Quantity, ...]:
+        """What is mapped."""
+        if self.quantity == "torques":
+            return TORQUES
+        return (Quantity(self.quantity.replace("-", "_")),)
+
+    def check(self) -> None:
+        """Refuse what can not be mapped.
+
+        Raises:
+            UsageError: Which flag, and what is allowed.
+        """
+        if not FEWEST <= self.cells <= MOST:
+            raise UsageError(f"--cells: {FEWEST} to {MOST} are possible, not {self.cells}")
+        for name, values in (("theta", (self.theta,)), ("z", (self.z or 0.0,)), ("at", self.at),
+                             ("range", self.range or ())):  # fmt: skip
+            if not np.isfinite(values).all():
+                raise UsageError(f"--{name}: finite numbers are needed")
+        if self.range is not None and self.full_range:
+            raise UsageError("--range and --full-range exclude each other")
+        if self.range is not None and not self.range[0] < self.range[1]:
+            raise UsageError("--range: the first end has to be below the second")
+        for path in self.out:
+            if path.suffix.lower() not in ENDINGS:
+                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(ENDINGS)}")
+
+
+class NothingReached(PaminsaError):
+    """A map without any position that can be reached."""
+
+
+def main(words: list[str]) -> int:
+    """Run the command."""
+    flags = parse(Map, words, "map", DESCRIPTION)
+    flags.check()
+    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    reference = None if flags.reference is None else load_design(flags.reference)
+    state = state_of(flags, design, reference)
+    store = MapStore()
+    data = store.data(state, flags.cells, flags.quantities)
+    for path in flags.out:
+        write_bytes(path, _content(flags, state, store, data, path.suffix.lower()))
+    told = report(flags, data)
+    if flags.json:
+        print_json(told)
+    else:
+        _print(flags, data, told)
+    if not (data.status == Limit.OK).any():
+        z = f"{1e3 * data.z:.6g} mm"
+        complain(NothingReached(f"no position can be reached at {flags.theta:g}° and z = {z}"))
+        return 1
+    return 0
+
+
+def state_of(flags: Map, design: Design, reference: Design | None = None) -> State:
+    """Return the state of the explorer that shows what the flags ask for.
+
+    Raises:
+        InvalidDesign: If a number of a design is too large to work with.
+    """
+    for each in filter(None, (design, reference)):
+        require_workable(each)
+    start = initial_state(design, Assembly(flags.assembly))
+    z = start.document.pose[3] if flags.z is None else 1e-3 * flags.z
+    x, y = (1e-3 * value for value in flags.at)
+    document = replace(
+        start.document, pose=(x, y, math.radians(flags.theta), z), reference=reference
+    )
+    quantity = flags.quantities[0]
+    view = MapView(
+        quantity=quantity,
+        shared=not flags.own_ranges,
+        logarithmic=flags.log,
+        difference=reference is not None,
+        range_mode=RangeMode.FULL if flags.full_range else RangeMode.AUTO,
+    )
+    if flags.range is not None:
+        factor, _ = DISPLAY_UNITS.get(quantity.unit, (1.0, ""))
+        low, high = (value / factor for value in flags.range)
+        view = replace(view, range_mode=RangeMode.MANUAL, low=low, high=high)
+    return replace(start, document=document, map_view=view)
+
+
+def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: str) -> bytes:
+    if ending == ".csv":
+        return map_csv(data)
+    if ending == ".npz":
+        return map_npz(data)
+    from paminsa_viz.figures.paper import Kind, render  # late: matplotlib takes a second to load
+
+    scales = store.scales(state, data, flags.quantities)
+    kind = cast(Kind, ending[1:])
+    return render(data, scales, kind, width_mm=flags.width, dpi=flags.dpi)
+
+
+def report(flags: Map, data: MapData) -> dict[str, Any]:
+    """Return what the maps hold as data for JSON, in SI units."""
+    reached = data.status == Limit.OK
+    leg = np.full(data.status.shape, -1, np.int8) if data.leg is None else data.leg
+    words, counts = np.unique(status_words(data.status, leg), return_counts=True)
+    cell = float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
+    names = [quantity.value for quantity in flags.quantities]
+    return {
+        "design": data.provenance.design,
+        "reference": data.provenance.reference or None,
+        "assembly": data.provenance.assembly,
+        "theta_rad": data.theta,
+        "z_m": data.z,
+        "cells": [data.x.size, data.y.size],
+        "reached_area_m2": cell * int(reached.sum()),
+        "singular_radius_m": data.singular_radius,
+        "cells_by_status": dict(zip(words.tolist(), counts.tolist(), strict=True)),
+        "unit": data.unit,
+        "maps": {name: _numbers(values) for name, values in zip(names, data.values, strict=True)},
+        "files": [os.fspath(path) for path in flags.out],
+    }
+
+
+def _numbers(values: np.ndarray) -> dict[str, float | None]:
+    """Return extremes, and percentiles of the size, which singular positions do not spoil."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return dict.fromkeys(("least", "largest", "median_size", "p90_size"))
+    median, most = np.percentile(np.abs(known), (50, 90))
+    return {
+        "least": float(known.min()),
+        "largest": float(known.max()),
+        "median_size": float(median),
+        "p90_size": float(most),
+    }
+
+
+def _print(flags: Map, data: MapData, told: dict[str, Any]) -> None:
+    design, reference = told["design"], told["reference"]
+    minus = f' minus "{reference}"' if reference else ""
+    print(f'design "{design}"{minus}, {told["assembly"]} assembly')
+    factor, unit = data.display
+    print(
+        f"theta = {flags.theta:g}°, z = {1e3 * data.z:.6g} mm, {data.x.size} x {data.y.size} cells"
+    )
+    rows = [
+        ("" if not unit else f"[{unit}]", "least", "largest", "half are below", "90 % below"),
+        *(
+            (name, *("-" if v is None else f"{v * factor:.4g}" for v in found.values()))
+            for name, found in told["maps"].items()
+        ),
+    ]
+    print_table(rows, right=True)
+    area, radius = told["reached_area_m2"], told["singular_radius_m"]
+    print(f"reached: {area:.4g} m²; singular circle: radius {1e3 * radius:.4g} mm")
+    for path in flags.out:
+        print(f"{path}: written")

@@ -1,0 +1,136 @@
+"""``map``: the explorer's own figures and tables, from a command line."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from typing import get_args, get_type_hints
+
+import numpy as np
+import pytest
+
+from paminsa_viz.cli import COMMANDS, main
+from paminsa_viz.cli.map import Map, state_of
+from paminsa_viz.explorer.exports import figure, table
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import APPENDIX_4, Assembly, Quantity, backend, static_torques
+
+LIGHT = replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(capsys, *words: str) -> tuple[int, str, str]:
+    code = main(["map", *words])
+    out = capsys.readouterr()
+    return code, out.out, out.err
+
+
+@pytest.fixture(scope="module", autouse=True)
+def one_backend() -> None:
+    """The compiled formulae from the start, so that equal maps are equal to the last bit."""
+    backend.compile_now()
+
+
+def told(capsys, *words: str) -> dict:
+    code, out, err = run(capsys, *words, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+def test_every_quantity_can_be_mapped() -> None:
+    assert "map" in COMMANDS
+    names = get_args(get_type_hints(Map)["quantity"])
+    assert {name.replace("-", "_") for name in names} == {"torques", *(q.value for q in Quantity)}
+
+
+def test_files_are_those_of_the_explorer(capsys, folder) -> None:
+    words = ("--z", "-500", "--at", "50", "-30", "--out", "a.svg", "--out", "a.csv", "--width",
+             "120", "--dpi", "60")  # fmt: skip
+    told(capsys, *words)
+    state = state_of(Map(z=-500.0, at=(50.0, -30.0)), APPENDIX_4)
+    store = MapStore()
+    assert (folder / "a.svg").read_bytes() == figure(state, store, "svg", False, 120, 60).content
+    assert (folder / "a.csv").read_bytes() == table(state, store, "csv", False).content
+
+
+def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
+    save_design(LIGHT, "light.toml")
+    words = ("--quantity", "max-torque", "--log", "--range", "-2", "3", "--reference", "light.toml",
+             "--out", "a.svg", "--dpi", "60")  # fmt: skip
+    told(capsys, *words)
+    flags = Map(quantity="max-torque", log=True, range=(-2.0, 3.0))
+    state = state_of(flags, APPENDIX_4, LIGHT)
+    assert (folder / "a.svg").read_bytes() == figure(
+        state, MapStore(), "svg", True, 170, 60
+    ).content
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+def test_numbers_are_static_torques(capsys, folder, assembly) -> None:
+    z = -0.5 if assembly is Assembly.PRINTED else 0.5
+    found = told(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
+                 assembly.value, "--out", "a.npz")  # fmt: skip
+    with np.load(folder / "a.npz") as arrays:
+        x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])
+        tau = arrays[next(name for name in arrays if name.startswith("tau2"))]
+    pose = np.stack([x, y, np.full_like(x, math.radians(20)), np.full_like(x, z)], axis=-1)
+    expected = static_torques(APPENDIX_4, pose, assembly)[..., 1]
+    np.testing.assert_allclose(tau, expected, rtol=1e-9, atol=1e-12)
+    assert found["maps"]["tau_2"]["largest"] == pytest.approx(np.nanmax(expected))
+    assert found["cells_by_status"]["ok"] == np.isfinite(expected).sum()
+    assert sum(found["cells_by_status"].values()) == 1600
+
+
+def test_ranges_are_in_shown_units() -> None:
+    view = state_of(Map(quantity="reach-margin", range=(0.0, 200.0)), APPENDIX_4).map_view
+    assert (view.low, view.high) == (0.0, 0.2)
+
+
+def test_the_summary_is_for_people(capsys) -> None:
+    code, out, err = run(capsys, "--cells", "30", "--quantity", "reach-margin")
+    assert (code, err) == (0, "")
+    assert "theta = 60°" in out
+    assert "[mm]" in out
+    assert "singular circle: radius 312.2 mm" in out
+    out.encode("cp1252")  # a terminal of Windows can print it
+
+
+def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
+    code, out, err = run(capsys, "--z", "-2000", "--cells", "20", "--out", "a.png", "--dpi", "50")
+    assert code == 1
+    assert "no position can be reached at 60° and z = -2000 mm" in err
+    assert "a.png: written" in out
+    assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
+    code, out, _ = run(capsys, "--z", "-2000", "--cells", "20", "--json")
+    assert json.loads(out)["maps"]["tau_1"]["largest"] is None
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("--quantity", "beauty"), "beauty"),
+        (("--theta", "nan"), "--theta"),
+        (("--z", "inf"), "--z"),
+        (("--cells", "3"), "--cells"),
+        (("--range", "3", "1"), "--range"),
+        (("--range", "0", "nan"), "--range"),
+        (("--range", "0", "1", "--full-range"), "--full-range"),
+        (("--out", "a.txt"), "a.txt"),
+        (("--out", "no/a.csv"), "no/a.csv"),
+        (("--out", "a.png", "--width", "20"), "width"),
+        (("--design", "missing.toml"), "missing.toml"),
+    ],
+)
+def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, folder, words, place) -> None:
+    code, out, err = run(capsys, *words)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert place in err
+    assert list(folder.iterdir()) == []
