@@ -90,7 +90,7 @@ class Master:
             columns += [state @ carrier.column(v) + amounts[:, number] for v in levers]
             owner += [number] * len(levers)
         spread = [i for i, levers in enumerate(self.levers) if len(levers) > 1]
-        share = np.array([[float(o == i) for o in owner] for i in spread]).reshape(-1, len(owner))
+        share = np.equal.outer(spread, owner).astype(float).reshape(len(spread), len(owner))
         total = int(self.offsets[-1])
         excess = np.zeros((len(rhs), 1))
         excess[: len(p.limits), 0] = -self.limit_scale
