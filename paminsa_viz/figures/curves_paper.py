@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from paminsa_viz.figures import axes
+from paminsa_viz.figures import axes, ticks
 from paminsa_viz.figures.curves_axes import Scale, time_marks, value_scale
 from paminsa_viz.figures.curves_data import CurveData
 from paminsa_viz.figures.curves_legend import Key, draw_keys, keys, rows_of
@@ -19,7 +19,7 @@ from paminsa_viz.model.errors import InvalidInput
 TWO_COLUMNS = 130.0  # mm; narrower figures have their panels below each other
 LEAST_WIDTH = 60.0  # mm; below it headings would be cut
 
-_RIGHT = 2.0
+_RIGHT = 2.0  # at least; half a number stands beyond the end of the time axis
 _BETWEEN = 5.0  # columns
 _FOOT = 8.6  # below the lowest panels: numbers and axis label
 _LABEL = 4.2  # left of the numbers of a value axis
@@ -113,7 +113,9 @@ def _arranged(
     lefts = [
         1.0 + _LABEL + 2.2 + _widest(scales[column::columns], letters) for column in range(columns)
     ]
-    each = (width - _RIGHT - sum(lefts) - _BETWEEN * (columns - 1)) / columns
+    last = ticks.number(float(data.time[-1]))
+    right = max(_RIGHT, letters.width(last) / 2 + 0.7)
+    each = (width - right - sum(lefts) - _BETWEEN * (columns - 1)) / columns
     rows = -(-count // columns)
     tall = min(max(min(each * _SHAPE, _TALLEST / rows - 8.0), _HEIGHTS[0]), _HEIGHTS[1])
     boxes: list[Box] = []

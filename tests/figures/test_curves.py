@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.transforms import Bbox
 from PIL import Image
 
 from paminsa_viz.figures.curves import KINDS, OtherTorques, curve_data, figure_bytes
 from paminsa_viz.figures.curves_axes import value_scale
 from paminsa_viz.figures.curves_data import Panel, Trace, extremes
 from paminsa_viz.figures.curves_model import PARTS
+from paminsa_viz.figures.curves_paper import _page
 from paminsa_viz.figures.curves_words import value, written
+from paminsa_viz.figures.printing import printing
 from paminsa_viz.model import APPENDIX_4, Assembly, Friction, InvalidInput, Misprint
 from paminsa_viz.model.trajectory import (
     PRESET,
@@ -163,6 +166,38 @@ def test_every_kind_is_a_picture_of_its_size(kind, analysis, everything) -> None
         assert image.width == round(width / 25.4 * 60)
         assert image.height < 297 / 25.4 * 60  # a page
         assert np.asarray(image.convert("L")).std() > 10
+
+
+def _words(page) -> list[tuple[str, Bbox]]:
+    """Return all words of a page with the room that they take [pixels]."""
+    page.figure.draw_without_rendering()
+    texts = list(page.figure.texts)
+    for panel in page.figure.axes:
+        texts += [*panel.get_xticklabels(), *panel.get_yticklabels(), *panel.texts]
+    return [(text.get_text(), text.get_window_extent()) for text in texts if text.get_text()]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("width", [60.0, 170.0])
+def test_words_are_on_the_page_and_clear_of_each_other(
+    kind, width, motion, analysis, everything
+) -> None:
+    still = analyse(RUBBING, replace(motion, t=600.0 / motion.t[-1] * motion.t, name="W" * 70))
+    given = {} if kind != "tracking" else everything
+    if kind == "comparison":
+        given = {"engine": OtherTorques("engine", still.torque * (1 + 1e-12))}
+    data = curve_data(kind, analysis if kind == "tracking" else still, **given)
+    with printing():
+        page = _page(data, width, 150.0, data.title, True)
+        found = _words(page)
+        right, top = page.figure.bbox.max
+    for words, box in found:
+        assert min(box.x0, box.y0) >= 0, words
+        assert max(box.x1 - right, box.y1 - top) <= 0.5, words
+    for i, (words, box) in enumerate(found):
+        for other, beside in found[i + 1 :]:
+            apart = box.x1 <= beside.x0 + 1 or beside.x1 <= box.x0 + 1
+            assert apart or box.y1 <= beside.y0 + 1.5 or beside.y1 <= box.y0 + 1.5, (words, other)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("tracking", "comparison")])
