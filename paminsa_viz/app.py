@@ -18,6 +18,7 @@ from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.backend import compile_in_background
 from paminsa_viz.options import AppOptions
+from paminsa_viz.shapes import prepare
 
 log = logging.getLogger(__name__)
 
@@ -31,7 +32,7 @@ class App:
     """
 
     def __init__(self, options: AppOptions, design: Design) -> None:
-        compile_in_background()
+        threading.Thread(target=_warm_up, args=(design,), daemon=True).start()
         self.design = design
         self.sessions: dict[int, Session] = {}
         self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
@@ -56,6 +57,12 @@ class App:
         for session in list(self.sessions.values()):
             session.close()
         self.server.stop()
+
+
+def _warm_up(design: Design) -> None:
+    """Make the first scene's bodies while the browser starts, then load the kernels."""
+    prepare(design.geometry)
+    compile_in_background()
 
 
 def run(options: AppOptions) -> None:

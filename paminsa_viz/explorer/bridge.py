@@ -42,6 +42,9 @@ _SETUP = """
     if (!send("hello", saved)) setTimeout(hello, 50);
   };
   hello();
+  const shown = () => { if (!send("shown", null)) setTimeout(shown, 50); };
+  requestAnimationFrame(() => setTimeout(shown, 0));
+  setTimeout(shown, 2000); // a tab in the background draws nothing
   if (window.__paminsaClicks)
     for (const kind of ["mousedown", "click"])
       document.removeEventListener(kind, window.__paminsaClicks, true);
@@ -81,7 +84,11 @@ class Bridge:
         self._inbox.on_update(self._receive)
 
     def open(self) -> None:
-        """Set up the tab's side; a ``hello`` with the saved state, or None, comes back."""
+        """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
+
+        After it comes a ``shown``, once what has been sent so far stands on the screen; it may come
+        twice.
+        """
         script = _SETUP.replace("__UUID__", json.dumps(self._inbox._impl.uuid))
         self.run(script.replace("__KEY__", json.dumps(STORE_KEY)))
 

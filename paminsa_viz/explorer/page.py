@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import replace
 
 import viser
 
@@ -35,6 +36,15 @@ PANEL_WIDTH = 380
 
 BRAND = "#0b6e99"
 
+LATER_TABS = {
+    "Design": viser.Icon.WEIGHT,
+    "Motion": viser.Icon.ROUTE,
+    "Compare": viser.Icon.PIN,
+    "View": viser.Icon.EYE,
+    "File": viser.Icon.FILE,
+}
+"""Tabs beside the first one, with their icons; they are filled when the page stands."""
+
 
 class TabStore:
     """Keeps the document in the tab's own store, once the hand rests."""
@@ -54,7 +64,11 @@ class TabStore:
 
 
 def build(client: viser.ClientHandle, design: Design) -> Session:
-    """Build the page of a tab that has just connected, and start its worker."""
+    """Build the page of a tab that has just connected, and start its worker.
+
+    The first tab and the robot come first; the rest follows when the browser shows them, so that
+    nobody waits for it.
+    """
     session = Session(client, initial_state(design))
     bridge = Bridge(client)
     gui = client.gui
@@ -65,27 +79,36 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
     look(client, "3D", session.state)
-    motions = MotionStore()
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose", viser.Icon.ARROWS_MOVE):
         readout = Readout(session)
         pose = PosePanel(session)
-    with tabs.add_tab("Design", viser.Icon.WEIGHT):
-        design_panel = DesignPanel(session)
-    with tabs.add_tab("Motion", viser.Icon.ROUTE):
-        motion = MotionPanel(session, motions)
-    with tabs.add_tab("Compare", viser.Icon.PIN):
-        compare = ComparePanel(session)
-    with tabs.add_tab("View", viser.Icon.EYE):
-        view = ViewPanel(session)
-    with tabs.add_tab("File", viser.Icon.FILE):
-        files = FilePanel(session)
-    maps = MapsPanel(session, bridge, motions)
-    session.first += [RobotView(session), Gizmo(session), readout, pose, design_panel, view]
-    session.first += [Clock(session), motion, MotionPath(session, motions)]
-    session.later += [FloorMap(session, maps.store), maps, compare, files, TabStore(bridge)]
-    commands.register(session)
+    places = {name: tabs.add_tab(name, icon) for name, icon in LATER_TABS.items()}
+    session.first += [readout, pose, RobotView(session)]
+
+    def build_rest() -> None:
+        if session.built.is_set():
+            return
+        motions = MotionStore()
+        maps = MapsPanel(session, bridge, motions)
+        with places["Design"]:
+            design_panel = DesignPanel(session)
+        with places["Motion"]:
+            motion = MotionPanel(session, motions)
+        with places["Compare"]:
+            compare = ComparePanel(session)
+        with places["View"]:
+            view = ViewPanel(session)
+        with places["File"]:
+            files = FilePanel(session)
+        session.first += [Gizmo(session), design_panel, view]
+        session.first += [Clock(session), motion, MotionPath(session, motions)]
+        session.later += [FloorMap(session, maps.store), maps, compare, files, TabStore(bridge)]
+        commands.register(session)
+        session.built.set()
+        # A new object, so that what has been added is drawn.
+        session.ask("page", replace)
 
     def restore(saved: object) -> None:
         if not isinstance(saved, str):
@@ -98,6 +121,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         session.ask("restore", lambda state: actions.restore(state, document))
 
     bridge.on("hello", restore)
+    bridge.on("shown", lambda _: session.do(build_rest))
     bridge.open()
     session.start()
     return session

@@ -51,12 +51,14 @@ class Session:
         client: The tab.
         first: Views drawn at once, before anything slower: the robot and the numbers.
         later: Views drawn after that: maps and other figures.
+        built: Set when all of the page is there.
     """
 
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
         self.client = client
         self.first: list[View] = []
         self.later: list[View] = []
+        self.built = threading.Event()
         self._state = state
         self._history = History()
         self._intents: dict[str, tuple[Intent, bool]] = {}

@@ -57,6 +57,7 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
         number = until(lambda: set(app.sessions) - known, "a session for the tab").pop()
         tab = Tab(page, app, app.sessions[number], complaints)
         page.get_by_test_id("status").wait_for()
+        assert tab.session.built.wait(PATIENCE)
         tabs.append(tab)
         return tab
 
