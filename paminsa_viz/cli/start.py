@@ -19,7 +19,7 @@ Without a command the explorer starts and opens in the browser. It runs on this 
 --host says otherwise, only this machine can reach it. Stop it with Ctrl-C.
 
 Commands:
-{chr(10).join(f"  {name:<9} {text}" for name, text in COMMANDS.items())}
+{chr(10).join(f"  {name:<10} {text}" for name, text in COMMANDS.items())}
 
 '{PROGRAM} COMMAND --help' explains a command; '{PROGRAM} --version' prints the version."""
 
