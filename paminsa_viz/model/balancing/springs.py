@@ -197,8 +197,8 @@ def fit_springs(
     good = np.isfinite(gravity).all(axis=1) & np.isfinite(matrix).all(axis=(0, 2))
     if not good.any():
         raise InvalidInput("pose", "the robot can not take a single one of the poses")
-    rows = np.ascontiguousarray(matrix[:, good].reshape(2 * len(places), -1).T)
     offset = gravity[good].ravel()
+    rows = np.ascontiguousarray(matrix[:, good].reshape(2 * len(places), offset.size).T)
     if measure == "peak":
         piece = Largest(rows, offset)
     else:
