@@ -1,0 +1,13 @@
+"""The design report: one HTML file with everything that a design review asks for.
+
+`ReportRequest` says of which robot and motion, `report_html` computes and writes it. Each section
+is a module that turns results into blocks (`blocks`): tables, figures, notes. One template sets
+them. The file needs no network and no script; a browser's print dialogue makes a PDF of it.
+"""
+
+from __future__ import annotations
+
+from paminsa_viz.report.page import report_html
+from paminsa_viz.report.request import ReportRequest
+
+__all__ = ["ReportRequest", "report_html"]

@@ -1,0 +1,130 @@
+"""Static balance: M_p2 body by body, and what the paper's balance would change."""
+
+from __future__ import annotations
+
+from paminsa_viz.figures.curves import curve_data
+from paminsa_viz.figures.curves_paper import render_curves
+from paminsa_viz.files.design_writer import differences
+from paminsa_viz.model.balancing import balance, whole_mass
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.model.leg_points import counterweight_point
+from paminsa_viz.model.lumped import (
+    MASS_PATHS,
+    lumped_matrix,
+    mass_vector,
+    point_mass_column,
+)
+from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.statics import balance_distance
+from paminsa_viz.model.trajectory import TrajectoryAnalysis, analyse
+from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
+from paminsa_viz.report.design_section import change
+
+MP2 = 1
+"""Place of M_p2 among the lumped coefficients."""
+
+BALANCED = 1e-9
+"""|M_p2| below which a design counts as balanced [N]."""
+
+
+def balance_section(analysis: TrajectoryAnalysis) -> Section:
+    """Return the section; the motion is what the balanced robot is compared on."""
+    design = analysis.design
+    blocks: list[Block] = [
+        Note(
+            "Gravity asks M1 to M3 for M_p2 times a map of the geometry (Eqs. 5 and 8): with "
+            "M_p2 = 0 they carry no weight, anywhere, in either assembly mode."
+        ),
+        _contributions(design),
+    ]
+    if abs(balance_distance(design)) < BALANCED:
+        blocks.append(Note("The design is balanced: M1 to M3 carry no weight.", "ok"))
+    else:
+        blocks += _balanced(analysis)
+    return Section("balance", "Static balance", tuple(blocks))
+
+
+def contributions(design: Design) -> list[tuple[str, str, float]]:
+    """Return what each body adds to M_p2 [N], with its symbol and name; they add up to it."""
+    shares = lumped_matrix(design.geometry, design.gravity)[MP2] * mass_vector(design)
+    found = [
+        (PARAMETER[path].symbol, PARAMETER[path].label, float(share))
+        for path, share in zip(MASS_PATHS, shares, strict=True)
+        if share != 0
+    ]
+    for weight in design.counterweights:
+        column = point_mass_column(counterweight_point(design.geometry, weight), design.gravity)
+        share = float(weight.mass * column[MP2])
+        found.append(("m_c", f"counterweight on {weight.place}", share))
+    return found
+
+
+def _contributions(design: Design) -> Table:
+    rows = [
+        Row((symbol, label, measured(share, "N"))) for symbol, label, share in contributions(design)
+    ]
+    rows.append(Row(("M_p2", "all together", measured(balance_distance(design), "N")), "total"))
+    head = ("Symbol", "Body", "Part of M_p2")
+    return Table(head, tuple(rows), "M_p2, body by body.", words=2)
+
+
+def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
+    """Return what the paper's balance changes, and what it means for the motion."""
+    try:
+        optimum = balance(analysis.design)
+    except PaminsaError as error:
+        return [Note(f"No balance was found: {error}.", "warn")]
+    before, after = optimum.before, optimum.after
+    left = balance_distance(after)
+    if reached := abs(left) < BALANCED:
+        left = 0.0
+    rows = [
+        Row(
+            (
+                key.parameter.symbol, key.parameter.label,
+                measured(a, "kg"), measured(b, "kg"), change(b, a),
+            ),
+            "marked",
+        )
+        for key, a, b in differences(before, after)
+    ]  # fmt: skip
+    old, new = whole_mass(before), whole_mass(after)
+    whole = (measured(old, "kg"), measured(new, "kg"), change(new, old))
+    rows.append(Row(("", "all that moves, three legs", *whole)))
+    rows.append(
+        Row(("M_p2", "", measured(balance_distance(before), "N"), measured(left, "N")), "total")
+    )
+    said = (
+        "The paper’s balance with the least added mass, by changing masses that M_p2 contains."
+        if reached
+        else "Within these bounds M_p2 can not become zero; this comes nearest."
+    )
+    table = Table(("Symbol", "Mass", "Before", "After", "Change"), tuple(rows), said, words=2)
+    blocks: list[Block] = [table]
+    lighter = analyse(after, analysis.trajectory, analysis.solved.assembly, keep=analysis.solved)
+    if analysis.summary and lighter.summary:
+        blocks.append(_on_the_motion(analysis, lighter))
+        data = curve_data("torques", lighter, reference=analysis)
+        title = "Balanced design, and the design before (dashed)"
+        svg = render_curves(data, "svg", title=title, caption=False)
+        blocks.append(Figure(svg, f"{title}: torques over time."))
+    return blocks
+
+
+def _on_the_motion(before: TrajectoryAnalysis, after: TrajectoryAnalysis) -> Table:
+    rows = []
+    for j, (a, b) in enumerate(zip(before.summary, after.summary, strict=True)):
+        unit = "N m" if j < 3 else "N"
+        peaks, means = (abs(a.peak), abs(b.peak)), (a.rms, b.rms)
+        cells = [f"M{j + 1}"]
+        for one, two in (peaks, means):
+            cells += [measured(one, unit), measured(two, unit), change(two, one)]
+        rows.append(Row(tuple(cells), colour=ACTUATOR_COLOURS[j]))
+    head = ("", "Peak before", "After", "Change", "RMS before", "After", "Change")
+    worse = any(abs(b.rms) > abs(a.rms) for a, b in zip(before.summary, after.summary, strict=True))
+    caption = "The trajectory, before and after."
+    if worse:
+        caption += " Balance adds inertia, so that a fast motion may ask for more."
+    return Table(head, tuple(rows), caption)

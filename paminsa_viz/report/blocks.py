@@ -1,0 +1,152 @@
+"""What a report is made of, before it becomes HTML: sections of tables, figures and notes."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+from paminsa_viz.figures.curves_words import value
+
+NONE = "–"
+"""Stands where there is no number."""
+
+
+@dataclass(frozen=True)
+class Fact:
+    """A number or word with its label, set large.
+
+    Attributes:
+        label: What it is.
+        value: Number with unit, or word.
+        note: A few words below it.
+        kind: How it is: ``"ok"`` and ``"bad"`` are coloured.
+    """
+
+    label: str
+    value: str
+    note: str = ""
+    kind: Literal["plain", "ok", "bad"] = "plain"
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Facts in a row."""
+
+    facts: tuple[Fact, ...]
+    block: str = "facts"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A row of a table: its cells, and whether it is marked, a heading, or in an actuator's colour.
+
+    Attributes:
+        cells: Texts; missing ones at the end stay empty.
+        kind: ``"group"`` spans the table, ``"marked"`` is what differs, ``"total"`` sums up.
+        colour: ``#rrggbb`` of a mark beside the first cell, or empty.
+    """
+
+    cells: tuple[str, ...]
+    kind: Literal["plain", "group", "marked", "total"] = "plain"
+    colour: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table.
+
+    Attributes:
+        head: Headings of the columns.
+        rows: Rows.
+        caption: What it shows.
+        words: How many columns from the left hold words; the others hold numbers.
+        literal: Whether texts are set as they are, and not with symbols as in the paper.
+    """
+
+    head: tuple[str, ...]
+    rows: tuple[Row, ...]
+    caption: str = ""
+    words: int = 1
+    literal: bool = False
+    block: str = "table"
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure as SVG.
+
+    Attributes:
+        svg: The picture.
+        alt: What it shows, for those who can not see it.
+        caption: What stands below it; figures of the model carry their own caption.
+        half: Whether it takes half the width.
+    """
+
+    svg: bytes
+    alt: str
+    caption: str = ""
+    half: bool = False
+    block: str = "figure"
+
+    @property
+    def source(self) -> str:
+        """The picture as a data address: names inside one SVG do not meet those of another."""
+        return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode()
+
+
+@dataclass(frozen=True)
+class Note:
+    """A sentence or two.
+
+    Attributes:
+        text: The words.
+        kind: ``"plain"`` is ordinary text, the others stand out.
+    """
+
+    text: str
+    kind: Literal["plain", "ok", "warn", "bad"] = "plain"
+    block: str = "note"
+
+
+@dataclass(frozen=True)
+class Listing:
+    """A text kept as it is, such as a file."""
+
+    title: str
+    text: str
+    block: str = "listing"
+
+
+Block: TypeAlias = Facts | Table | Figure | Note | Listing
+
+
+@dataclass(frozen=True)
+class Section:
+    """A section of the report.
+
+    Attributes:
+        key: Its anchor.
+        title: Its heading.
+        blocks: What it holds.
+    """
+
+    key: str
+    title: str
+    blocks: tuple[Block, ...]
+
+
+def measured(number: float, unit: str, digits: int = 4) -> str:
+    """Return a number of an SI unit as a person reads it; a dash where there is none."""
+    return NONE if number != number else value(number, pretty(unit), digits)
+
+
+def pretty(unit: str) -> str:
+    """Return an SI unit as it is printed: ``kg m^2`` becomes ``kg·m²``; mm, N·m, ° stay to do."""
+    return unit if unit in ("m", "N m", "rad") else unit.replace("^2", "²").replace(" ", "·")
+
+
+def columns(*rows: Sequence[str]) -> tuple[Row, ...]:
+    """Return plain rows from sequences of cells."""
+    return tuple(Row(tuple(row)) for row in rows)

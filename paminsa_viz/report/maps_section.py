@@ -1,0 +1,50 @@
+"""Maps over x and y at the pose's angle and height: static torques, force of M4, condition."""
+
+from __future__ import annotations
+
+from paminsa_viz.figures.from_model import LEGENDS, TORQUES, map_data
+from paminsa_viz.figures.map_window import cell_centres, half_width
+from paminsa_viz.figures.maps import MapData
+from paminsa_viz.figures.paper import render
+from paminsa_viz.figures.ranges import choose_scales
+from paminsa_viz.figures.scale import ScaleChoice
+from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
+from paminsa_viz.report.blocks import Block, Figure, Note, Section, measured
+from paminsa_viz.report.request import ReportRequest
+
+CELLS = 200
+"""Cells along each side."""
+
+DPI = 150.0
+"""Resolution of the coloured cells inside the figures."""
+
+
+def maps_section(request: ReportRequest) -> Section:
+    """Return the section."""
+    geometry = request.design.geometry
+    centres = cell_centres(half_width(geometry), CELLS)
+    _, _, theta, z = request.pose
+    grid = xy_grid(centres, centres, theta, z)
+    field = solve_field(geometry, grid, request.assembly, dexterity=True)
+
+    def maps(*quantities: Quantity) -> MapData:
+        return map_data(field, request.design, request.pose, quantities)
+
+    blocks: list[Block] = [
+        Note(
+            f"All maps are at θ = {measured(theta, 'rad')} and z = {measured(z, 'm')}. The torques "
+            "of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
+        ),
+        _figure(maps(*TORQUES), 170.0, half=False),
+        _figure(maps(Quantity.F_4), 85.0, half=True),
+        _figure(maps(Quantity.CONDITION), 85.0, half=True),
+    ]
+    return Section("maps", "Torque maps", tuple(blocks))
+
+
+def _figure(data: MapData, width: float, *, half: bool) -> Figure:
+    kind = "linear" if data.signed or data.unit == "N" else "symlog"
+    scales = choose_scales(data, ScaleChoice(shared=True, kind=kind))
+    title = data.title or ", ".join(legend.title for legend in LEGENDS.values())
+    svg = render(data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
+    return Figure(svg, f"Map over x and y: {title}.", half=half)

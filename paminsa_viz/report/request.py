@@ -1,0 +1,50 @@
+"""What a report is asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+
+from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.trajectory import Trajectory
+
+Progress = Callable[[str], None]
+"""Called with a few words whenever the next piece of work begins."""
+
+
+def silent(_: str) -> None:
+    """Report no progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReportRequest:
+    """A robot, a pose and a motion to report on.
+
+    Attributes:
+        design: The robot.
+        assembly: How its pantographs are put together.
+        pose: (x, y, theta, z) [m, m, rad, m]; maps are at its theta and z.
+        trajectory: The motion.
+        made: When, with a time zone.
+        command: The command that makes the report again.
+        verified: Whether to ask physics engines, if they are installed.
+        seed: Of random poses.
+
+    Raises:
+        InvalidInput: If the pose is not four numbers.
+    """
+
+    design: Design
+    assembly: Assembly
+    pose: tuple[float, float, float, float]
+    trajectory: Trajectory
+    made: datetime
+    command: str
+    verified: bool = True
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if len(self.pose) != 4:
+            raise InvalidInput("pose", f"four numbers are needed, not {len(self.pose)}")

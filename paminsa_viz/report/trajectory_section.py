@@ -1,0 +1,70 @@
+"""The motion: what it is, what it asks of each actuator, and figures over time."""
+
+from __future__ import annotations
+
+from paminsa_viz.figures.curves import CurveKind, curve_data
+from paminsa_viz.figures.curves_paper import render_curves
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.trajectory import TrajectoryAnalysis
+from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
+
+FIGURES: tuple[CurveKind, ...] = ("pose", "torques", "breakdown", "power")
+
+LIMITS: dict[Limit, str] = {
+    Limit.STRETCHED: "a stretched pantograph",
+    Limit.FOLDED: "a folded pantograph",
+    Limit.GUIDE: "the end of a guide",
+    Limit.AXIS: "joint 5 at its leg axis",
+    Limit.SINGULAR: "a singular pose",
+}
+"""What a motion may come near to, in words."""
+
+
+def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
+    """Return the section."""
+    t, check = analysis.trajectory, analysis.check
+    kind = f" ({t.kind})" if t.kind else ""
+    said = f"“{t.name}”{kind}: {t.duration:.4g} s, {t.size} samples. {' '.join(t.notes)}"
+    blocks: list[Block] = [Note(said.strip())]
+    if check.first is not None:
+        blocks.append(Note(f"The robot can not run all of it: {check.first.explanation}.", "bad"))
+    else:
+        near = check.closest
+        leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
+        blocks.append(
+            Note(
+                f"The robot can run it. It comes nearest to a limit ({LIMITS[near.limit]}{leg}) at "
+                f"{near.t:.4g} s, with {measured(near.margin, 'm', 3)} to spare.",
+                "ok",
+            )
+        )
+    if analysis.summary:
+        blocks.append(_table(analysis))
+        for figure in FIGURES:
+            data = curve_data(figure, analysis)
+            svg = render_curves(data, "svg", title=data.title, caption=figure == "torques")
+            blocks.append(Figure(svg, f"{data.title} over time, four panels."))
+    return Section("trajectory", "Trajectory", tuple(blocks))
+
+
+def _table(analysis: TrajectoryAnalysis) -> Table:
+    rows = []
+    for j, summary in enumerate(analysis.summary):
+        unit, speed = ("N m", "rad/s") if j < 3 else ("N", "m/s")
+        cells = (
+            f"M{j + 1}",
+            measured(summary.peak, unit),
+            measured(summary.peak_t, "s", 3),
+            measured(summary.rms, unit),
+            measured(summary.top_speed, speed),
+            measured(summary.top_power, "W"),
+            measured(summary.driven, "J"),
+            measured(summary.braked, "J"),
+        )
+        rows.append(Row(cells, colour=ACTUATOR_COLOURS[j]))
+    head = (
+        "", "Peak torque, force", "At", "RMS", "Top speed", "Peak power", "Energy driving",
+        "Braking",
+    )  # fmt: skip
+    return Table(head, tuple(rows), "What the motion asks of the actuators.")

@@ -1,0 +1,120 @@
+"""Verification: formulae against engines, the misprints, and a simulation beside it."""
+
+from __future__ import annotations
+
+from paminsa_viz.engines.comparison import Comparison
+from paminsa_viz.engines.verification import Verification, name, verify
+from paminsa_viz.figures.curves_paper import render_curves
+from paminsa_viz.figures.curves_words import written
+from paminsa_viz.figures.verified import verified_curves
+from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
+from paminsa_viz.report.request import ReportRequest
+
+TITLE = "Verification"
+
+
+def checked(request: ReportRequest) -> Verification | str:
+    """Return the verification of the request's robot and motion, or why there is none."""
+    if not request.verified:
+        return "Not asked for."
+    try:
+        return verify(request.design, request.assembly, request.trajectory, seed=request.seed)
+    except PaminsaError as error:  # an engine is missing, or the motion can not be run
+        return f"Not verified: {error}."
+
+
+def verification_section(found: Verification | str) -> Section:
+    """Return the section."""
+    if isinstance(found, str):
+        return Section("verification", TITLE, (Note(found, "warn"),))
+    engines = " and ".join(f"{check.engine} {check.version}" for check in found.engines)
+    verdict = Note(
+        f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulae "
+        f"and {engines} is {written(found.worst, 2)} of the actuator’s largest torque; "
+        f"{written(found.tolerance, 2)} is allowed.",
+        "ok" if found.passed else "bad",
+    )
+    method = Note(
+        f"The engines know the bodies, joints and loop closures, and none of the formulae. "
+        f"Compared are {len(found.poses)} random poses at rest and {found.trajectory.size} states "
+        "of the trajectory, without joint friction."
+    )
+    blocks: list[Block] = [verdict, method]
+    head = ("", "Largest torque", "Largest difference", "RMS", "Relative", "RMS")
+    for check in found.engines:
+        rows = [
+            *_rows("at rest", check.static),
+            *_rows("moving", check.dynamic),
+        ]
+        caption = f"Formulae and {check.engine} {check.version}."
+        blocks.append(Table(head, tuple(rows), caption))
+    if found.missing:
+        blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
+    figures = [
+        Figure(
+            render_curves(data, "svg", title=title, caption=False),
+            f"{title}: torques of both and their difference, over time.",
+        )
+        for _, title, data in verified_curves(found)
+    ]
+    blocks += [figures[0], _simulation(found), _misprints(found), figures[-1]]
+    return Section("verification", TITLE, tuple(blocks))
+
+
+def _rows(where: str, comparison: Comparison) -> list[Row]:
+    rows = [Row((where[:1].upper() + where[1:],), "group")]
+    for j, line in enumerate(comparison.summary()):
+        unit = line["unit"]
+        cells = (
+            ("τ₁", "τ₂", "τ₃", "F₄")[j],
+            measured(line["largest_torque"], unit),
+            measured(line["max_difference"], unit, 2),
+            measured(line["rms_difference"], unit, 2),
+            written(line["max_relative"], 2),
+            written(line["rms_relative"], 2),
+        )
+        rows.append(Row(cells, colour=ACTUATOR_COLOURS[j]))
+    return rows
+
+
+def _misprints(found: Verification) -> Table:
+    rows = [
+        Row(
+            (MISPRINTS.get(name(item), name(item)), *(written(v, 2) for v in comparison.relative)),
+            "total" if name(item) == "ALL" else "plain",
+        )
+        for item, comparison in found.printed.items()
+    ]
+    caption = (
+        "The formulae as the paper prints them beside the engine, moving: largest difference over "
+        "the largest torque. Each misprint stands out by many orders of magnitude."
+    )
+    return Table(("Taken as printed", "τ₁", "τ₂", "τ₃", "F₄"), tuple(rows), caption)
+
+
+MISPRINTS = {
+    "EQ13_LIFT_SPEED": "Eq. 13: Ż instead of Ż²",
+    "EQ13_LEG_SPIN": "Eq. 13: θ̇² instead of θ̇ₖ²",
+    "APP3_MC4": "Appendix 3, M_c4: m₇/(k²(k−1)) instead of twice that",
+    "EQ14_PHI_SPEED": "Eq. 14: M_c10 φ̇² instead of M_c11 φ̇²",
+    "EQ14_SINE_SIGNS": "Eq. 14: signs of sin²ψ and sin²φ",
+    "ALL": "All of them",
+}
+"""Misprints in words, by `Misprint` name."""
+
+
+def _simulation(found: Verification) -> Note:
+    said = found.to_dict()["simulation"]
+    x, y, theta, z = (
+        measured(value, unit, 2)
+        for value, unit in zip(said["drift_m_rad"], ("m", "m", "rad", "m"), strict=True)
+    )
+    end = "to the end" if said["complete"] else "until it had strayed: the robot is unstable"
+    return Note(
+        f"Forward simulation: moved by the calculated torques alone, with stiff loop closures, "
+        f"{said['engine']} ran {said['until_s']:.3g} s ({end}). The platform was then off by {x} "
+        f"in x, {y} in y, {theta} in θ and {z} in z; loops opened by at most "
+        f"{1e6 * said['largest_gap_m']:.2g} µm."
+    )

@@ -1,0 +1,134 @@
+"""Geometry and workspace: sizes in closed form, which poses can be taken, and a sketch."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from paminsa_viz.engines.states import WORST_CONDITION, workspace_poses
+from paminsa_viz.model.design import Assembly, Design, Geometry
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.grids import Grid, Quantity
+from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
+from paminsa_viz.model.singularity import singular_radius, singular_rotation
+from paminsa_viz.model.statics import static_torques
+from paminsa_viz.model.sweeps import sweep
+from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.report.blocks import (
+    Block,
+    Figure,
+    Note,
+    Row,
+    Section,
+    Table,
+    columns,
+    measured,
+)
+from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.sketch import sketch
+
+SAMPLED = 20_000
+"""Random poses behind the statistics of static torques."""
+
+CELLS = (41, 41, 13, 17)
+"""Cells along x, y, theta and z behind the shares of poses."""
+
+ACTUATORS = ("τ₁", "τ₂", "τ₃", "F₄")
+UNITS = ("N m", "N m", "N m", "N")
+
+
+def workspace_section(request: ReportRequest) -> Section:
+    """Return the section."""
+    design = request.design
+    posture = solve_posture(design.geometry, request.pose, request.assembly)
+    blocks: list[Block] = [
+        Figure(
+            sketch(posture),
+            "The robot's joints and bars in the pose of the report, from above and from the side.",
+            "The robot in the pose of the report, to scale. From above: thin circle through the "
+            "leg axes; dashed circle of positions that are singular at this angle. From the side: "
+            "dotted line at the height of the guides.",
+        ),
+        _sizes(design.geometry, request.pose[2]),
+        _shares(design, request.assembly),
+        *_torques(request),
+    ]
+    return Section("workspace", "Geometry and workspace", tuple(blocks))
+
+
+def _sizes(g: Geometry, theta: float) -> Table:
+    bars = g.crank_length + g.coupler_length
+    rows = columns(
+        ("Farthest position of the platform from the axis, at the best angle and height",
+         measured(workspace_radius(g), "m")),
+        ("Largest height of joints 5 above or below the guides, platform in the middle",
+         measured(workspace_height(g), "m")),
+        ("Reach of a pantograph, l_B4 + l_B8", measured(bars, "m")),
+        ("Distance of joints 8 and 5 in the middle, at the height of the guides",
+         measured(g.home_span, "m")),
+        ("Stroke of joint 8 on its guide", measured(g.stroke, "m")),
+        ("Angle at which every position is singular", "± " + measured(singular_rotation(g), "rad")),
+        (f"Radius of singular positions at θ = {measured(theta, 'rad')}",
+         measured(float(singular_radius(g, theta)), "m")),
+    )  # fmt: skip
+    return Table(("Quantity", "Value"), rows, "Sizes that follow from the lengths in closed form.")
+
+
+def _shares(design: Design, assembly: Assembly) -> Table:
+    """Return which share of a box around the workspace can be taken, and what stops the rest."""
+    g = design.geometry
+    across, up = workspace_radius(g), workspace_height(g)
+    turn = float(np.nan_to_num(singular_rotation(g), nan=math.pi))
+    axes = [
+        half * (2 * (np.arange(n) + 0.5) / n - 1)
+        for half, n in zip((across, across, turn, up), CELLS, strict=True)
+    ]
+    x, y, theta, z = axes
+    grid = Grid.over(np.zeros(4), theta=theta, z=z - g.platform_joint_height, y=y, x=x)
+    counts = sweep(design, grid, (Quantity.REACH_MARGIN,), assembly).counts
+    rows = [
+        Row(
+            (limit.explanation[:1].upper() + limit.explanation[1:], _share(counts[limit], grid)),
+            "total" if limit is Limit.OK else "plain",
+        )
+        for limit in Limit
+        if counts[limit]
+    ]
+    box = (
+        f"|x|, |y| ≤ {measured(across, 'm', 3)}, |θ| ≤ {measured(turn, 'rad', 3)}, joints 5 within "
+        f"{measured(up, 'm', 3)} of the guides"
+    )
+    caption = f"Poses of the box {box}, on a grid of {grid.size:,} poses."
+    return Table(("Poses", "Share"), tuple(rows), caption)
+
+
+def _share(count: int, grid: Grid) -> str:
+    return f"{100 * count / grid.size:.1f} %"
+
+
+def _torques(request: ReportRequest) -> list[Block]:
+    """Return statistics of the static torques over random poses."""
+    try:
+        poses = workspace_poses(request.design.geometry, SAMPLED, request.seed)
+    except InvalidInput as error:
+        return [Note(f"Static torques over the workspace: {error.problem}.", "warn")]
+    size = np.abs(static_torques(request.design, poses, request.assembly))
+    figures = [
+        np.sqrt((size**2).mean(axis=0)),
+        *np.percentile(size, [50, 95, 99], axis=0),
+    ]
+    rows = tuple(
+        Row(
+            (name, *(measured(float(figure[j]), unit) for figure in figures)),
+            colour=ACTUATOR_COLOURS[j],
+        )
+        for j, (name, unit) in enumerate(zip(ACTUATORS, UNITS, strict=True))
+    )
+    caption = (
+        f"Size of the static torques at {SAMPLED:,} random poses of the workspace with a condition "
+        f"number of at most {WORST_CONDITION:g}: toward singular poses they grow without bound."
+    )
+    head = ("", "RMS", "Median", "95 % are below", "99 % are below")
+    return [Table(head, rows, caption)]

@@ -1,0 +1,48 @@
+"""``report``: one command, one file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.cli import main
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_one_command_makes_it(folder, capsys) -> None:
+    words = "--out r.html --no-verify --preset arch --assembly mirror --pose 30 0 10 520 --seed 4"
+    assert main(["report", *words.split()]) == 0
+    said = capsys.readouterr()
+    assert said.out == "r.html: written\n"
+    assert "torque maps ..." in said.err
+    text = Path("r.html").read_text(encoding="utf-8")
+    assert f"paminsa-viz report {words}" in text
+    assert "Mirror assembly, pose x 30 mm" in text
+    assert "pick-and-place arch" in text
+    assert [path.name for path in folder.iterdir()] == ["r.html"]
+
+
+@pytest.mark.parametrize(
+    ("words", "complaint"),
+    [
+        ("", "--out"),
+        ("--out r.html --pose 0 0 0 -3000", "can not be taken: the pantograph is over-stretched"),
+        ("--out no/r.html", "no/r.html: can not be written: its folder does not exist"),
+        ("--out r.html --file no.csv", "no.csv: can not be read: no such file"),
+    ],
+)
+def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(
+    folder, capsys, words, complaint
+) -> None:
+    assert main(["report", *words.split()]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert complaint in said.err
+    assert said.err.count("\n") == 1
+    assert not list(folder.iterdir())

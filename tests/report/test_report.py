@@ -1,0 +1,258 @@
+"""The report: complete, self-contained, and saying of the robot what the model says."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import replace
+from datetime import UTC, datetime
+from functools import lru_cache
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.model import APPENDIX_4, Assembly, Design, UnreachablePose, balance_distance
+from paminsa_viz.model.balancing import balance
+from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.trajectory import Trajectory, analyse, home, paper_like
+from paminsa_viz.report import ReportRequest, report_html
+from paminsa_viz.report.balance_section import balance_section, contributions
+from paminsa_viz.report.blocks import Note, Row, Table, measured
+from paminsa_viz.report.design_section import change, design_section
+from paminsa_viz.report.page import symbols
+from paminsa_viz.report.trajectory_section import trajectory_section
+from paminsa_viz.report.verification_section import checked, verification_section
+from tests.explorer.chromium import FLAGS, browser_path
+from tests.samples import random_design
+
+HEAVY = replace(
+    APPENDIX_4.vary({"links.b4": 0.9, "payload.mass": 2.5}),
+    name="Heavier <arm> & more",
+    counterweights=(Counterweight("b8", 8, 0.1, 0.75),),
+)
+WHEN = datetime(2025, 3, 4, 5, 6, tzinfo=UTC)
+
+
+def request_for(
+    design: Design = HEAVY, assembly: Assembly = Assembly.PRINTED, **more: Any
+) -> ReportRequest:
+    return ReportRequest(
+        design=design,
+        assembly=assembly,
+        pose=tuple(home(design.geometry, assembly).tolist()),
+        trajectory=paper_like(design.geometry, assembly).lasting(0.4).sample(100),
+        made=WHEN,
+        command="paminsa-viz report --out a_b.html",
+        **more,
+    )
+
+
+@lru_cache(maxsize=4)
+def report(assembly: Assembly = Assembly.PRINTED, verified: bool = False) -> str:
+    return report_html(request_for(assembly=assembly, verified=verified))
+
+
+class Reader(HTMLParser):
+    """Checks that tags close, and collects what a browser would fetch, anchors, rows and text."""
+
+    VOID = frozenset({"meta", "img", "link", "br", "hr", "input"})
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.fetched: list[str] = []
+        self.ids: list[str] = []
+        self.anchors: list[str] = []
+        self.tags: set[str] = set()
+        self.rows: list[tuple[str, list[str]]] = []
+        self.text = ""
+        self.feed(text)
+        self.close()
+        assert not self.open
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {key: value or "" for key, value in attrs}
+        self.tags.add(tag)
+        if tag not in self.VOID:
+            self.open.append(tag)
+        self.fetched += [given[key] for key in ("src", "srcset", "data") if key in given]
+        if "href" in given:
+            (self.anchors if given["href"].startswith("#") else self.fetched).append(given["href"])
+        if "id" in given:
+            self.ids.append(given["id"])
+        if tag == "tr":
+            self.rows.append((given.get("class", ""), []))
+        if tag in ("td", "th"):
+            self.rows[-1][1].append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if "style" not in self.open:
+            self.text += data
+        if "td" in self.open or "th" in self.open:
+            self.rows[-1][1][-1] += data
+
+
+@pytest.mark.parametrize("assembly", list(Assembly), ids=lambda a: a.value)
+def test_it_is_one_file_that_needs_nothing_else(assembly: Assembly) -> None:
+    text = report(assembly)
+    page = Reader(text)
+    assert page.fetched
+    assert all(address.startswith("data:image/svg+xml;base64,") for address in page.fetched)
+    assert page.tags.isdisjoint({"script", "link", "iframe", "object"})
+    assert "@import" not in text
+    assert "url(" not in text
+    assert {f"#{key}" for key in page.ids} == set(page.anchors)
+    assert page.ids == [
+        "design", "workspace", "maps", "trajectory", "verification", "balance", "provenance",
+    ]  # fmt: skip
+
+
+def test_what_differs_is_marked_with_appendix_4_beside_it() -> None:
+    page = Reader(report())
+    marked = [cells for kind, cells in page.rows if kind == "marked"]
+    assert ["mB4", "B4, bar 9-4-5", "0.9 kg", "0.672 kg", "+33.9 %"] in marked
+    assert ["mload", "payload", "2.5 kg", "0 kg", "–"] in marked
+    assert any("B8, 100 mm beyond joint 8" in cells[0] for _, cells in page.rows)
+
+
+def test_a_name_can_not_break_the_page() -> None:
+    page = Reader(report())
+    assert "arm" not in page.tags
+    assert "Heavier <arm> & more" in page.text
+
+
+def test_equal_requests_give_equal_reports_and_the_file_inside_is_the_design(tmp_path) -> None:
+    assert report_html(request_for(verified=False)) == report()
+    page = Reader(report())
+    start = page.text.index("# Design of a PAMINSA")
+    path = tmp_path / "d.toml"
+    path.write_text(page.text[start:], encoding="utf-8")
+    assert load_design(path) == HEAVY
+    assert "paminsa-viz report --out a_b.html" in page.text
+    assert "2025-03-04 05:06 UTC" in page.text
+
+
+def test_design_of_the_paper_needs_no_column_of_changes() -> None:
+    note, table = design_section(APPENDIX_4).blocks
+    assert isinstance(note, Note)
+    assert isinstance(table, Table)
+    assert "All values are those" in note.text
+    assert len(table.head) == 3
+    assert all(row.kind != "marked" for row in table.rows)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_bodies_add_up_to_mp2(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    weights = (Counterweight("b3", 7, 0.05, 0.3), Counterweight("b4", 9, -0.1, 0.2))
+    design = replace(random_design(rng), counterweights=weights)
+    parts = [share for _, _, share in contributions(design)]
+    assert sum(parts) == pytest.approx(balance_distance(design), rel=1e-12)
+    assert len(parts) == 9
+
+
+def test_balance_is_shown_or_found_to_be_there() -> None:
+    motion = request_for().trajectory
+    section = balance_section(analyse(APPENDIX_4, motion))
+    tables = [block for block in section.blocks if isinstance(block, Table)]
+    last = tables[1].rows[-1]
+    assert last == Row(("M_p2", "", "9.1 N", "0 N"), "total")
+    assert "+994 %" in tables[1].rows[0].cells
+    after = balance(APPENDIX_4).after
+    peaks = analyse(after, motion).summary
+    assert [row.cells[2] for row in tables[2].rows] == [
+        measured(abs(s.peak), "N m" if j < 3 else "N") for j, s in enumerate(peaks)
+    ]
+    notes = [b.text for b in balance_section(analyse(after, motion)).blocks if isinstance(b, Note)]
+    assert any("is balanced" in text for text in notes)
+
+
+def test_verification_is_in_it_or_why_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "Not asked for" in Reader(report()).text
+    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    found = checked(request_for())
+    assert not isinstance(found, str)
+    section = verification_section(found)
+    first = section.blocks[0]
+    assert isinstance(first, Note)
+    assert first.kind == "ok"
+    assert first.text.startswith("Passed: ")
+    tables = [block for block in section.blocks if isinstance(block, Table)]
+    assert len(tables) == len(found.engines) + 1
+    assert len(tables[-1].rows) == 6
+    failed = verification_section(replace(found, tolerance=1e-20)).blocks[0]
+    assert isinstance(failed, Note)
+    assert (failed.kind, failed.text[:6]) == ("bad", "Failed")
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert "pip install 'paminsa-viz[verify]'" in str(checked(request_for()))
+
+
+def test_a_motion_that_fails_is_named() -> None:
+    near = request_for(APPENDIX_4).trajectory
+    sinking = near.pose - np.linspace(0, 0.6, near.size)[:, None] * [0, 0, 0, 1]
+    motion = Trajectory(near.t, sinking, near.velocity, near.acceleration)
+    section = trajectory_section(analyse(APPENDIX_4, motion))
+    bad = [b.text for b in section.blocks if isinstance(b, Note) and b.kind == "bad"]
+    assert len(bad) == 1
+    assert "over-stretched" in bad[0]
+    html = report_html(replace(request_for(APPENDIX_4, verified=True), trajectory=motion))
+    page = Reader(html)
+    assert "the robot can not run it" in page.text
+    assert "Not verified: the trajectory can not be run" in page.text
+
+
+def test_a_pose_out_of_reach_is_refused() -> None:
+    with pytest.raises(UnreachablePose):
+        report_html(replace(request_for(), pose=(0.0, 0.0, 0.0, -3.0)))
+
+
+def test_symbols_are_set_as_in_the_paper() -> None:
+    assert symbols("l_B4 = k l_B7") == "<i>l</i><sub>B4</sub> = k <i>l</i><sub>B7</sub>"
+    assert symbols("I_XX^(B3)") == "<i>I</i><sub>XX</sub><sup>(B3)</sup>"
+    assert symbols("a_longer_word, x_ <b>") == "a_longer_word, x_ &lt;b&gt;"
+    assert symbols("k") == "<i>k</i>"
+
+
+def test_changes_and_numbers_as_a_person_reads_them() -> None:
+    assert change(1.1, 1.0) == "+10 %"
+    assert change(0.5, 1.0) == "−50 %"
+    assert change(35.0, 1.0) == "+3,400 %"
+    assert change(1.0, 0.0) == "–"
+    assert measured(0.35, "m") == "350 mm"
+    assert measured(0.0321, "kg m^2") == "0.0321 kg·m²"
+    assert measured(float("nan"), "m") == "–"
+
+
+@pytest.mark.browser
+def test_a_browser_shows_it_without_asking_for_anything_and_prints_it(tmp_path: Path) -> None:
+    sync_api = pytest.importorskip("playwright.sync_api")
+    path = tmp_path / "report.html"
+    path.write_text(report(), encoding="utf-8")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=browser_path(), args=FLAGS)
+        page = browser.new_page(viewport={"width": 1280, "height": 900})
+        asked: list[str] = []
+        said: list[str] = []
+        page.on("request", lambda request: asked.append(request.url))
+        page.on("console", lambda message: said.append(message.text))
+        page.goto(path.as_uri())
+        broken = page.evaluate(
+            "[...document.images].filter(i => !i.complete || !i.naturalWidth).length"
+        )
+        assert broken == 0
+        for width in (1280, 400):
+            page.set_viewport_size({"width": width, "height": 900})
+            across = page.evaluate("document.documentElement.scrollWidth")
+            assert across <= width
+        printed = page.pdf(prefer_css_page_size=True)
+        browser.close()
+    assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
+    assert said == []
+    assert printed.startswith(b"%PDF")
+    assert 6 <= printed.count(b"/Type /Page\n") <= 20
