@@ -26,6 +26,7 @@ COMMANDS: dict[str, str] = {
     "map": "map torques and other quantities over the workspace, as figures and tables",
     "trajectory": "say what a motion asks of the robot; draw, simulate, write it",
     "verify": "check the formulae against MuJoCo and Pinocchio",
+    "report": "write a design report as one HTML file",
     "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
 }
 """Commands and what they do; ``paminsa_viz.cli.<name>`` is the module."""
