@@ -36,7 +36,7 @@ in which MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-HEAD = ("", "largest torque", "largest difference", "RMS", "relative", "RMS")
+HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
 
 @dataclass(frozen=True)

@@ -67,8 +67,10 @@ def robot_files(text: str, design: Design, posture: Posture) -> dict[str, bytes]
     if assets is None or compiler is None:
         raise InvalidInput("text", "it has no assets or no compiler settings")
     compiler.set("meshdir", "meshes")
-    for capsule in root.iterfind("worldbody//geom"):
-        capsule.set("group", CAPSULES)
+    for name, body in element.items():
+        for geom in body.findall("geom"):
+            if "counterweight" not in name:  # they have no meshes
+                geom.set("group", CAPSULES)
     colours: dict[str, str] = {}
     files: dict[str, bytes] = {}
     for carrier, name, part, colour in _shapes(design, posture, frames):

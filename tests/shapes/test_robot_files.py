@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import xml.etree.ElementTree as ET
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.placing import joint_values
 from paminsa_viz.model import APPENDIX_4, Assembly, Design, InvalidInput, solve_posture
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.shapes import assemble_glb
 from paminsa_viz.shapes.robot_files import robot_files, zipped
 from tests import samples
@@ -142,7 +144,15 @@ def test_every_shape_is_where_the_robot_has_it_in_another_pose(
         assert np.linalg.norm(head - joint, axis=1).max() == pytest.approx(reach, abs=1e-5)
 
 
-def test_colours_are_the_legs(tmp_path: Path) -> None:
+def test_counterweights_stay_to_be_seen() -> None:
+    weight = Counterweight("b8", 8, 0.1, 0.5)
+    root = ET.fromstring(files_of(replace(APPENDIX_4, counterweights=(weight,)))["robot.xml"])
+    found = [b for b in root.iter("body") if "counterweight" in b.attrib["name"]]
+    assert len(found) == 3
+    assert all(g.get("group") is None for b in found for g in b.iter("geom"))
+
+
+def test_colours_are_the_legs() -> None:
     root = ET.fromstring(files_of()["robot.xml"])
     colour = {m.attrib["name"]: m.attrib["rgba"] for m in root.iterfind("asset/material")}
     bars = root.findall(".//geom[@mesh='b4.accent']")
