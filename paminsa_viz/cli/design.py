@@ -48,7 +48,7 @@ class Check:
                 complain(error)
                 code = 2
                 continue
-            count = len(differences(APPENDIX_4, design))
+            count = len(differences(APPENDIX_4, design)) + len(design.counterweights)
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
         return code
@@ -67,12 +67,17 @@ class Show:
         """Print the table."""
         design = _load(self.file)
         if self.json:
-            print_json({"name": design.name, "values": _values(design)})
+            weights = [vars(weight) for weight in design.counterweights]
+            print_json({"name": design.name, "values": _values(design), "counterweights": weights})
             return 0
         print(design.name)
         rows = [
             (key.table, key.name, f"{design.value(key.parameter.path):.10g}", _meaning(key))
             for key in KEYS
+        ]
+        rows += [
+            ("counterweights", "mass_kg", f"{weight.mass:.10g}", weight.place)
+            for weight in design.counterweights
         ]
         print_table(rows)
         return 0
@@ -111,16 +116,28 @@ class Diff:
         files = (None, self.file) if self.other is None else (self.file, self.other)
         first, second = map(_load, files)
         found = differences(first, second)
+        weighted = first.counterweights != second.counterweights
         if self.json:
             changes = {key.path: {"first": a, "second": b} for key, a, b in found}
-            print_json({"first": first.name, "second": second.name, "differences": changes})
-        elif not found:
+            weights = {
+                name: [vars(weight) for weight in design.counterweights]
+                for name, design in (("first", first), ("second", second))
+            }
+            told = {"first": first.name, "second": second.name, "differences": changes}
+            print_json(told | ({"counterweights": weights} if weighted else {}))
+        elif not found and not weighted:
             print("the designs have the same values")
         else:
-            rows = [
+            rows: list[tuple[str, ...]] = [
                 (key.table, key.name, f"{a:.10g}", f"{b:.10g}", _change(a, b), _meaning(key))
                 for key, a, b in found
             ]
+            if weighted:
+                held = [
+                    "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or "-"
+                    for design in (first, second)
+                ]
+                rows.append(("counterweights", "", *held, "", ""))
             names = [str(file or APPENDIX_4.name) for file in files]
             print_table([("", "", *names, "change", ""), *rows])
         return 0

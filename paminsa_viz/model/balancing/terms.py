@@ -111,6 +111,18 @@ class StaticRms:
         return _balance_piece(space, float(np.sqrt(np.mean(_reached(self.field)[:3] ** 2))))
 
 
+@dataclass(frozen=True)
+class Imbalance:
+    """|M_p2|, which all static torques of M1..M3 are proportional to (Eq. 8) [N]."""
+
+    label: str = "|M_p2|"
+    unit: str = "N"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        return _balance_piece(space, 1.0)
+
+
 def _balance_piece(space: MassSpace, factor: float) -> Largest:
     return Largest(_row(len(space.start), Mp2=factor)[None], np.zeros(1))
 

@@ -1,0 +1,215 @@
+"""``paminsa-viz balance``: the best distribution of masses within bounds, with its proof."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.files.design_file import load_design, save_design
+from paminsa_viz.model.balancing import (
+    AddedMass,
+    Changes,
+    Imbalance,
+    InfeasibleBounds,
+    MassChange,
+    MassRange,
+    Optimum,
+    Rail,
+    Term,
+    TrajectoryEnergy,
+    TrajectoryPeak,
+    TrajectoryRms,
+    balance,
+    optimise,
+    paper_changes,
+)
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.trajectory import ImpossibleTrajectory, solve_trajectory
+
+DESCRIPTION = """\
+Find the masses that balance the robot best, within bounds, and prove that none are better.
+
+  paminsa-viz balance                                    the paper's balance of Appendix 4's robot
+  paminsa-viz balance --rail b3 7 0 200 5 --out balanced.toml
+  paminsa-viz balance --change joints.j7 0.2 2 --change links.b4 0.5 0.8 --exact
+  paminsa-viz balance --goal peak --preset arch --rail b8 8 0 150 4 --max-imbalance 2
+
+Static balance (M_p2 = 0, Eq. 8) takes gravity off M1, M2 and M3 in every pose. Of all masses that
+do it, those with the least added mass are taken (--criterion moved: the least mass moved); where
+the bounds do not allow it, those that come nearest. The other goals are about a motion, which the
+inertia of added masses makes harder: the largest torque or the RMS torque of M1 to M3, or the
+energy that all four actuators put in.
+
+What may change, unless --change or --rail is given: the masses in M_p2, each only upward. A rail is
+a place for counterweights on each leg: a bar, the joint at one of its ends, from where to where
+beyond that joint (negative: on the bar itself), and the largest mass. A link's moments of inertia
+follow its mass.
+
+Exit code: 0 done; 1 the bounds do not allow what is asked for (it says what to relax), or the robot
+can not run the motion; 2 a wrong argument or file."""
+
+MassFlag = tuple[str, float, float]
+RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
+
+
+@dataclass(frozen=True)
+class Flags:
+    """Flags of the command."""
+
+    goal: Literal["static", "peak", "rms", "energy"] = "static"
+    """What to make small."""
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4."""
+    change: Annotated[tuple[MassFlag, ...], tyro.conf.arg(metavar="PATH LOW HIGH")] = ()
+    """A mass that may change, such as links.b3, and its bounds [kg]; can be repeated."""
+    rail: Annotated[tuple[RailFlag, ...], tyro.conf.arg(metavar="BAR JOINT FROM TO MOST")] = ()
+    """A place for counterweights: bar and joint, range [mm], most mass [kg]; can be repeated."""
+    criterion: Literal["added", "moved"] = "added"
+    """Of all balanced designs, the one with the least added mass, or the least mass moved."""
+    exact: bool = False
+    """Nothing but M_p2 = 0 will do."""
+    max_imbalance: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    """Largest |M_p2|, for goals on a motion [N]."""
+    max_added: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
+    """Largest added mass of the whole robot, for goals on a motion [kg]."""
+    preset: PresetName = "paper-like"
+    """The motion."""
+    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """A motion as a table, instead of a preset."""
+    assembly: Literal["printed", "mirror"] = "printed"
+    """Assembly mode, for goals on a motion; a static balance holds in both."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    """Write the design here."""
+    json: bool = False
+    """Print JSON for other programs."""
+
+
+def main(words: list[str]) -> int:
+    """Run the command."""
+    flags = parse(Flags, words, "balance", DESCRIPTION)
+    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    changes = _changes(flags, design)
+    on_motion = flags.max_imbalance is not None or flags.max_added is not None
+    if flags.goal == "static" and on_motion:
+        raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
+    try:
+        if flags.goal == "static":
+            criterion = AddedMass() if flags.criterion == "added" else MassChange()
+            found = balance(design, changes, criterion, exact=flags.exact)
+        else:
+            found = _on_motion(flags, design, changes)
+    except (InfeasibleBounds, ImpossibleTrajectory) as error:
+        complain(error)
+        return 1
+    if flags.out is not None:
+        comment = f"Balanced by paminsa_viz {__version__}."
+        save_design(replace(found.after, name=flags.out.stem[:100]), flags.out, comment=comment)
+    if flags.json:
+        print_json(_report(found))
+    else:
+        _print(found)
+        if flags.out is not None:
+            print(f"{flags.out}: written")
+    return 0
+
+
+def _changes(flags: Flags, design: Design) -> Changes:
+    """Return what may change.
+
+    Raises:
+        InvalidInput: If bounds or levers contradict each other.
+    """
+    if not flags.change and not flags.rail:
+        return paper_changes(design)
+    rails = [
+        Rail(bar, joint, start / 1e3, end / 1e3, most)
+        for bar, joint, start, end, most in flags.rail
+    ]
+    return Changes(tuple(MassRange(*item) for item in flags.change), tuple(rails))
+
+
+def _on_motion(flags: Flags, design: Design, changes: Changes) -> Optimum:
+    """Return the optimum for a goal on a motion.
+
+    Raises:
+        ImpossibleTrajectory: If the robot can not run it.
+        InfeasibleBounds: If the bounds do not allow the limits.
+    """
+    assembly = Assembly(flags.assembly)
+    motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
+    solved = solve_trajectory(design.geometry, motion, assembly, gravity=design.gravity)
+    solved.check.require()
+    goals = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
+    limits: list[tuple[Term, float]] = []
+    if flags.exact:
+        limits.append((Imbalance(), 0.0))
+    elif flags.max_imbalance is not None:
+        limits.append((Imbalance(), flags.max_imbalance))
+    if flags.max_added is not None:
+        limits.append((AddedMass(), flags.max_added))
+    return optimise(design, changes, goals[flags.goal](solved), limits=limits)
+
+
+def _changed(found: Optimum) -> list[tuple[str, float, float]]:
+    """Return the masses and inertias that differ, with their values before and after."""
+    paths = list(MASS_PATHS)
+    held = len(found.before.counterweights)
+    paths += [f"counterweights.{number}.mass" for number in range(held)]
+    pairs = [(path, found.before.value(path), found.after.value(path)) for path in paths]
+    return [item for item in pairs if item[1] != item[2]]
+
+
+def _report(found: Optimum) -> dict[str, Any]:
+    return {
+        "values": [vars(value) for value in found.values],
+        "changes": {path: {"before": a, "after": b} for path, a, b in _changed(found)},
+        "counterweights": [vars(weight) for weight in found.after.counterweights],
+        "active_bounds": [vars(item) for item in found.active],
+        "objective": found.objective,
+        "lower_bound": found.lower_bound,
+        "gap": found.gap,
+        "seconds": found.seconds,
+    }
+
+
+def _print(found: Optimum) -> None:
+    rows = [("", "before", "after", "unit")]
+    for value in found.values:
+        limit = "" if value.limit is None else f", at most {value.limit:.6g}"
+        rows.append((value.label + limit, _number(value.before), _number(value.after), value.unit))
+    print_table(rows, right=True)
+    print()
+    rows = [("of each leg", "before", "after", "change", "unit")]
+    for path, before, after in _changed(found):
+        unit = PARAMETER[path].unit if path in PARAMETER else "kg"
+        rows.append((path, _number(before), _number(after), f"{after - before:+.6g}", unit))
+    for weight in found.after.counterweights[len(found.before.counterweights) :]:
+        rows.append((weight.place, "", _number(weight.mass), f"{weight.mass:+.6g}", "kg"))
+    print_table(rows, right=True) if len(rows) > 1 else print("no mass changes")
+    costly = [item for item in found.active if item.price > 0]
+    if costly:
+        print("\nBounds that are reached, and what one unit more of room would save:")
+        print_table(
+            [
+                (item.name, item.side, f"{item.bound:.6g} {item.unit}", f"{item.price:.4g}")
+                for item in costly
+            ],
+            indent=2,
+        )
+    print(
+        f"\nNo masses within the bounds do better than {found.lower_bound:.10g}; "
+        f"these reach {found.objective:.10g}."
+    )
+
+
+def _number(value: float) -> str:
+    return f"{value:.6g}" if abs(value) > 1e-12 else "0"
