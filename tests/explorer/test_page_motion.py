@@ -1,0 +1,212 @@
+"""Motions in a real browser: played, plotted, uploaded, simulated."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.motion import requests, uplot
+from paminsa_viz.explorer.motion.description import Kind, Timing
+from paminsa_viz.explorer.motion.plots import Plot
+from paminsa_viz.explorer.panels.motion_playback import TIME
+from paminsa_viz.model.trajectory import Trajectory, analyse
+from tests.explorer.chromium import Tab, until
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def motion(tab: Tab) -> Tab:
+    """The tab with the motion's controls and curves in sight, and a circle chosen."""
+    tab.open_tab("Motion")
+    tab.open_tab("Motion plots")
+    tab.session.ask("test", lambda s: requests.choose_preset(s, "circle"))
+    until(lambda: len(page_curves(tab)) == 2, "two charts")
+    until(lambda: "circle" in tab.page.inner_text("body"), "the caption")
+    return tab
+
+
+def planned(tab: Tab) -> Trajectory:
+    """Return the trajectory of the tab's state."""
+    found = requests.planned(tab.state).trajectory
+    assert found is not None
+    return found
+
+
+def page_curves(tab: Tab) -> list[list[list[float]]]:
+    """Return the series of every chart, as the page has them."""
+    return tab.page.evaluate(
+        "() => Object.values((window.__viserTestpoints || {}).uplots || {})"
+        ".map(entry => entry.chart.data.map(series => Array.from(series)))"
+    )
+
+
+def cursor_times(tab: Tab) -> list[float]:
+    """Return the times at which the line through each chart stands."""
+    return tab.page.evaluate(
+        """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => {
+          const line = chart.over.querySelector(".paminsa-moment");
+          if (!line || line.style.display === "none") return null;
+          const x = line.getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
+          return chart.posToVal(x, "x");
+        })"""
+    )
+
+
+def platform(tab: Tab) -> np.ndarray:
+    """Return (x, y, theta, z) of the platform as it stands in the page's scene."""
+    x, y, z, _, _, k, w = tab.place("/robot/platform")
+    return np.array([x, y, 2 * np.arctan2(k, w), z])
+
+
+def test_the_robot_stands_at_the_plotted_instant(motion: Tab) -> None:
+    motion.session.ask("test", lambda s: requests.choose_preset(s, "paper-like"))
+    until(lambda: planned(motion).duration < 1.3, "another motion")
+    for time in (0.1, 0.617, 1.2):
+        motion.type_number(TIME, time)
+        wanted = planned(motion).at(time).pose
+        until(lambda p=wanted: np.allclose(platform(motion), p, atol=1e-6), f"the pose at {time}")
+        until(
+            lambda t=time: all(x is not None and abs(x - t) < 0.01 for x in cursor_times(motion)),
+            f"the line at {time}",
+        )
+        assert f"at {time:.3f} s" in motion.text("motion-numbers")
+        np.testing.assert_allclose(motion.state.standing.pose, wanted, atol=1e-12)
+
+
+def test_a_click_on_a_curve_goes_there(motion: Tab) -> None:
+    over = motion.page.locator(".u-over").first
+    box = until(over.bounding_box, "the chart has a place")
+    motion.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    until(lambda: abs(motion.state.playback.time - 1.5) < 0.02, "the middle of the motion")
+    wanted = planned(motion).at(motion.state.playback.time).pose
+    until(lambda: np.allclose(platform(motion), wanted, atol=1e-6), "the robot goes there")
+
+
+def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
+    motion.session.ask(
+        "test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=1.2, kind=Kind.MOVE)
+    )
+    until(lambda: planned(motion).duration == 1.2, "a short motion")
+    before = motion.state.document
+    motion.page.get_by_role("button", name="Play", exact=True).click()
+    until(lambda: motion.state.playback.playing, "it plays")
+    motion.page.get_by_role("button", name="Pause", exact=True).wait_for()
+    until(lambda: 0 < motion.state.playback.time < 1.2, "it is on its way")
+    until(lambda: not motion.state.playback.playing, "it ends")
+    end = planned(motion).pose[-1]
+    np.testing.assert_allclose(motion.state.standing.pose, end, atol=1e-12)
+    until(lambda: np.allclose(platform(motion), end, atol=1e-6), "the robot stands at its end")
+    motion.page.get_by_role("button", name="Play", exact=True).wait_for()
+    # Playing is no step to undo: the last one is the choice of the motion.
+    motion.session.undo()
+    until(lambda: motion.state.document.motion != before.motion, "the choice is undone")
+
+
+def test_a_pose_slider_stops_the_playing(motion: Tab) -> None:
+    motion.session.ask("test", lambda s: requests.play(requests.set_playback(s, loop=True)))
+    until(lambda: motion.state.playback.time > 0.1, "it plays")
+    motion.open_tab("Pose")
+    motion.type_number("z  [mm]", -480)
+    motion.wait_pose(3, -0.48)
+    assert not motion.state.playback.playing
+    assert not motion.state.playback.following
+
+
+def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
+    def torques() -> np.ndarray:
+        return np.array(page_curves(motion)[0][3:6])
+
+    before = torques()
+    motion.open_tab("Design")
+    motion.press("m_B4 bar 9–4–5", "End")
+    until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
+    until(lambda: np.abs(torques()).max() > 1.2 * np.abs(before).max(), "the curves move")
+    motion.page.wait_for_timeout(300)
+    design = motion.state.document.design
+
+    def as_the_model() -> bool:
+        series = np.array(page_curves(motion)[0])
+        rows = np.searchsorted(planned(motion).t, series[0])
+        wanted = analyse(design, planned(motion)).torque[rows, :3].T
+        return bool(np.abs(series[3:6] - wanted).max() < 1e-9)
+
+    until(as_the_model, "the page draws the model's torques")
+    assert len(page_curves(motion)[0][0]) < 1.1 * uplot.MOST_POINTS
+
+
+def test_a_pinned_design_and_misprints_stand_beside(motion: Tab) -> None:
+    motion.session.ask("pin", actions.pin_reference)
+    motion.session.ask("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
+    switch = motion.handle("formulae as printed")._impl.uuid
+    motion.page.locator(f'[id="{switch}"]').click()
+    until(lambda: motion.state.plots.printed, "the switch is read")
+    until(lambda: len(page_curves(motion)[0]) == 3 + 9, "nine curves")
+    until(lambda: "as printed" in motion.text("motion-numbers"), "numbers of all")
+
+
+def test_an_impossible_motion_is_reported(motion: Tab) -> None:
+    motion.session.ask(
+        "test",
+        lambda s: requests.change(
+            requests.choose_kind(s, Kind.LINE), start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55)
+        ),
+    )
+    until(lambda: "Not possible" in motion.text("motion-status"), "the status")
+    first = analyse(motion.state.document.design, planned(motion)).check.first
+    assert first is not None
+    until(lambda: first.explanation in motion.text("motion-status"), "when and why")
+    until(lambda: any(np.array(page_curves(motion)[0][2]) == 1.0), "failures are shaded")
+    until(lambda: motion.place("/path/failing"), "the path that fails is drawn")
+    standing = motion.state.standing
+    motion.press(TIME, "End")
+    until(lambda: motion.state.playback.time == planned(motion).duration, "the time goes on")
+    assert motion.state.standing == standing
+
+
+def upload(tab: Tab, name: str, text: str) -> None:
+    """Hand a file to the upload button of the motion."""
+    button = tab.page.locator('input[type="file"][accept=".csv,.txt"]')
+    button.set_input_files({"name": name, "mimeType": "text/csv", "buffer": text.encode()})
+
+
+def test_a_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
+    motion.session.ask("test", lambda s: requests.choose_kind(s, Kind.TABLE))
+    until(lambda: "No motion yet" in motion.text("motion-status"), "a file is missing")
+    rows = io.StringIO()
+    rows.write("t_s,x_mm,y_mm,theta_deg,z_mm\n")
+    for t in np.linspace(0, 1, 51):
+        rows.write(f"{t:.3f},{50 * np.sin(t):.6f},{10 * t:.6f},{5 * t:.6f},-500\n")
+    upload(motion, "swing.csv", rows.getvalue())
+    until(lambda: motion.state.document.motion.table is not None, "the file is read")
+    until(lambda: "Fine" in motion.text("motion-status"), "it can be run")
+    assert planned(motion).name == "swing"
+    np.testing.assert_allclose(planned(motion).pose[-1, 0], 0.05 * np.sin(1.0), atol=1e-8)
+    kept = motion.state.document.motion.table
+    upload(motion, "bad.csv", "t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,zero,0,0,-0.5\n")
+    motion.page.get_by_text("row 3, column x_m").wait_for()
+    assert motion.state.document.motion.table is kept
+
+
+def test_a_simulation_shows_its_error(motion: Tab) -> None:
+    motion.page.get_by_text("Simulation", exact=True).click()
+    motion.page.get_by_role("button", name="Simulate", exact=True).click()
+    until(lambda: motion.state.simulating.outcome is not None, "it has run")
+    motion.page.get_by_test_id("simulation").get_by_text("Ran to the end").wait_for()
+    assert motion.state.plots.plot is Plot.TRACKING
+    until(lambda: motion.page.get_by_text("Error of x, y, z").is_visible(), "its error is plotted")
+
+
+def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
+    motion.session.ask("test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=2.5))
+    until(lambda: planned(motion).duration == 2.5, "another duration")
+    wanted = motion.state.document.motion
+    motion.page.wait_for_timeout(900)
+    known = set(motion.app.sessions)
+    motion.page.reload()
+    number = until(lambda: set(motion.app.sessions) - known, "a new session").pop()
+    motion.session = motion.app.sessions[number]
+    until(lambda: motion.state.document.motion == wanted, "the motion is back")
