@@ -32,7 +32,7 @@ def commands(session: Session) -> list[Command]:
     """Return every command of a session."""
 
     def camera(name: str) -> Callable[[], None]:
-        return lambda: session.do(lambda: look(session.client, name, session.state))
+        return lambda: session.do(lambda: look(session, name))
 
     layer_keys = {"skeleton": "K", "floor_map": "F", "gizmo": "G", "mass_centres": "C"}
     assert layer_keys.keys() <= Layers.__dataclass_fields__.keys()

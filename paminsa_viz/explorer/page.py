@@ -78,7 +78,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
-    look(client, "3D", session.state)
+    look(session, "3D")
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose", viser.Icon.ARROWS_MOVE):
@@ -118,7 +118,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         except PaminsaError as error:
             log.info("a tab's saved state was not taken: %s", error)
             return
-        session.ask("restore", lambda state: actions.restore(state, document))
+        session.ask("restore", lambda state: actions.restore(state, document), step=False)
 
     bridge.on("hello", restore)
     bridge.on("shown", lambda _: session.do(build_rest))

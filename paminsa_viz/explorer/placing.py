@@ -26,9 +26,9 @@ def start_width(window_width: float, window_height: float) -> int:
     return int(max(wanted, NARROWEST)) if math.isfinite(wanted) else NARROWEST
 
 
-def covered_share(window_width: float, window_height: float) -> float:
-    """Return the share of the 3D view's height that the panel covers at the start."""
+def covered_share(panel_width: float, window_height: float) -> float:
+    """Return the share of the 3D view's height that a panel of a width covers [px]."""
     if not window_height:
         return 0.0
-    height = (start_width(window_width, window_height) - 149) / 3 + 105 + 55 + MARGIN
+    height = (panel_width - 149) / 3 + 105 + 55 + MARGIN
     return min(height / window_height, 0.6)

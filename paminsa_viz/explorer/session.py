@@ -20,6 +20,7 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.history import History
+from paminsa_viz.explorer.placing import start_width
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PaminsaError
 
@@ -52,6 +53,7 @@ class Session:
         first: Views drawn at once, before anything slower: the robot and the numbers.
         later: Views drawn after that: maps and other figures.
         built: Set when all of the page is there.
+        panel_width: Width of the map panel at the start [px].
     """
 
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
@@ -59,6 +61,8 @@ class Session:
         self.first: list[View] = []
         self.later: list[View] = []
         self.built = threading.Event()
+        # Asked now: later the control panel takes its part of the window.
+        self.panel_width = start_width(client.camera.image_width, client.camera.image_height)
         self._state = state
         self._history = History()
         self._intents: dict[str, tuple[Intent, bool]] = {}

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.scene import floor
 from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
 from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
 from paminsa_viz.explorer.server import open_server
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.figures.raster import lut
 from paminsa_viz.model import APPENDIX_4, Assembly, Quantity
 from paminsa_viz.model.reach import workspace_radius
@@ -98,7 +98,7 @@ class TestLegend:
         state = initial_state()
         data = STORE.data(state, COARSE, (Quantity.TAU_1,))
         (scale,) = STORE.scales(state, data, (Quantity.TAU_1,))
-        image = legend_image(data, scale)
+        image = legend_image(scale)
         row = image[image.shape[0] // 2]
         coloured = row[row[:, 3] == 255][:, :3].astype(int)
         blue_first = coloured[20] - coloured[-20]
@@ -132,7 +132,7 @@ class TestOnTheGround:
     def test_it_moves_to_the_ground_of_the_other_assembly(self, desk: Desk) -> None:
         desk.ask(lambda s: actions.assemble(s, Assembly.MIRROR))
         ground = layout(APPENDIX_4.geometry, Assembly.MIRROR).ground
-        for node in (desk.panel._map, desk.panel._legend, desk.panel._ring):
+        for node in (desk.panel._map, desk.panel._legend.bar, desk.panel._ring):
             desk.until(lambda node=node: abs(node.position[2] - ground) < 0.01)
 
     def test_the_mark_lies_below_the_platform_that_stands(self, desk: Desk) -> None:
@@ -140,6 +140,12 @@ class TestOnTheGround:
         desk.until(lambda: tuple(desk.panel._ring.position[:2]) == (0.05, -0.07))
         desk.ask(lambda s: actions.move(s, x=3.0))
         assert tuple(desk.panel._ring.position[:2]) == (0.05, -0.07)
+
+    def test_the_legend_says_what_the_colours_mean(self, desk: Desk) -> None:
+        desk.ask(lambda s: actions.set_map_view(s, range_mode=RangeMode.MANUAL, low=-2.5, high=7.5))
+        words = desk.panel._legend._words
+        desk.until(lambda: (words["low"].text, words["high"].text) == ("−2.5", "7.5"))
+        assert words["name"].text == "max |τ|  [N·m]"
 
     def test_a_position_draws_no_new_map(self, desk: Desk) -> None:
         before = desk.panel._map.image

@@ -8,6 +8,7 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from types import SimpleNamespace
+from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
@@ -29,6 +30,9 @@ class Page:
 
     told: list[tuple[str, str]] = field(default_factory=list)
     flushes: int = 0
+    camera: SimpleNamespace = field(
+        default_factory=lambda: SimpleNamespace(image_width=1280, image_height=720)
+    )
 
     def atomic(self) -> contextlib.AbstractContextManager[None]:
         return contextlib.nullcontext()

@@ -17,7 +17,7 @@ from paminsa_viz.explorer.panels.map_controls import MapControls
 from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
-from paminsa_viz.explorer.placing import MARGIN, start_width
+from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.model import Quantity
@@ -36,7 +36,7 @@ class MapsPanel:
         client = session.client
         self._session = session
         self.store = MapStore()
-        width = start_width(client.camera.image_width, client.camera.image_height)
+        width = session.panel_width
         slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):

@@ -23,6 +23,7 @@ LAYER_LABELS = {
     "floor_map": ("Floor map", "The chosen map, under the robot; click it to go there"),
     "path": ("Path of the motion", "Coloured by torque, and on the maps"),
     "gizmo": ("Handle on the platform", "Drag the platform in the scene"),
+    "shadows": ("Shadows and reflections", "Slow without a graphics card"),
 }
 
 
@@ -37,7 +38,7 @@ class ViewPanel:
         def _(event) -> None:  # type: ignore[no-untyped-def]
             name = event.target.value
             if name in CAMERAS:
-                session.do(lambda: look(session.client, name, session.state))
+                session.do(lambda: look(session, name))
 
         self._controls = []
         known = {item.name for item in fields(Layers)}

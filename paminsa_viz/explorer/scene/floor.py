@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width, shows_difference
 from paminsa_viz.explorer.scene.curves import Curve, thinned
-from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
+from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.figures import colours, lines
@@ -65,7 +65,7 @@ class FloorMap:
         clear = np.zeros((2, 2, 4), dtype=np.uint8)
         self._map = scene.add_image("/floor/map", clear, 1.0, 1.0, **flat)
         self._map.on_click(self._click)
-        self._legend = scene.add_image("/floor/legend", clear, *LEGEND_SIZE, **flat)
+        self._legend = FloorLegend(scene)
         self._ring = scene.add_frame("/floor/pose", show_axes=False, visible=False)
         # Solid, not pictures: what is clear in a picture still hides what lies below it.
         for name, (parts, colour, height) in POSE_MARK.items():
@@ -131,10 +131,8 @@ class FloorMap:
         if key == self._legend_key:
             return
         self._legend_key = key
-        self._legend.image = legend_image(data, scale)
-        (x, y), wxyz = legend_place(geometry, state.standing.assembly)
-        _put(self._legend, x, y, self._height + ABOVE["legend"])
-        self._legend.wxyz = wxyz
+        self._legend.draw(data, scale)
+        self._legend.stand(geometry, state.standing.assembly, self._height + ABOVE["legend"])
 
     def _draw_curves(self, state: State, moving: bool) -> None:
         document = state.document

@@ -1,28 +1,35 @@
-"""The legend that lies beside the map on the ground: what its colours mean."""
+"""The legend beside the map on the ground: what its colours mean.
+
+The colours lie on the ground; name and numbers stand beside them in letters of one size on the
+screen, which stay legible however flat a camera looks at the ground.
+"""
 
 from __future__ import annotations
 
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
+import viser
 from numpy.typing import NDArray
 
 from paminsa_viz.figures import axes
-from paminsa_viz.figures.canvas import Canvas, text_width
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.raster import OVER, UNDER, lut
 from paminsa_viz.figures.scale import Scale
+from paminsa_viz.figures.ticks import number
 from paminsa_viz.model import Assembly, Geometry
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.shapes.frame import plinth_radius
 
-LEGEND_SIZE: Final = (0.48, 0.1286)
-"""Width and height on the ground [m]."""
-PIXELS: Final = 400
+LEGEND_SIZE: Final = (0.44, 0.04)
+"""Width and height of the coloured bar on the ground [m]."""
+PIXELS: Final = 440
 """Pixels along the width."""
 DIRECTION: Final = np.radians(-52.0)
 """Where it lies, seen from the robot's axis: in front for the 3D camera."""
+WORDS: Final = 0.72
+"""Size of the letters, as a share of that of the actuators' names."""
 
 
 def legend_place(
@@ -39,39 +46,75 @@ def legend_place(
     return place, (float(np.cos(turn / 2)), 0.0, 0.0, float(np.sin(turn / 2)))
 
 
-def legend_image(data: MapData, scale: Scale) -> NDArray[np.uint8]:
-    """Draw name, unit, colours and numbers, as RGBA with row 0 at the bottom, clear around."""
-    width, height = PIXELS, round(PIXELS * LEGEND_SIZE[1] / LEGEND_SIZE[0])
-    canvas = Canvas(width, height)
-    factor, unit = data.display
-    words = f"{data.names[0]}  {axes.unit_label(unit)}".rstrip()
-    canvas.text(width / 2, 4, words, 30, INK, down="top", bold=True)
-    side, thick, top, size = 38, 25, 41, 30
-    arrow = round(0.8 * thick)
+def legend_image(scale: Scale) -> NDArray[np.uint8]:
+    """Draw the colours from low to high between arrows for what lies beyond, as RGBA, clear around.
+
+    Row 0 is at the bottom.
+    """
+    rows = round(PIXELS * LEGEND_SIZE[1] / LEGEND_SIZE[0])
+    arrow = round(0.8 * rows)
     table = lut(scale)[:, :3]
-    length = width - 2 * side - 2 * arrow
-    bar = np.full((thick, length + 2 * arrow, 3), 255, dtype=np.uint8)
-    bar[:, arrow : arrow + length] = table[1 + (np.arange(length) * 2 + 1) * 256 // (2 * length)]
-    half = np.abs(np.arange(thick) - (thick - 1) / 2)
-    pointed = half[:, None] <= (np.arange(arrow)[None, :] + 0.5) / arrow * thick / 2
-    bar[:, :arrow][pointed] = table[UNDER]
-    bar[:, arrow + length :][pointed[:, ::-1]] = table[OVER]
-    canvas.paste(side, top, bar)
-    for mark in axes.bar_marks(factor, scale, length, lambda text: 1.6 * text_width(text, size)):
-        x = side + arrow + mark.where * length
-        canvas.fill(round(x) - 1, top + thick, 3, 5, INK)
-        canvas.text(x, top + thick + 5, mark.words, size, INK, down="top")
-    return _on_clear(canvas.pixels, slice(top, top + thick))[::-1]
-
-
-def _on_clear(pixels: NDArray[np.uint8], opaque: slice) -> NDArray[np.uint8]:
-    """Turn dark letters on white into letters on nothing; rows ``opaque`` keep their colours."""
-    ink = np.array(rgb(INK), dtype=np.float64)
-    cover = (255.0 - pixels.min(axis=2)) / (255.0 - ink.min())
-    image = np.empty((*pixels.shape[:2], 4), dtype=np.uint8)
+    length = PIXELS - 2 * arrow
+    image = np.zeros((rows, PIXELS, 4), dtype=np.uint8)
     image[..., :3] = rgb(INK)
-    image[..., 3] = np.clip(255 * cover, 0, 255)
-    coloured = pixels[opaque]
-    image[opaque, :, :3] = coloured
-    image[opaque, :, 3] = np.where((coloured == 255).all(axis=2), 0, 255)
+    image[:, arrow:-arrow, :3] = table[1 + (np.arange(length) * 2 + 1) * 256 // (2 * length)]
+    image[:, arrow:-arrow, 3] = 255
+    half = np.abs(np.arange(rows) - (rows - 1) / 2)
+    pointed = half[:, None] <= (np.arange(arrow)[None, :] + 0.5) / arrow * rows / 2
+    for end, colour in ((image[:, :arrow], UNDER), (image[:, -arrow:][:, ::-1], OVER)):
+        end[pointed, :3] = table[colour]
+        end[pointed, 3] = 255
     return image
+
+
+class FloorLegend:
+    """The legend of one session's floor map."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        clear = np.zeros((2, 2, 4), dtype=np.uint8)
+        self.bar = scene.add_image(
+            "/floor/legend", clear, *LEGEND_SIZE,
+            cast_shadow=False, receive_shadow=False, visible=False,
+        )  # fmt: skip
+        out, across = LEGEND_SIZE[0] / 2 + 0.012, -LEGEND_SIZE[1] / 2 - 0.012
+        looks: dict[str, Any] = {"text": "", "font_screen_scale": WORDS, "visible": False}
+        self._words = {
+            "low": scene.add_label(
+                "/floor/legend/low", position=(-out, 0.0, 0.0), anchor="center-right", **looks
+            ),
+            "high": scene.add_label(
+                "/floor/legend/high", position=(out, 0.0, 0.0), anchor="center-left", **looks
+            ),
+            "name": scene.add_label(
+                "/floor/legend/name", position=(0.0, across, 0.0), anchor="top-center", **looks
+            ),
+        }
+
+    def draw(self, data: MapData, scale: Scale) -> None:
+        """Show a map's name and scale."""
+        self.bar.image = legend_image(scale)
+        factor, unit = data.display
+        words = {
+            "low": number(scale.low * factor),
+            "high": number(scale.high * factor),
+            "name": f"{data.names[0]}  {axes.unit_label(unit)}".rstrip(),
+        }
+        for name, text in words.items():
+            self._words[name].text = text
+
+    def stand(self, geometry: Geometry, assembly: Assembly, height: float) -> None:
+        """Lie beside the map at a height [m]."""
+        (x, y), wxyz = legend_place(geometry, assembly)
+        self.bar.position = (x, y, height)
+        self.bar.wxyz = wxyz
+
+    @property
+    def visible(self) -> bool:
+        """Whether it is shown."""
+        return self.bar.visible
+
+    @visible.setter
+    def visible(self, visible: bool) -> None:
+        self.bar.visible = visible
+        for label in self._words.values():
+            label.visible = visible

@@ -30,9 +30,10 @@ class Layer(Enum):
     EFFORTS = "Torque arrows"
     GROUND = "Ground"
     SHADOWS = "Shadows and reflections"
+    SPOT = "Soft spot below the platform"
 
 
-SHOWN_AT_START = frozenset({Layer.MESH, Layer.LABELS, Layer.GROUND})
+SHOWN_AT_START = frozenset({Layer.MESH, Layer.LABELS, Layer.GROUND, Layer.SPOT})
 
 
 class RobotScene:
@@ -157,6 +158,7 @@ class RobotScene:
             Layer.EFFORTS: (self._efforts, "visible"),
             Layer.GROUND: (self._stage, "visible"),
             Layer.SHADOWS: (self._stage, "shadows"),
+            Layer.SPOT: (self._stage, "spot"),
         }[layer]
 
 

@@ -124,6 +124,15 @@ class Stage:
         self._ground.visible = visible
 
     @property
+    def spot(self) -> bool:
+        """Whether the soft shadow below the platform is shown."""
+        return self._below.visible
+
+    @spot.setter
+    def spot(self, visible: bool) -> None:
+        self._below.visible = visible
+
+    @property
     def shadows(self) -> bool:
         """Whether there are true shadows and reflections; without a graphics card they are slow."""
         return self._key.cast_shadow
@@ -138,4 +147,3 @@ class Stage:
             "warehouse" if shadows else None, environment_intensity=0.45
         )
         self._ground.receive_shadow = 0.22 if shadows else False
-        self._below.visible = not shadows

@@ -5,32 +5,30 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-import viser
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.placing import covered_share
 from paminsa_viz.explorer.scene.cameras import VIEWS, View, preset, take
 from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import Layers, State
+from paminsa_viz.explorer.state import Layers
 from paminsa_viz.model import Design, lift_constant, lumped_coefficients, solve_posture
 
 CAMERAS = VIEWS
 """Names of the camera presets."""
 
 
-def look(client: viser.ClientHandle, name: str, state: State) -> None:
+def look(session: Session, name: str) -> None:
     """Move a tab's camera to a preset, with the robot in the part of the view that is free.
 
     Args:
-        client: The tab.
+        session: The tab; "Leg k" squares up to the leg as it stands.
         name: One of `CAMERAS`.
-        state: The state it shows; "Leg k" squares up to the leg as it stands.
     """
-    standing = state.standing
+    client, standing = session.client, session.state.standing
     posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
     width, height = client.camera.image_width, client.camera.image_height
-    covered = covered_share(width, height)
+    covered = covered_share(session.panel_width, height)
     aspect = width / (height * (1 - covered)) if height else 1.4
     view = preset(name, standing.geometry, standing.assembly, posture, aspect)
     take(client, raised(view, covered))
@@ -105,6 +103,9 @@ class RobotView:
             (Layer.MASSES, layers.mass_centres),
             (Layer.GRAVITY, layers.gravity),
             (Layer.EFFORTS, layers.torques),
+            (Layer.SHADOWS, layers.shadows),
+            # Over a map it would only dim the colours, and true shadows need no help.
+            (Layer.SPOT, not (layers.floor_map or layers.shadows)),
         ):
             if self.scene.shown(layer) != visible:
                 self.scene.show(layer, visible)
