@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.explorer.motion.plots import Plot, PlotView
 from paminsa_viz.explorer.motion.store import Analysed
+from paminsa_viz.figures.curves_model import PARTS
 from paminsa_viz.model.trajectory import TrajectoryAnalysis
 from paminsa_viz.palette import ACTUATOR_COLOURS, INK, MUTED
 
@@ -19,13 +20,7 @@ SOLID, DASHED, DOTTED = (), (6, 4), (2, 3)
 """Strokes: the present design, the reference, the formulae as printed."""
 
 COORDINATE_COLOURS = ("#0072B2", "#D55E00", INK, "#009E73")
-PART_COLOURS = {
-    "inertial": "#E69F00",
-    "velocity": "#CC79A7",
-    "gravity": "#56B4E9",
-    "friction": "#6b6b6b",
-}
-"""Colours of x, y, theta, z, and of a torque's parts."""
+"""Colours of x, y, theta, z."""
 
 _DEGREES = 180 / np.pi
 
@@ -134,8 +129,8 @@ def _of_actuators(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
 def _parts(actuator: int, found: Analysed) -> Chart:
     parts = found.present.breakdown
     traces = [
-        Trace(name, getattr(parts, name)[:, actuator], colour, wide=False)
-        for name, colour in PART_COLOURS.items()
+        Trace(label, getattr(parts, name)[:, actuator], colour, wide=False)
+        for name, label, colour in PARTS
     ]
     total = found.present.torque[:, actuator]
     traces.append(Trace(f"M{actuator + 1}, all", total, ACTUATOR_COLOURS[actuator]))

@@ -83,8 +83,8 @@ class FilePanel:
         with gui.add_folder("Share code"):
             gui.add_html(
                 note(
-                    "Design, pose and reference in one line. Copy it to hand it on; paste another "
-                    "one over it to open that.",
+                    "Design, pose, motion and reference in one line. Copy it to hand it on; paste "
+                    "another one over it to open that.",
                     muted=True,
                 )
             )
