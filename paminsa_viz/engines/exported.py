@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from paminsa_viz.engines.mechanism import PLATFORM, Mechanism, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.placing import start_pose
 from paminsa_viz.model.design import Assembly, Design
@@ -15,6 +16,12 @@ from paminsa_viz.model.jacobian import jacobian
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques
+
+LEAST_MASS = 1e-3
+"""Least mass of a sliding link at an end of the tree, its joints included [kg]."""
+
+LEAST_INERTIA = 1e-6
+"""Least inertia about its hinge of a turning link at an end of the tree [kg m^2]."""
 
 WORST_CONDITION = 1e4
 """Condition number from which a pose counts as singular; gains would be as large as its square."""
@@ -39,9 +46,11 @@ def exported_mjcf(
 
     Raises:
         InvalidDesign: If a bar's inertias belong to no rigid body.
-        InvalidInput: If the start pose is singular: nothing could hold it.
+        InvalidInput: If the start pose is singular, so that nothing could hold it, or if nothing
+            resists the motion of a link, so that MuJoCo could not step it.
         UnreachablePose: If the robot can not stand in the start pose.
     """
+    _check_inertia(build_mechanism(design))
     start = start_pose(design, assembly) if pose is None else np.asarray(pose, float)
     require_reachable(design.geometry, start)
     if not measure_singularity(design.geometry, start).condition < WORST_CONDITION:
@@ -53,3 +62,25 @@ def exported_mjcf(
         design, assembly, pose=start.tolist(), holding=holding.tolist(),
         servos=Servos.critical(inertia) if servos else None,
     )  # fmt: skip
+
+
+def _check_inertia(mechanism: Mechanism) -> None:
+    """Refuse links that nothing but the stiff closures would hold back.
+
+    Links that carry others may be without mass, and so may the platform's turns.
+    """
+    carriers = {link.parent for link in mechanism.links}
+    for link in mechanism.links:
+        if link.name in carriers or link.name == PLATFORM:
+            continue
+        if link.joints[-1].kind == "slide":
+            held, least, unit = sum(part.mass for part in link.parts), LEAST_MASS, "kg"
+        else:
+            held = sum(part.inertia[1] + part.mass * part.centre[0] ** 2 for part in link.parts)
+            least, unit = LEAST_INERTIA, "kg m^2"
+        if held < least:
+            raise InvalidInput(
+                "design",
+                f"{link.name} with its joints has {held:g} {unit}; MuJoCo can not move less than "
+                f"{least:g} {unit}",
+            )

@@ -28,7 +28,7 @@ class Played(NamedTuple):
         drift: Poses minus the wanted ones (n, 4).
         stray: How far a joint 5 is from where it should be, at most (n,) [m].
         gap: Largest opening of any loop at the given times (n,) [m].
-        until: Number of times before it was stopped; n if it was not.
+        until: Number of times before it was stopped or went out of bounds; n if neither.
     """
 
     poses: Array
@@ -89,11 +89,15 @@ def play(
                 data.ctrl[:] = (1 - part) * force[index - 1] + part * force[index]
                 mujoco.mj_step(model, data)
         mujoco.mj_fwdPosition(model, data)
-        found[index] = robot.pose(data.qpos)
+        pose = robot.pose(data.qpos)
+        off = _stray(pose - wanted[index], design.geometry.platform_radius)
+        # After a warning it has begun anew, unasked.
+        if not np.isfinite(off) or any(warning.number for warning in data.warning):
+            break
+        found[index], stray[index] = pose, off
         gap[index] = np.abs(data.efc_pos).max()
-        stray[index] = _stray(found[index] - wanted[index], design.geometry.platform_radius)
         until = index + 1
-        if not stray[index] <= limit:
+        if off > limit:
             break
     return Played(found, found - wanted, stray, gap, until)
 

@@ -157,6 +157,49 @@ def test_a_start_out_of_reach_is_refused() -> None:
         mjcf_text(APPENDIX_4, pose=(0.0, 0.0, 0.0, -2.0))
 
 
+MASSLESS = {
+    "joints.j2": 0.0, "joints.j8": 0.0, "links.b7": 0.0, "links.b10": 0.0,
+    "inertias.b7_axial": 0.0, "inertias.b7_transverse": 0.0, "inertias.b10_vertical": 0.0,
+    "platform.inertia": 0.0,
+}  # fmt: skip
+
+
+def test_bodies_without_mass_step_too(mujoco: Any) -> None:
+    least = {"links.b1": 0.00034, "joints.j7": 1e-4, "links.b2": 0.0, "joints.j3": 1.1e-3}
+    for change in (MASSLESS, MASSLESS | least):
+        _, _, gap = run(mujoco, exported_mjcf(APPENDIX_4.vary(change)), 1.0)
+        assert gap < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("change", "link"),
+    [
+        ({"links.b1": 0.0}, "lift"),
+        ({"joints.j7": 0.0}, "leg1_B7"),
+        ({"links.b2": 0.0, "joints.j3": 0.0}, "leg1_B2"),
+    ],
+)
+def test_what_nothing_holds_back_is_refused(change: dict[str, float], link: str) -> None:
+    with pytest.raises(InvalidInput, match=f"{link} with its joints has 0 "):
+        exported_mjcf(APPENDIX_4.vary(MASSLESS | change))
+
+
+def test_a_simulation_that_overflows_ends_before_it(
+    mujoco: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Arms without mass can not be stepped; what comes back is what was before."""
+    monkeypatch.chdir(tmp_path)  # where MuJoCo writes its log
+    design = APPENDIX_4.vary({"links.b1": 0.0})
+    times = np.linspace(0.0, 0.05, 51)
+    motion = quintic([0.0, 0.0, 0.0, -0.5], [0.01, 0.0, 0.0, -0.5], times)
+    torque = oracle.inverse_dynamics(design, *motion)
+    found = play(design, Assembly.PRINTED, times, *motion[:2], torque)
+    assert 1 <= found.until < times.size
+    assert np.isfinite(found.poses[: found.until]).all()
+    assert np.isnan(found.poses[found.until :]).all()
+    assert np.isnan(found.stray[found.until :]).all()
+
+
 def test_an_export_that_nothing_holds_is_refused() -> None:
     with pytest.raises(UnreachablePose, match="over-stretched"):
         exported_mjcf(APPENDIX_4, pose=(0.0, 0.0, 0.0, -2.0))
