@@ -138,7 +138,7 @@ def options(shape: Layout) -> dict[str, Any]:
                 "labelGap": -2,
                 "labelFont": "11px sans-serif",
             },
-            axis | {"size": 44},
+            axis | {"size": 44, "space": 26},
         ),
         "legend": {"show": False},
         "cursor": {"y": False, "points": {"show": False}, "sync": {"key": "paminsa"}},

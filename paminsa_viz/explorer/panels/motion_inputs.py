@@ -20,6 +20,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.trajectory_table import parse_trajectory
+from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.trajectory import PRESETS, Profile, Trajectory
 
 PRESET_LABELS = {f"Preset: {preset.label}": preset.key for preset in PRESETS}
@@ -62,7 +63,7 @@ def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
             file that is too large as an empty one.
     """
     if not content:
-        raise TableFileError(name, "is empty, or larger than 1 MB")
+        raise TableFileError(name, "is empty, or larger than 8 MB")
     text = content.decode("utf-8-sig", errors="surrogateescape")
     return parse_trajectory(io.StringIO(text, newline=""), name, rest=rest)
 
@@ -164,14 +165,14 @@ class MotionInputs:
         )  # fmt: skip
 
     def _on_upload(self, file: Any) -> None:
-        rest = bool(self.rest.value)
-
-        def read() -> None:
-            table = uploaded_trajectory(file.name, file.content, rest)
-            self._session.ask("motion.table", lambda state: requests.take_table(state, table))
-            self._session.tell("Motion opened", f"{table.name}, {table.size} rows")
-
-        self._session.do(read)
+        """Read a file on the thread of its upload: a long table would hold up the worker."""
+        try:
+            table = uploaded_trajectory(file.name, file.content, bool(self.rest.value))
+        except PaminsaError as error:
+            self._session.tell("Not opened", str(error), bad=True)
+            return
+        self._session.ask("motion.table", lambda state: requests.take_table(state, table))
+        self._session.tell("Motion opened", f"{table.name}, {table.size} rows")
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state; show what the chosen motion needs."""

@@ -67,8 +67,9 @@ class TimingInputs:
             hint="Given, or the shortest in which the robot keeps its limits",
         )  # fmt: skip
         self.duration = gui.add_number(
-            "T [s]", motion.duration, min=DURATIONS[0], max=DURATIONS[1], step=0.05
-        )
+            "T [s]", motion.duration, min=DURATIONS[0], max=DURATIONS[1], step=0.05,
+            hint="Of the way there, if the motion comes back again",
+        )  # fmt: skip
         self._limits = gui.add_folder("Limits", expand_by_default=True)
         with self._limits:
             gui.add_html(_STYLE)

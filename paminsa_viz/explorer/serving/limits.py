@@ -17,7 +17,8 @@ class Limits:
         sessions_per_second: New pages, in the long run [1/s]; as many as ``sessions`` at once.
         waiting: Connections at a time that have not become a session yet.
         message_bytes: Largest message [bytes]; a picture for ``get_render`` is one message.
-        upload_bytes: Largest file that is taken [bytes]. A larger one arrives empty.
+        upload_bytes: Largest file that is taken [bytes], enough for the table of a motion of 10 s
+            at 1 kHz. A larger one arrives empty.
         render_pixels: Largest picture that is taken from a page [pixels].
         frames_per_second: WebSocket frames of one connection, in the long run, and of all
             connections together that try to send more than that [1/s].
@@ -31,7 +32,7 @@ class Limits:
     sessions_per_second: float = 4.0
     waiting: int = 64
     message_bytes: int = 16 * 2**20
-    upload_bytes: int = 2**20
+    upload_bytes: int = 8 * 2**20
     render_pixels: int = 4096 * 4096
     frames_per_second: float = 200.0
     frame_burst: float = 100.0

@@ -8,6 +8,8 @@ from typing import Any
 import pytest
 import viser
 
+from paminsa_viz.explorer.serving.limits import Limits
+
 from ..raw_page import RawPage, eventually, pack, update
 from .house import House
 
@@ -144,7 +146,7 @@ def test_a_small_file_arrives_and_a_large_one_arrives_empty(house: House) -> Non
     button = inputs.upload._impl.uuid
     _send_file(page, button, bytes(700_000), "small")
     eventually(lambda: sizes)
-    _send_file(page, button, bytes(2**20 + 1), "large")
+    _send_file(page, button, bytes(Limits().upload_bytes + 1), "large")
     _send_file(page, inputs.slider._impl.uuid, b"abc", "into a slider")
     house.alive(page, inputs)
     eventually(lambda: len(sizes) == 2)
