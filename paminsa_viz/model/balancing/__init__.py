@@ -10,7 +10,12 @@ from __future__ import annotations
 
 from paminsa_viz.model.balancing.anchors import Anchor, at_joint, on_bar, on_guide, on_slider
 from paminsa_viz.model.balancing.changes import Changes, MassRange, Rail, along, beyond, whole_mass
-from paminsa_viz.model.balancing.errors import InfeasibleBounds, Relaxation, Shortfall
+from paminsa_viz.model.balancing.errors import (
+    InfeasibleBounds,
+    Relaxation,
+    Shortfall,
+    SolverFailed,
+)
 from paminsa_viz.model.balancing.optimum import Active, Optimum, TermValue, optimise
 from paminsa_viz.model.balancing.paper_balance import balance, paper_changes
 from paminsa_viz.model.balancing.pareto import Front, FrontPoint, pareto_front
@@ -76,6 +81,7 @@ __all__ = [
     "Requirements",
     "SearchResult",
     "Shortfall",
+    "SolverFailed",
     "Spring",
     "SpringFit",
     "SpringPlace",

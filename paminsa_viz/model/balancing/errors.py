@@ -42,6 +42,18 @@ class Relaxation:
     needed: float
 
 
+class SolverFailed(PaminsaError):
+    """A programme that the linear solver could not finish; its numbers may differ too much in size.
+
+    Attributes:
+        reason: What went wrong, in words.
+    """
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"the best masses could not be worked out: {reason}")
+
+
 class InfeasibleBounds(PaminsaError):
     """No masses within the bounds meet what is asked for.
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.balancing.errors import SolverFailed
 from paminsa_viz.model.balancing.pieces import Rows, stacked
 from paminsa_viz.model.balancing.program import Levers, Program, evaluate
 
@@ -181,7 +182,7 @@ def _linprog(cost: Array, matrix: Array, rhs: Array, bounds: list[tuple[float, f
     """Call HiGHS with tight tolerances; status 2 is infeasible.
 
     Raises:
-        ArithmeticError: If it fails for another reason.
+        SolverFailed: If it fails for another reason.
     """
     tight = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
     found: Any = None
@@ -189,4 +190,4 @@ def _linprog(cost: Array, matrix: Array, rhs: Array, bounds: list[tuple[float, f
         found = linprog(cost, matrix, rhs, bounds=bounds, method=method, options=options)
         if found.status in (0, 2):
             return found
-    raise ArithmeticError(f"the linear programme could not be solved: {found.message}")
+    raise SolverFailed(str(found.message))

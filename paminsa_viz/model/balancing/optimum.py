@@ -105,6 +105,7 @@ def optimise(
     Raises:
         InfeasibleBounds: If no distribution within the bounds meets the limits.
         InvalidInput: If a weight is negative, or a term does not fit the design.
+        SolverFailed: If the linear solver fails.
     """
     began = time.perf_counter()
     weighted = list(goals) if isinstance(goals, Sequence) else [(1.0, goals)]

@@ -215,11 +215,11 @@ class Hinges:
         ends = np.append(self.starts[1:], len(found))
         own = np.zeros((len(index), self.aux))
         own[np.arange(len(index)), 1 + index] = -1.0
-        parts = [slice(self.starts[i], ends[i]) for i in index]
-        matrix = np.array([on[p] @ self.matrix[p] for p in parts]).reshape(len(index), -1)
-        offset = np.array([on[p] @ self.offset[p] for p in parts])
-        if not len(index):
-            matrix = np.empty((0, self.matrix.shape[1]))
+        matrix = np.empty((len(index), self.matrix.shape[1]))
+        offset = np.empty(len(index))
+        for row, i in enumerate(index):
+            part = slice(self.starts[i], ends[i])
+            matrix[row], offset[row] = on[part] @ self.matrix[part], on[part] @ self.offset[part]
         return rows(matrix, own, -offset, len(amounts))
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.balancing.errors import SolverFailed
 from paminsa_viz.model.balancing.master import Master, Trial
 from paminsa_viz.model.balancing.program import Infeasible, Levers, Program, Solution, evaluate
 
@@ -36,7 +37,7 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
 
     Raises:
         Infeasible: If no choice meets the limits.
-        ArithmeticError: If the linear solver fails.
+        SolverFailed: If the linear solver fails.
     """
     master = Master(program)
     best: _Found | None = None
@@ -59,7 +60,7 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
         if not master.extend(trial, max(0.1 * tolerance * size, RESOLVED)):
             break
     if best is None:
-        raise ArithmeticError("the limits could not be met within rounding")
+        raise SolverFailed("the limits could not be met within rounding")
     best = _tidied(program, best, bound)
     least = [
         carrier.cheapest(price) for carrier, price in zip(program.carriers, prices, strict=True)
@@ -101,7 +102,7 @@ def _make_feasible(master: Master) -> int:
             if trial.excess > FEASIBLE:
                 raise Infeasible(trial.excess)
             return rounds
-    raise ArithmeticError("it could not be decided whether the limits can be met")
+    raise SolverFailed("it could not be decided whether the limits can be met")
 
 
 def _tidied(program: Program, best: _Found, bound: float) -> _Found:

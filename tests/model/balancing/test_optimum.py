@@ -7,9 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
+    BAR_ENDS,
     Counterweight,
     Design,
     Friction,
@@ -25,6 +28,7 @@ from paminsa_viz.model.balancing import (
     Active,
     AddedMass,
     Changes,
+    Imbalance,
     InfeasibleBounds,
     MassChange,
     MassRange,
@@ -40,8 +44,9 @@ from paminsa_viz.model.balancing import (
     optimise,
     whole_mass,
 )
-from paminsa_viz.model.trajectory import analyse, solve_trajectory
+from paminsa_viz.model.trajectory import Trajectory, analyse, solve_trajectory
 from tests.model.balancing.robots import (
+    PATHS,
     changes,
     field,
     random_choices,
@@ -49,6 +54,7 @@ from tests.model.balancing.robots import (
     trajectory,
     workspace,
 )
+from tests.model.cases import Case, cases
 
 RANDOM = 10_000
 
@@ -258,6 +264,47 @@ def test_several_limits_at_odds() -> None:
         optimise(APPENDIX_4, changes(0.2), MassChange(), limits=limits)
     assert len(caught.value.limits) == 2
     assert all(item.attainable > item.limit for item in caught.value.limits)
+
+
+@given(case=cases(), seed=st.integers(0, 1000))
+def test_any_robot_on_any_motion(case: Case, seed: int) -> None:
+    """Random robots, motions, bounds, rails and weights: always an optimum with its proof."""
+    rng = np.random.default_rng(seed)
+    design = case.design
+    states = case.states(24)
+    motion = Trajectory(np.linspace(0.0, 1.0, 24), *states)
+    solved = solve_trajectory(design.geometry, motion, case.assembly, gravity=design.gravity)
+    assume(solved.check.ok)
+    masses = tuple(
+        MassRange(p, rng.uniform(0, 1) * design.value(p), rng.uniform(1, 3) * design.value(p))
+        for p in (*PATHS, "joints.j2", "platform.mass")
+        if rng.uniform() < 0.6
+    )
+    rails = tuple(
+        Rail(bar, joint, -0.1, rng.choice([-0.1, 0.2]), rng.uniform(0.1, 8))
+        for bar, ends in BAR_ENDS.items()
+        for joint in ends
+        if rng.uniform() < 0.4
+    )
+    what = Changes(masses, rails)
+    offered: list[Term] = [
+        Imbalance(), AddedMass(), MassChange(), TrajectoryPeak(solved), TrajectoryRms(solved),
+        TrajectoryEnergy(solved), TrajectoryPeak(solved, LIFT), TrajectoryRms(solved, LIFT),
+    ]  # fmt: skip
+    goals = [(rng.uniform(0.1, 2), offered[i]) for i in rng.permutation(len(offered))[:2]]
+    held = offered[rng.integers(len(offered))]
+    (least,) = optimise(design, what, held).values
+    limit = least.after + rng.uniform() * max(least.before - least.after, 0.0)
+    result = optimise(design, what, goals, limits=[(held, limit)])
+    scale = sum(w * abs(v.before) for (w, _), v in zip(goals, result.values, strict=False))
+    scale = max(abs(result.objective), scale)
+    assert -1e-12 * scale <= result.objective - result.lower_bound <= 1e-7 * scale + 1e-12
+    assert result.values[2].after <= limit + 1e-8 * max(1.0, abs(limit))
+    after = analyse(result.after, motion, case.assembly).torque
+    for (_, term), value in zip(goals, result.values, strict=False):
+        if isinstance(term, TrajectoryPeak):
+            peak = np.abs(after[:, list(term.actuators)]).max()
+            assert value.after == pytest.approx(peak, rel=1e-8, abs=1e-9 * np.abs(after).max())
 
 
 def test_mass_moved_counts_both_ways() -> None:
