@@ -63,7 +63,7 @@ def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
             file that is too large as an empty one.
     """
     if not content:
-        raise TableFileError(name, "is empty, or larger than 8 MB")
+        raise TableFileError(name, "is empty, or larger than 10 MB")
     text = content.decode("utf-8-sig", errors="surrogateescape")
     return parse_trajectory(io.StringIO(text, newline=""), name, rest=rest)
 

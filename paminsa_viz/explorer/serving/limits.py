@@ -32,7 +32,7 @@ class Limits:
     sessions_per_second: float = 4.0
     waiting: int = 64
     message_bytes: int = 16 * 2**20
-    upload_bytes: int = 8 * 2**20
+    upload_bytes: int = 10 * 2**20
     render_pixels: int = 4096 * 4096
     frames_per_second: float = 200.0
     frame_burst: float = 100.0

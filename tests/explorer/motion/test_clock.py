@@ -1,0 +1,72 @@
+"""Playing on a real session, with a page that only listens."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion.clock import Clock
+from paminsa_viz.explorer.motion.description import Timing
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import initial_state
+from tests.explorer.raw_page import PATIENCE, eventually
+
+
+class Watch:
+    """Remembers which instants were drawn."""
+
+    def __init__(self) -> None:
+        self.times: list[float] = []
+        self.poses: list[Any] = []
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        del moving
+        self.times.append(frame.state.playback.time)
+        self.poses.append(frame.posture.pose)
+
+
+@pytest.fixture
+def played() -> Iterator[tuple[Session, Watch]]:
+    """A session with a motion of 0.3 s, before it is played."""
+    camera = SimpleNamespace(image_width=1400, image_height=900)
+    page: Any = SimpleNamespace(atomic=contextlib.nullcontext, flush=lambda: None, camera=camera)
+    state = requests.change(initial_state(), timing=Timing.GIVEN, duration=0.3)
+    session, watch = Session(cast(Any, page), state), Watch()
+    session.first += [Clock(session), watch]
+    session.start()
+    yield session, watch
+    session.close()
+    session._thread.join(PATIENCE)
+
+
+def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Watch]) -> None:
+    session, watch = played
+    session.ask("play", requests.play, step=False)
+    eventually(lambda: watch.times and watch.times[-1] == 0.3)
+    eventually(lambda: not session.state.playback.playing)
+    assert watch.times == sorted(watch.times)
+    assert len(set(watch.times)) > 3
+    motion = requests.planned(session.state).trajectory
+    assert motion is not None
+    for time, pose in list(zip(watch.times, watch.poses, strict=True))[-3:]:
+        np.testing.assert_allclose(pose, motion.at(time).pose, atol=1e-12)
+    assert not session.can_undo
+
+
+def test_a_motion_repeats_until_it_is_paused(played: tuple[Session, Watch]) -> None:
+    session, watch = played
+    session.ask("loop", lambda s: requests.play(requests.set_playback(s, loop=True)), step=False)
+    eventually(lambda: (np.diff(watch.times) < 0).sum() >= 2)
+    session.ask("pause", requests.pause, step=False)
+    eventually(lambda: not session.state.playback.playing)
+    stopped = session.state.playback.time
+    assert 0 <= stopped < 0.3
+    session.ask("play", requests.play, step=False)
+    eventually(lambda: session.state.playback.time != stopped)
