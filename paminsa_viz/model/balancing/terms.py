@@ -14,12 +14,12 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.balancing.changes import MASS, MassSpace
 from paminsa_viz.model.balancing.pieces import Deviations, Hinges, Largest, Norm, Piece
+from paminsa_viz.model.balancing.time_weights import time_weights
 from paminsa_viz.model.dynamics import frictionless
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.model.trajectory.integrals import running_integral
 from paminsa_viz.model.trajectory.solved import SolvedTrajectory
 
 ROTARY = (0, 1, 2)
@@ -275,30 +275,6 @@ class MassChange:
         reach = [max(c.high - a, a) for c, a in zip(space.carriers, space.amounts, strict=True)]
         most = float(space.counts @ np.array(reach)) if reach else 0.0
         return Deviations(space.amounts, space.amounts, space.counts, most)
-
-
-def time_weights(t: Array) -> Array:
-    """Return the weights (n,) with which samples at times t add up to an integral [s].
-
-    Those of `running_integral` unless a very uneven step makes one negative, which would not be
-    convex; then those of trapezia.
-    """
-    step = np.diff(t)
-    weights = np.zeros(len(t))
-    weights[:-1] += 0.5 * step
-    weights[1:] += 0.5 * step
-    if len(t) > 2:
-        # each step's parabola reaches three samples: every fourth sample can be asked at once
-        fine = np.zeros(len(t))
-        for first in range(6):
-            comb = np.zeros(len(t))
-            comb[first::6] = 1.0
-            total = running_integral(t, comb)
-            for i in range(first, len(t), 6):
-                fine[i] = total[min(i + 2, len(t) - 1)] - total[max(i - 3, 0)]
-        if (fine >= 0).all():
-            return fine
-    return weights
 
 
 def _of(actuators: tuple[int, ...]) -> str:

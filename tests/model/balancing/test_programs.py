@@ -13,7 +13,7 @@ from scipy.optimize import lsq_linear
 from paminsa_viz.model.balancing.pieces import Deviations, Hinges, Largest, Norm
 from paminsa_viz.model.balancing.program import Carrier, Infeasible, Program, evaluate
 from paminsa_viz.model.balancing.solver import solve
-from paminsa_viz.model.balancing.terms import time_weights
+from paminsa_viz.model.balancing.time_weights import time_weights
 from paminsa_viz.model.trajectory.integrals import running_integral
 
 SEEDS = st.integers(0, 10_000)
