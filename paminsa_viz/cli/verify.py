@@ -6,7 +6,7 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeAlias
 
 import tyro
 
@@ -15,7 +15,7 @@ from paminsa_viz.cli.arguments import parse
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, name, verify
+from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import FileError
@@ -35,6 +35,8 @@ torque of the same actuator. The formulae as the paper prints them stand beside 
 in which MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
+
+Kind: TypeAlias = Literal["png", "svg", "pdf"]
 
 HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
@@ -63,7 +65,7 @@ class Verify:
     """Print JSON for other programs."""
     figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
-    format: Literal["png", "svg", "pdf"] = "png"
+    format: Kind = "png"
     """Kind of the figures."""
 
 
@@ -85,7 +87,7 @@ def main(words: list[str]) -> int:
         if flags.model is None:
             raise
         raise FileError(str(flags.model), f"MuJoCo can not use it: {error}") from error
-    drawn = [] if flags.figures is None else _figures(found, flags)
+    drawn = [] if flags.figures is None else _figures(found, flags.figures, flags.format)
     if flags.json:
         files = {"figures": [str(path) for path in drawn]} if drawn else {}
         print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": flags.seed, **files})
@@ -125,7 +127,7 @@ def _show(found: Verification) -> None:
         print(f"\n{engine} is not installed; it comes with pip install 'paminsa-viz[verify]'")
     print(f"\nFormulae as printed and {found.engines[0].engine}, moving: relative differences")
     rows = [
-        (name(item), *(f"{value:.1e}" for value in comparison.relative))
+        (misprint_name(item), *(f"{value:.1e}" for value in comparison.relative))
         for item, comparison in found.printed.items()
     ]
     head = ("", "tau_1", "tau_2", "tau_3", "F_4")
@@ -164,20 +166,19 @@ def _show_simulation(found: Verification) -> None:
     )
 
 
-def _figures(found: Verification, flags: Verify) -> list[Path]:
-    """Write a figure for each engine, and one of the printed formulae."""
+def _figures(found: Verification, folder: Path, kind: Kind) -> list[Path]:
+    """Write a figure for each engine, and one of the printed formulae; return their paths."""
     # Late: matplotlib takes a second to load.
     from paminsa_viz.figures.curves_paper import render_curves
     from paminsa_viz.figures.verified import verified_curves
 
-    folder = flags.figures or Path()
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise as_file_error(str(folder), error, "written") from error
     written = []
     for stem, title, data in verified_curves(found):
-        path = folder / f"{stem}.{flags.format}"
-        write_bytes(path, render_curves(data, flags.format, title=title))
+        path = folder / f"{stem}.{kind}"
+        write_bytes(path, render_curves(data, kind, title=title))
         written.append(path)
     return written

@@ -139,7 +139,9 @@ class Verification:
                 for check in self.engines
             ],
             "missing_engines": list(self.missing),
-            "as_printed": {name(item): found.summary() for item, found in self.printed.items()},
+            "as_printed": {
+                misprint_name(item): found.summary() for item, found in self.printed.items()
+            },
             "simulation": {
                 "engine": self.engines[0].engine,
                 "until_s": float(self.wanted.t[stop] - self.wanted.t[0]),
@@ -151,7 +153,7 @@ class Verification:
         }
 
 
-def name(misprint: Misprint) -> str:
+def misprint_name(misprint: Misprint) -> str:
     """Return a misprint's name as in `Misprint`, ``ALL`` for all of them."""
     return str(misprint.name if misprint.name and "|" not in misprint.name else "ALL")
 
@@ -198,20 +200,18 @@ def verify(
     )
     if not len(places):
         raise InvalidInput("poses", "at least one is needed")
-    checks, missing = [], []
-    for engine, version, robot in _robots(design, assembly, xml, missing):
+    robots, missing = _robots(design, assembly, xml)
+    checks = []
+    for engine, version, robot in robots:
         at_rest = robot.static_torques(places)
         moving = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
-        checks.append(
-            EngineCheck(
-                engine, version,
-                Comparison(
-                    static_torques(design, places, assembly), at_rest,
-                    torque_scale(design, places, at_rest, assembly),
-                ),
-                _along(design, assembly, motion, moving, Misprint.NONE),
-            )
-        )  # fmt: skip
+        static = Comparison(
+            static_torques(design, places, assembly),
+            at_rest,
+            torque_scale(design, places, at_rest, assembly),
+        )
+        dynamic = _along(design, assembly, motion, moving, Misprint.NONE)
+        checks.append(EngineCheck(engine, version, static, dynamic))
     first = checks[0].dynamic
     wanted = motion.resampled(min(SIMULATED_RATE, MOST_SIMULATED / motion.duration))
     return Verification(
@@ -221,7 +221,7 @@ def verify(
         poses=places,
         tolerance=float(tolerance),
         engines=tuple(checks),
-        missing=tuple(missing),
+        missing=missing,
         printed={
             item: _along(design, assembly, motion, first.reference, item) for item in misprints
         },
@@ -234,21 +234,20 @@ def verify(
 
 
 def _robots(
-    design: Design, assembly: Assembly, xml: str | None, missing: list[str]
-) -> list[tuple[str, str, ClosedLoopRobot]]:
-    """Return the engines with name and version; those not installed are named in ``missing``."""
+    design: Design, assembly: Assembly, xml: str | None
+) -> tuple[list[tuple[str, str, ClosedLoopRobot]], tuple[str, ...]]:
+    """Return the robot in each engine, with the engine's name and version; and who is missing."""
     mujoco = load_mujoco()
     found: list[tuple[str, str, ClosedLoopRobot]] = [
         ("MuJoCo", mujoco.__version__, MujocoRobot(design, assembly, xml=xml))
     ]
     if xml is not None:
-        return found
+        return found, ()
     try:
         version = load_pinocchio().__version__
-        found.append(("Pinocchio", version, PinocchioRobot(design, assembly)))
     except EngineMissing as error:
-        missing.append(error.engine)
-    return found
+        return found, (error.engine,)
+    return [*found, ("Pinocchio", version, PinocchioRobot(design, assembly))], ()
 
 
 def _along(

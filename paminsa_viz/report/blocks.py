@@ -31,14 +31,6 @@ class Fact:
 
 
 @dataclass(frozen=True)
-class Facts:
-    """Facts in a row."""
-
-    facts: tuple[Fact, ...]
-    block: str = "facts"
-
-
-@dataclass(frozen=True)
 class Row:
     """A row of a table: its cells, and whether it is marked, a heading, or in an actuator's colour.
 
@@ -119,7 +111,7 @@ class Listing:
     block: str = "listing"
 
 
-Block: TypeAlias = Facts | Table | Figure | Note | Listing
+Block: TypeAlias = Table | Figure | Note | Listing
 
 
 @dataclass(frozen=True)
@@ -143,7 +135,10 @@ def measured(number: float, unit: str, digits: int = 4) -> str:
 
 
 def pretty(unit: str) -> str:
-    """Return an SI unit as it is printed: ``kg m^2`` becomes ``kg·m²``; mm, N·m, ° stay to do."""
+    """Return an SI unit with dots and raised digits: ``kg m^2`` becomes ``kg·m²``.
+
+    Those that `value` converts, such as m to mm, stay as they are.
+    """
     return unit if unit in ("m", "N m", "rad") else unit.replace("^2", "²").replace(" ", "·")
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.figures.from_model import LEGENDS, TORQUES, map_data
+from paminsa_viz.figures.from_model import TORQUES, map_data
 from paminsa_viz.figures.map_window import cell_centres, half_width
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.paper import render
@@ -45,6 +45,5 @@ def maps_section(request: ReportRequest) -> Section:
 def _figure(data: MapData, width: float, *, half: bool) -> Figure:
     kind = "linear" if data.signed or data.unit == "N" else "symlog"
     scales = choose_scales(data, ScaleChoice(shared=True, kind=kind))
-    title = data.title or ", ".join(legend.title for legend in LEGENDS.values())
     svg = render(data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
-    return Figure(svg, f"Map over x and y: {title}.", half=half)
+    return Figure(svg, f"Map over x and y: {data.title}.", half=half)

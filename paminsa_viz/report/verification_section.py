@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import Verification, name, verify
+from paminsa_viz.engines.verification import Verification, misprint_name, verify
 from paminsa_viz.figures.curves_paper import render_curves
 from paminsa_viz.figures.curves_words import written
 from paminsa_viz.figures.verified import verified_curves
@@ -83,8 +83,11 @@ def _rows(where: str, comparison: Comparison) -> list[Row]:
 def _misprints(found: Verification) -> Table:
     rows = [
         Row(
-            (MISPRINTS.get(name(item), name(item)), *(written(v, 2) for v in comparison.relative)),
-            "total" if name(item) == "ALL" else "plain",
+            (
+                MISPRINTS.get(misprint_name(item), misprint_name(item)),
+                *(written(v, 2) for v in comparison.relative),
+            ),
+            "total" if misprint_name(item) == "ALL" else "plain",
         )
         for item, comparison in found.printed.items()
     ]

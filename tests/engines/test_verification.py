@@ -15,7 +15,7 @@ from paminsa_viz.engines.comparison import Comparison, torque_scale
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.states import workspace_poses
-from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, name, verify
+from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, misprint_name, verify
 from paminsa_viz.model import (
     APPENDIX_4,
     Assembly,
@@ -70,14 +70,14 @@ def test_misprints_are_misprints() -> None:
     found = checked()
     assert set(found.printed) == set(EVERY_MISPRINT)
     for item, comparison in found.printed.items():
-        assert not comparison.agrees(1e-6), name(item)
+        assert not comparison.agrees(1e-6), misprint_name(item)
         assert comparison.reference is found.engines[0].dynamic.reference
     # Eq. 13's lift speed concerns M4 alone.
     lift = found.printed[Misprint.EQ13_LIFT_SPEED].relative
     assert lift[:3].max() < SHARP
     assert lift[3] > 1e-5
-    assert name(Misprint.ALL) == "ALL"
-    assert name(Misprint.APP3_MC4) == "APP3_MC4"
+    assert misprint_name(Misprint.ALL) == "ALL"
+    assert misprint_name(Misprint.APP3_MC4) == "APP3_MC4"
 
 
 def changed(body: str, factor: float) -> str:
@@ -189,7 +189,7 @@ def test_the_result_is_json_and_repeatable() -> None:
     said = one.to_dict()
     assert (said["static_poses"], said["dynamic_states"]) == (20, one.trajectory.size)
     assert said["worst_relative"] == one.worst
-    assert set(said["as_printed"]) == {name(item) for item in EVERY_MISPRINT}
+    assert set(said["as_printed"]) == {misprint_name(item) for item in EVERY_MISPRINT}
 
 
 def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
