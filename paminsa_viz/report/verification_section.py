@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.engines.verification import Verification, misprint_name, verify
+from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.figures.curves_paper import render_curves
 from paminsa_viz.figures.curves_words import written
 from paminsa_viz.figures.verified import verified_curves
 from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.palette import ACTUATOR_COLOURS
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
 from paminsa_viz.report.request import ReportRequest
@@ -83,11 +84,8 @@ def _rows(where: str, comparison: Comparison) -> list[Row]:
 def _misprints(found: Verification) -> Table:
     rows = [
         Row(
-            (
-                MISPRINTS.get(misprint_name(item), misprint_name(item)),
-                *(written(v, 2) for v in comparison.relative),
-            ),
-            "total" if misprint_name(item) == "ALL" else "plain",
+            (MISPRINTS[item], *(written(value, 2) for value in comparison.relative)),
+            "total" if item is Misprint.ALL else "plain",
         )
         for item, comparison in found.printed.items()
     ]
@@ -98,15 +96,15 @@ def _misprints(found: Verification) -> Table:
     return Table(("Taken as printed", "τ₁", "τ₂", "τ₃", "F₄"), tuple(rows), caption)
 
 
-MISPRINTS = {
-    "EQ13_LIFT_SPEED": "Eq. 13: Ż instead of Ż²",
-    "EQ13_LEG_SPIN": "Eq. 13: θ̇² instead of θ̇ₖ²",
-    "APP3_MC4": "Appendix 3, M_c4: m₇/(k²(k−1)) instead of twice that",
-    "EQ14_PHI_SPEED": "Eq. 14: M_c10 φ̇² instead of M_c11 φ̇²",
-    "EQ14_SINE_SIGNS": "Eq. 14: signs of sin²ψ and sin²φ",
-    "ALL": "All of them",
+MISPRINTS: dict[Misprint, str] = {
+    Misprint.EQ13_LIFT_SPEED: "Eq. 13: Ż instead of Ż²",
+    Misprint.EQ13_LEG_SPIN: "Eq. 13: θ̇² instead of θ̇ₖ²",
+    Misprint.APP3_MC4: "Appendix 3, M_c4: m₇/(k²(k−1)) instead of twice that",
+    Misprint.EQ14_PHI_SPEED: "Eq. 14: M_c10 φ̇² instead of M_c11 φ̇²",
+    Misprint.EQ14_SINE_SIGNS: "Eq. 14: signs of sin²ψ and sin²φ",
+    Misprint.ALL: "All of them",
 }
-"""Misprints in words, by `Misprint` name."""
+"""Misprints in words."""
 
 
 def _simulation(found: Verification) -> Note:
