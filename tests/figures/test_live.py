@@ -9,7 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from paminsa_viz.figures.live import live_image, screen_layout
+from paminsa_viz.figures.live import Way, live_image, screen_layout
 from paminsa_viz.figures.ranges import choose_scales
 from paminsa_viz.figures.raster import map_image
 from paminsa_viz.figures.scale import InvalidScale, Scale, ScaleChoice
@@ -150,3 +150,20 @@ def test_the_live_picture_needs_no_plotting_library() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True
     )
     assert result.stdout.strip() == "[]"
+
+
+def test_a_motion_is_drawn_on_every_map_and_not_beside_it() -> None:
+    data = made_up(panels=3)
+    right = data.extent[1]
+    across = np.linspace(-0.5 * right, 3.0 * right, 200)
+    way = Way((np.stack([across, 0.3 * across], axis=1),), ())
+    plain, drawn = live_image(data, SCALE, 900), live_image(data, SCALE, 900, way=way)
+    changed = (plain != drawn).any(axis=2)
+    layout = screen_layout(data, SCALE, 900)
+    for box in layout.panels:
+        part = changed[int(box.top) : int(box.bottom), int(box.left) : int(box.right)]
+        assert part.sum() > 0.5 * box.width
+        changed[int(box.top) - 3 : int(box.bottom) + 3, int(box.left) - 3 : int(box.right) + 3] = 0
+    assert not changed.any()
+    bad = live_image(data, SCALE, 900, way=Way((), way.good))
+    assert (bad != drawn).any()
