@@ -19,7 +19,7 @@ def time_weights(t: Array) -> Array:
     weights[:-1] += 0.5 * step
     weights[1:] += 0.5 * step
     if len(t) > 2:
-        # each step's parabola reaches three samples: samples six apart do not meet, and are asked at once
+        # a step's parabolas reach four samples, so that samples six apart can be asked at once
         fine = np.zeros(len(t))
         for first in range(6):
             comb = np.zeros(len(t))

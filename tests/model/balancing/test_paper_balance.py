@@ -49,13 +49,18 @@ def balanced() -> list[Design]:
 
 @BOTH
 def test_nothing_is_left_over_a_hundred_thousand_poses(assembly: Assembly) -> None:
-    poses = samples.random_poses(np.random.default_rng(0), APPENDIX_4, assembly, 100_000)
-    before = np.abs(static_torques(APPENDIX_4, poses, assembly)[:, :3]).max()
+    poses = np.random.default_rng(0).uniform(
+        (-0.3, -0.3, -1.2, -0.9), (0.3, 0.3, 1.2, 0.9), (250_000, 4)
+    )
+    before = static_torques(APPENDIX_4, poses, assembly)
+    reached = np.isfinite(before).all(axis=1)
+    poses, before = poses[reached], before[reached, :3]
+    assert len(poses) >= 100_000
+    largest = np.abs(before).max(axis=1, keepdims=True)
     for design in balanced():
         torque = static_torques(design, poses, assembly)
-        assert np.isfinite(torque).all()
-        assert np.abs(torque[:, :3]).max() < 1e-13 * before
-        np.testing.assert_allclose(torque[:, 3], lift_constant(design), rtol=1e-13)
+        assert (np.abs(torque[:, :3]) <= 1e-14 * largest).all()
+        np.testing.assert_allclose(torque[:, 3], lift_constant(design), rtol=1e-12)
 
 
 @BOTH
