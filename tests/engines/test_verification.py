@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,7 @@ from paminsa_viz.model import (
     check_reach,
     measure_singularity,
 )
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle, samples
 
@@ -64,6 +66,16 @@ def test_the_formulae_pass(design: Design, assembly: Assembly) -> None:
         t = found.trajectory
         torque = oracle.inverse_dynamics(design, t.pose, t.velocity, t.acceleration, assembly)
         np.testing.assert_allclose(check.dynamic.reference, torque, atol=1e-9)
+
+
+@BOTH
+def test_counterweights_pass_too(assembly: Assembly) -> None:
+    weights = (Counterweight("b8", 8, 0.1, 0.8), Counterweight("b4", 9, -0.2, 0.3))
+    found = checked(replace(RANDOM, counterweights=weights), assembly, misprints=())
+    assert found.worst < SHARP
+    without = checked(RANDOM, assembly, misprints=())
+    first, second = (f.engines[0].static.reference for f in (found, without))
+    assert np.abs(first - second).max() > 1.0
 
 
 def test_misprints_are_misprints() -> None:
