@@ -13,7 +13,7 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.errors import InvalidDesign
+from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.quantity import check_numbers, quantity
 
 
@@ -232,13 +232,17 @@ class Design:
 
         ``"counterweights.0.mass"`` is that of the first counterweight, if there is one. The guide
         stroke is returned as the length in force, also where it follows l_B10.
+
+        Raises:
+            InvalidInput: If there is no such number.
         """
         if path == "geometry.guide_stroke":
             return self.geometry.stroke
-        target: Any = self
-        for part in path.split("."):
-            target = target[int(part)] if isinstance(target, tuple) else getattr(target, part)
-        return float(target)
+        group, _, name = path.rpartition(".")
+        owner = self._group(group)
+        if name not in _numbers_of(owner):
+            raise InvalidInput("path", f"there is no design value {path!r}")
+        return float(getattr(owner, name))
 
     def _group(self, name: str) -> Any:
         """Return what holds the values under a path, None if there is no such thing."""
@@ -260,10 +264,7 @@ class Design:
         grouped: dict[str, dict[str, float | None]] = {}
         for path, value in changes.items():
             group, _, name = path.rpartition(".")
-            owner = self._group(group)
-            items = fields(owner) if is_dataclass(owner) else ()
-            known = {item.name for item in items if "unit" in item.metadata}
-            if name not in known:
+            if name not in _numbers_of(self._group(group)):
                 raise InvalidDesign(path, value, "there is no design value of this name")
             grouped.setdefault(group, {})[name] = value
         top: dict[str, Any] = dict(grouped.pop("", {}))
@@ -275,6 +276,12 @@ class Design:
             else:
                 top[group] = changed
         return replace(self, counterweights=tuple(weights), **top)
+
+
+def _numbers_of(owner: object) -> set[str]:
+    """Return the names of the numbers that a group of a design holds."""
+    items = fields(owner) if is_dataclass(owner) else ()
+    return {item.name for item in items if "unit" in item.metadata}
 
 
 APPENDIX_4 = Design(name="Appendix 4")

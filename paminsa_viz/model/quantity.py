@@ -6,7 +6,11 @@ import math
 from dataclasses import field, fields
 from typing import Any
 
+import numpy as np
+
 from paminsa_viz.model.errors import InvalidDesign
+
+_NUMBERS = (int, float, np.integer, np.floating)
 
 
 def quantity(
@@ -52,7 +56,7 @@ def check_numbers(group: object, path: str) -> None:
             allowed = f"a finite number {'above' if positive else 'of at least'} 0 is needed"
         if item.metadata["unit"]:
             allowed += f" [{item.metadata['unit']}]"
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
+        if isinstance(value, bool) or not isinstance(value, _NUMBERS):
             raise InvalidDesign(name, value, allowed)
         try:
             number = float(value)

@@ -21,6 +21,7 @@ from paminsa_viz.model import (
     Geometry,
     Inertias,
     InvalidDesign,
+    InvalidInput,
     JointMasses,
     LinkMasses,
     PaminsaError,
@@ -242,3 +243,16 @@ def test_whole_and_numpy_numbers_become_floats(parameter: Parameter, kind: Any) 
         stored = getattr(stored, name)
     assert type(stored) is float
     assert stored == value
+
+
+@pytest.mark.parametrize("number", [np.float32(0.5), np.int64(2), np.float64(0.5)])
+def test_numbers_of_numpy_are_numbers(number: float) -> None:
+    design = APPENDIX_4.vary({"links.b3": number})
+    assert type(design.links.b3) is float
+    assert design.links.b3 == number
+
+
+@pytest.mark.parametrize("path", ["links.b99", "links", "nothing", "links.b3.mass", "name", ""])
+def test_there_is_no_value_of_that_name(path: str) -> None:
+    with pytest.raises(InvalidInput, match="there is no design value"):
+        APPENDIX_4.value(path)
