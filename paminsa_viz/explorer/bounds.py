@@ -12,6 +12,9 @@ LARGEST_OTHER = 1e4
 SMALLEST = 1e-6
 """Smallest number where zero is refused."""
 
+MOST_COUNTERWEIGHTS = 12
+"""Most counterweights of a leg: each is a body of the scene and a row of the page."""
+
 
 def largest(path: str) -> float:
     """Return the largest number that is taken at a dotted path [SI]."""
@@ -25,8 +28,21 @@ def require_workable(design: Design) -> Design:
     file or a share code goes through here.
 
     Raises:
-        InvalidDesign: If a number is too large, or too small where zero is refused.
+        InvalidDesign: If a number is too large, or too small where zero is refused, or if there
+            are too many counterweights.
     """
+    count = len(design.counterweights)
+    if count > MOST_COUNTERWEIGHTS:
+        raise InvalidDesign(
+            "counterweights", count, f"here, a leg has at most {MOST_COUNTERWEIGHTS}"
+        )
+    for number, weight in enumerate(design.counterweights):
+        for name, value, unit in (("mass", weight.mass, "kg"), ("beyond", weight.beyond, "m")):
+            if not abs(value) <= LARGEST[unit]:
+                raise InvalidDesign(
+                    f"counterweights.{number}.{name}", value,
+                    f"here, its size is at most {LARGEST[unit]:g} [{unit}]",
+                )  # fmt: skip
     for parameter in PARAMETERS:
         path, value = parameter.path, design.value(parameter.path)
         low, high = (SMALLEST if parameter.positive else 0.0), largest(path)

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Any
 
+from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.motion import saving as motions
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -17,6 +19,7 @@ from paminsa_viz.model import (
     InvalidInput,
     PaminsaError,
 )
+from paminsa_viz.model.counterweight import Counterweight
 
 VERSION = 1
 
@@ -38,20 +41,24 @@ def _numbers(design: Design) -> dict[str, float]:
     return changed if design.geometry.guide_stroke is None else changed | {STROKE: stroke}
 
 
+def _described(design: Design) -> dict[str, Any]:
+    """Return a design as plain data: its name, its numbers, its counterweights if it has any."""
+    weights = [[w.bar, w.joint, w.beyond, w.mass] for w in design.counterweights]
+    described = {"name": design.name, "design": _numbers(design)}
+    return described | ({"counterweights": weights} if weights else {})
+
+
 def dump(document: Document) -> str:
     """Write a document as text; without a motion that is a file's, which may be long."""
     reference = document.reference
     motion = motions.described(document.motion)
     return json.dumps(
-        {
+        _described(document.design)
+        | {
             "version": VERSION,
-            "name": document.design.name,
-            "design": _numbers(document.design),
             "assembly": document.assembly.value,
             "pose": document.pose,
-            "reference": None
-            if reference is None
-            else {"name": reference.name, "design": _numbers(reference)},
+            "reference": None if reference is None else _described(reference),
         }
         | ({"motion": motion} if motion else {})
     )
@@ -72,12 +79,10 @@ def load(text: str) -> Document:
             raise InvalidInput("saved state", "the pose is not possible")
         reference = data["reference"]
         return Document(
-            design=_design(data["name"], data["design"]),
+            design=_design(data),
             assembly=Assembly(data["assembly"]),
             pose=(x, y, theta, z),
-            reference=None
-            if reference is None
-            else _design(reference["name"], reference["design"]),
+            reference=None if reference is None else _design(reference),
             motion=motions.motion_of(data.get("motion", {})),
         )
     except PaminsaError:
@@ -92,6 +97,17 @@ def _number(value: object) -> float:
     return float(value)
 
 
-def _design(name: object, numbers: dict[str, object]) -> Design:
-    design = APPENDIX_4.vary({path: _number(value) for path, value in numbers.items()})
-    return replace(design, name=printable(str(name))[:NAME_CHARACTERS])
+def _design(data: dict[str, Any]) -> Design:
+    """Read what `_described` returned."""
+    design = APPENDIX_4.vary({path: _number(value) for path, value in data["design"].items()})
+    weights = data.get("counterweights", [])
+    if len(weights) > MOST_COUNTERWEIGHTS:
+        raise InvalidInput("saved state", f"more than {MOST_COUNTERWEIGHTS} counterweights")
+    return replace(
+        design,
+        name=printable(str(data["name"]))[:NAME_CHARACTERS],
+        counterweights=tuple(
+            Counterweight(bar, joint, _number(beyond), _number(mass))
+            for bar, joint, beyond, mass in weights
+        ),
+    )

@@ -17,7 +17,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions, saving, sharing
-from paminsa_viz.explorer.bounds import largest
+from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS, largest, require_workable
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.history import DEPTH, PAUSE, History
 from paminsa_viz.explorer.state import Document, State, initial_state
@@ -33,10 +33,20 @@ from paminsa_viz.model import (
     PaminsaError,
     check_reach,
 )
+from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from tests.samples import random_design, random_poses
 
 FAR = {"x": 5.0}
 """A move that no leg can follow."""
+
+
+COUNTERWEIGHTS = st.builds(
+    lambda place, end, beyond, mass: Counterweight(place[0], place[1][end], beyond, mass),
+    st.sampled_from(list(BAR_ENDS.items())),
+    st.sampled_from([0, 1]),
+    st.floats(-0.5, 0.5),
+    st.floats(0, 20),
+)
 
 
 @st.composite
@@ -46,7 +56,8 @@ def designs(draw: st.DrawFn) -> Design:
         stroke = draw(st.sampled_from([APPENDIX_4.geometry.stroke, 0.2, 0.417]))
         design = design.vary({"geometry.guide_stroke": stroke})
     printable = st.characters(exclude_categories=("C", "Z"))
-    return replace(design, name=draw(st.text(printable, max_size=30)))
+    weights = tuple(draw(st.lists(COUNTERWEIGHTS, max_size=3)))
+    return replace(design, counterweights=weights, name=draw(st.text(printable, max_size=30)))
 
 
 COORDINATE = st.floats(-3, 3)
@@ -300,9 +311,50 @@ def test_a_mail_may_break_a_share_code_into_lines(document: Document, width: int
 def test_share_codes_are_short() -> None:
     assert len(sharing.encode(Document())) < 200
     rng = np.random.default_rng(0)
-    full = Document(random_design(rng), reference=random_design(rng))
+
+    def heavy() -> Design:
+        weights = [
+            Counterweight("b8", 8, *(float(v) for v in rng.random(2)))
+            for _ in range(MOST_COUNTERWEIGHTS)
+        ]
+        return replace(random_design(rng), counterweights=tuple(weights))
+
+    full = Document(heavy(), reference=heavy())
     assert len(sharing.encode(full)) < sharing.LONGEST_CODE / 2
     assert len(saving.dump(full)) < sharing.LONGEST_TEXT / 2
+
+
+def test_codes_from_before_there_were_counterweights_are_read() -> None:
+    data = json.loads(saving.dump(Document()))
+    assert "counterweights" not in data  # as older versions wrote it
+    assert saving.load(json.dumps(data)).design.counterweights == ()
+
+
+@pytest.mark.parametrize(
+    "weights",
+    [
+        [["b8", 7, 0.1, 1.0]],
+        [["b8", 8, 0.1, -1.0]],
+        [["b8", 8, 0.1]],
+        [["b8", 8, "0.1", 1.0]],
+        [["b8", 8, 0.1, 1.0]] * (MOST_COUNTERWEIGHTS + 1),
+        {"b8": 1},
+    ],
+)
+def test_impossible_counterweights_are_refused(weights: Any) -> None:
+    data = json.loads(saving.dump(Document()))
+    with pytest.raises(PaminsaError):
+        saving.load(json.dumps(data | {"counterweights": weights}))
+
+
+def test_the_page_refuses_counterweights_out_of_its_range() -> None:
+    for weights in (
+        (Counterweight("b8", 8, 0.1, 1e5),),
+        (Counterweight("b8", 8, -1e3, 1.0),),
+        (Counterweight("b8", 8, 0.1, 1.0),) * (MOST_COUNTERWEIGHTS + 1),
+    ):
+        with pytest.raises(InvalidDesign, match="counterweights"):
+            require_workable(replace(APPENDIX_4, counterweights=weights))
 
 
 def pack(text: str | bytes) -> str:
@@ -342,7 +394,9 @@ def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None
 
 @given(
     document=DOCUMENTS,
-    key=st.sampled_from(["version", "name", "design", "assembly", "pose", "reference"]),
+    key=st.sampled_from(
+        ["version", "name", "design", "assembly", "pose", "reference", "counterweights"]
+    ),
     value=JSON,
     remove=st.booleans(),
 )
@@ -351,7 +405,7 @@ def test_a_document_with_something_else_in_one_place_is_read_or_refused(
 ) -> None:
     data = json.loads(saving.dump(document))
     if remove:
-        del data[key]
+        data.pop(key, None)
     else:
         data[key] = value
     only_refused(saving.load, json.dumps(data))
