@@ -25,6 +25,7 @@ COMMANDS: dict[str, str] = {
     "design": "check, show, compare design files; write Appendix 4's",
     "map": "map torques and other quantities over the workspace, as figures and tables",
     "trajectory": "say what a motion asks of the robot; draw, simulate, write it",
+    "sweep": "measure many designs over the workspace, into a table that survives a kill",
     "balance": "find the masses that balance the robot best, with the proof that none are better",
     "verify": "check the formulae against MuJoCo and Pinocchio",
     "report": "write a design report as one HTML file",

@@ -1,0 +1,140 @@
+"""Where a study's rows are worked out: in this process, in several, or on a Dask cluster."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor, Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import wait
+from typing import Any, TypeVar
+
+from paminsa_viz.model import backend
+from paminsa_viz.model.errors import InvalidInput
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+AHEAD = 3
+"""Pieces of work that each worker has before it or is at."""
+
+PATIENCE = 15
+"""How long to look for a cluster's scheduler [s]."""
+
+
+@dataclass(frozen=True)
+class Workers:
+    """Something that works on several pieces at a time.
+
+    Attributes:
+        executor: An executor of `concurrent.futures`, or None to work in this process.
+        count: How many pieces it works on at a time.
+    """
+
+    executor: Executor | None = None
+    count: int = 1
+
+    def in_order(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Iterator[Result]:
+        """Yield a function's results in the order of the items, a few of which are ahead."""
+        if self.executor is None:
+            yield from map(function, items)
+            return
+        waiting: deque[Future[Result]] = deque()
+        try:
+            for item in items:
+                waiting.append(self.executor.submit(function, item))
+                if len(waiting) >= AHEAD * self.count:
+                    yield waiting.popleft().result()
+            while waiting:
+                yield waiting.popleft().result()
+        finally:
+            for future in waiting:
+                future.cancel()
+
+
+here = Workers()
+"""No other process."""
+
+
+@contextmanager
+def processes(count: int | None = None) -> Iterator[Workers]:
+    """Work in several processes of this machine.
+
+    Args:
+        count: Their number; None for one on each core. One process is this one.
+
+    Raises:
+        InvalidInput: If the number is below 1.
+    """
+    count = _cores() if count is None else count
+    if count < 1:
+        raise InvalidInput("jobs", f"one process at least is needed, not {count}")
+    if count == 1:
+        yield here
+        return
+    # Compiled here once, so that the processes find the formulae on the disk.
+    backend.compile_now()
+    # Not forked: a fork takes over threads' locks, and differs from what Windows and macOS do.
+    context = multiprocessing.get_context("spawn")
+    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_start_process)
+    try:
+        yield Workers(pool, count)
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def cluster(address: str) -> Iterator[Workers]:
+    """Work on a Dask cluster, on whose machines paminsa_viz is installed.
+
+    Args:
+        address: Of the scheduler, such as ``tcp://10.0.0.1:8786``.
+
+    Raises:
+        InvalidInput: If Dask is not installed, nothing answers there, or it has no workers.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        problem = "Dask is not installed; it comes with pip install 'paminsa-viz[dask]'"
+        raise InvalidInput("dask", problem) from None
+    try:
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise InvalidInput("dask", f"no scheduler answers at {address[:60]}: {error}") from None
+    with client:
+        threads: Any = client.nthreads()
+        count = sum(threads.values())
+        if not count:
+            raise InvalidInput("dask", f"the scheduler at {address[:60]} has no workers")
+        with client.get_executor(pure=False, retries=2) as executor:
+            yield Workers(executor, count)
+
+
+def _cores() -> int:
+    """Return how many cores this process may use."""
+    affinity: Any = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
+
+
+def _start_process() -> None:
+    """Prepare a worker process."""
+    # Ctrl-C reaches all processes; the first one tells the others when to end.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # A first process that is killed can not tell.
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    backend.compile_now()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)

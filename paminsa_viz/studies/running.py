@@ -1,0 +1,126 @@
+"""Runs a study into a file, row by row, and goes on where an earlier run was stopped."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import BrokenExecutor
+from dataclasses import dataclass, field
+
+from paminsa_viz.files.growing_table import GrowingTable
+from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.studies.metrics import METRICS
+from paminsa_viz.studies.study import OK, Study
+
+PART = 8
+"""Rows handed to a worker at a time: some ten milliseconds of work."""
+
+
+class WorkersLost(PaminsaError):
+    """Worker processes that died, of lack of memory for example."""
+
+
+@dataclass
+class Extremes:
+    """Least and largest value of a metric, with the rows that have them.
+
+    Attributes:
+        least, largest: The values; NaN if no row has any.
+        least_row, largest_row: Numbers of the first rows that have them; -1 if none has.
+    """
+
+    least: float = math.nan
+    largest: float = math.nan
+    least_row: int = -1
+    largest_row: int = -1
+
+    def take_in(self, row: int, value: float) -> None:
+        """Count one more value."""
+        if self.least_row < 0 or value < self.least:
+            self.least, self.least_row = value, row
+        if self.largest_row < 0 or value > self.largest:
+            self.largest, self.largest_row = value, row
+
+
+@dataclass
+class StudySummary:
+    """What a study's table holds.
+
+    Attributes:
+        rows: Number of rows in the file.
+        found: How many of them were there before this run.
+        status: How many rows have which status; an impossible design's counts as ``impossible``.
+        extremes: By column of `METRICS`, over the rows whose status is ok.
+    """
+
+    rows: int = 0
+    found: int = 0
+    status: dict[str, int] = field(default_factory=dict)
+    extremes: dict[str, Extremes] = field(
+        default_factory=lambda: {metric.column: Extremes() for metric in METRICS}
+    )
+
+    def take_in(self, cells: Sequence[str]) -> None:
+        """Count one more row of the table."""
+        word = cells[-len(METRICS) - 1].partition(":")[0]
+        self.rows += 1
+        self.status[word] = self.status.get(word, 0) + 1
+        if word != OK:
+            return
+        for metric, cell in zip(METRICS, cells[-len(METRICS) :], strict=True):
+            if cell:
+                self.extremes[metric.column].take_in(int(cells[0]), float(cell))
+
+
+def run_study(
+    study: Study,
+    path: str | os.PathLike[str],
+    workers: Workers = here,
+    *,
+    restart: bool = False,
+    command: str = "",
+    progress: Callable[[StudySummary], None] | None = None,
+) -> StudySummary:
+    """Work out every row of a study and append it to a CSV table as it comes.
+
+    A run that is stopped, by Ctrl-C, a kill or a power cut, is gone on with by the same call: no
+    row is lost or written twice, and the finished file is the same to the last byte.
+
+    Args:
+        study: What to work out.
+        path: The table; one that holds a part of this very study is gone on with.
+        workers: Where the work is done; the file does not depend on it.
+        restart: Begin anew, whatever the file holds.
+        command: How the study was asked for, for the head of a new table.
+        progress: Called with the summary so far, after the rows that are there and after each part.
+
+    Raises:
+        TableFileError: If the file can not be written or holds something else.
+        WorkersLost: If worker processes died; what is written can be gone on with.
+    """
+    head = study.provenance(command)
+    summary = StudySummary()
+    with GrowingTable(path, head, study.columns, identity="study", restart=restart) as table:
+        for cells in table.read():
+            summary.take_in(cells)
+        summary.found = summary.rows
+        if progress is not None:
+            progress(summary)
+        starts = range(summary.found, study.size, PART)
+        parts = (range(start, min(start + PART, study.size)) for start in starts)
+        try:
+            for rows in workers.in_order(study.rows, parts):
+                table.append(rows)
+                for cells in rows:
+                    summary.take_in(cells)
+                if progress is not None:
+                    progress(summary)
+        except BrokenExecutor as error:
+            problem = (
+                f"a worker process died, perhaps of lack of memory; {summary.rows} of {study.size} "
+                "rows are written, and the same command goes on from there"
+            )
+            raise WorkersLost(problem) from error
+    return summary

@@ -1,0 +1,209 @@
+"""``sweep``: tables that survive a kill, and complaints in one line."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.cli import COMMANDS, main
+from paminsa_viz.cli.sweep import Sweep, study_of
+from paminsa_viz.model import APPENDIX_4, Assembly
+from paminsa_viz.studies import DesignAxis, DesignGrid, DesignRange, RandomDesigns
+from paminsa_viz.studies.running import run_study
+from paminsa_viz.studies.study import Study
+
+GRID = ("--vary", "links.b3=0.2:0.6:3", "--vary", "joints.j7=0.1,0.3", "--cells", "8")
+LONG = ("--random", "160", "--seed", "2", "--vary", "links.b3", "--vary", "geometry.base_radius",
+        "--cells", "100", "--jobs", "2", "--out", "a.csv")  # fmt: skip
+"""More than a second of work."""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run(capsys, *words: str) -> tuple[int, str, str]:
+    code = main(["sweep", *words])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_flags_become_a_study_in_si_units() -> None:
+    assert "sweep" in COMMANDS
+    flags = Sweep(Path("a"), ("links.b3=0.2:0.6:3", "joints.j7=0.1,0.3"), radius=100.0, z=(500.0,),
+                  theta=(0.0, 180.0), assembly="mirror", cells=9, scale_bars=True)  # fmt: skip
+    study = study_of(flags, APPENDIX_4)
+    assert study.variation == DesignGrid(
+        (DesignAxis("links.b3", (0.2, 0.4, 0.6)), DesignAxis("joints.j7", (0.1, 0.3)))
+    )
+    region = study.region
+    assert (region.radius, region.z, region.cells) == (0.1, (0.5,), 9)
+    assert region.theta == pytest.approx((0.0, 3.14159265))
+    assert (study.assembly, study.scale_bars) == (Assembly.MIRROR, True)
+
+    flags = Sweep(Path("a"), ("links.b3", "joints.j7=0.1:0.3"), random=7, seed=5, spread=0.5)
+    b3 = APPENDIX_4.links.b3
+    assert study_of(flags, APPENDIX_4).variation == RandomDesigns(
+        (DesignRange("links.b3", 0.5 * b3, 1.5 * b3), DesignRange("joints.j7", 0.1, 0.3)), 7, 5
+    )
+
+
+def test_a_grid_becomes_a_table_and_a_summary(capsys, folder) -> None:
+    code, out, err = run(capsys, *GRID, "--out", "a.csv")
+    assert (code, err) == (0, "")
+    assert "a.csv: 6 designs, " in out
+    text = (folder / "a.csv").read_text()
+    assert text.startswith("# format: paminsa_viz sweep 1\n# made by: paminsa_viz ")
+    assert "# command: paminsa-viz sweep --vary links.b3=0.2:0.6:3 " in text
+    assert [line.split(",")[:3] for line in text.splitlines()[-6:-4]] == [
+        ["0", "0.2", "0.1"],
+        ["1", "0.2", "0.3"],
+    ]
+
+    before = (folder / "a.csv").read_bytes()
+    code, out, _ = run(capsys, *GRID, "--out", "a.csv", "--jobs", "1", "--json")
+    told = json.loads(out)
+    assert (code, told["rows"], told["found"], told["status"]) == (0, 6, 6, {"ok": 6})
+    assert told["metrics"]["Mp2_N"]["largest_row"] in range(6)
+    assert (folder / "a.csv").read_bytes() == before
+
+
+def test_another_study_does_not_overwrite_a_table(capsys, folder) -> None:
+    run(capsys, *GRID, "--out", "a.csv")
+    before = (folder / "a.csv").read_bytes()
+    code, out, err = run(capsys, *GRID, "--radius", "50", "--out", "a.csv")
+    assert (code, out) == (2, "")
+    assert err == "paminsa-viz: a.csv: holds something else; take another name, or begin anew\n"
+    assert (folder / "a.csv").read_bytes() == before
+    assert run(capsys, *GRID, "--radius", "50", "--out", "a.csv", "--restart")[0] == 0
+    assert (folder / "a.csv").read_bytes() != before
+
+
+def start(folder: Path) -> subprocess.Popen[str]:
+    """Start a long sweep and return when its first rows are in the file."""
+    process = subprocess.Popen(
+        [sys.executable, "-m", "paminsa_viz", "sweep", *LONG],
+        cwd=folder, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    )  # fmt: skip
+    path = folder / "a.csv"
+    for _ in range(12_000):
+        if path.exists() and b"\n7," in path.read_bytes():
+            return process
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.005)
+    process.kill()
+    raise AssertionError("no rows came")
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory) -> bytes:
+    """The table of the same command without a stop, from a single process."""
+    path = tmp_path_factory.mktemp("sweep") / "a.csv"
+    flags = Sweep(path, ("links.b3", "geometry.base_radius"), 160, 2, cells=100)
+    command = " ".join(["paminsa-viz sweep", *LONG])
+    run_study(study_of(flags, APPENDIX_4), path, command=command)
+    return path.read_bytes()
+
+
+def alive(number: int) -> bool:
+    try:
+        return "\nState:\tZ" not in Path(f"/proc/{number}/status").read_text()
+    except FileNotFoundError:
+        return False
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+def test_after_a_kill_the_same_command_finishes_the_same_table(capsys, folder, whole) -> None:
+    process = start(folder)
+    children = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+    process.send_signal(signal.SIGKILL)
+    process.wait(10)
+    for _ in range(1000):
+        if not any(alive(int(child)) for child in children):
+            break
+        time.sleep(0.01)
+    assert len(children) >= 2
+    assert not any(alive(int(child)) for child in children), "workers outlive a killed sweep"
+    left = (folder / "a.csv").read_bytes()
+    # As if the kill had come in the middle of a row.
+    (folder / "a.csv").write_bytes(left[:-5])
+
+    code, out, err = run(capsys, *LONG, "--json")
+    assert (code, err) == (0, "")
+    assert (folder / "a.csv").read_bytes() == whole
+    assert len(left) < len(whole)
+    told = json.loads(out)
+    assert told["rows"] == 160
+    assert told["found"] == left.count(b"\n") - whole.count(b"\n") + 160 - 1
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends a signal")
+def test_ctrl_c_leaves_a_table_to_go_on_with(folder, whole) -> None:
+    process = start(folder)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=30)
+    assert (process.returncode, out) == (130, "")
+    assert err.startswith("paminsa-viz: stopped after ")
+    assert err.endswith(" of 160 rows; the same command goes on from there\n")
+    rows = int(err.split()[3])
+    assert 8 <= rows < 160
+    left = (folder / "a.csv").read_bytes()
+    assert whole.startswith(left)
+    assert whole.count(b"\n") - left.count(b"\n") == 160 - rows
+
+
+def die(_: object) -> None:
+    os._exit(3)
+
+
+def test_a_worker_that_dies_is_exit_code_1(capsys, folder, monkeypatch) -> None:
+    monkeypatch.setattr(Study, "rows", property(lambda self: die))
+    code, out, err = run(capsys, *GRID, "--out", "a.csv", "--jobs", "2")
+    assert (code, out) == (1, "")
+    assert err.count("\n") == 1
+    assert "a worker process died" in err
+    assert "0 of 6 rows are written" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ((), "--vary is needed"),
+        (("--vary", "links.b33=1:2:3"), "did you mean links.b3?"),
+        (("--vary", "links.b3"), "links.b3=LOW:HIGH:COUNT"),
+        (("--vary", "links.b3=1:2"), "links.b3=LOW:HIGH:COUNT"),
+        (("--vary", "links.b3=1:2:x"), "links.b3=LOW:HIGH:COUNT"),
+        (("--vary", "links.b3=1:2:0"), "count"),
+        (("--vary", "links.b3=1:2:99999999999"), "count"),
+        (("--vary", "links.b3=1,nan"), "links.b3"),
+        (("--vary", "links.b3=1e9"), "at most 10000"),
+        (("--vary", "links.b3=1", "--vary", "links.b3=2"), "varies twice"),
+        (("--vary", "links.b3=1:2:3", "--random", "5"), "links.b3=LOW:HIGH"),
+        (("--vary", "payload.mass", "--random", "5"), "payload.mass"),
+        (("--vary", "links.b3", "--random", "0"), "size"),
+        (("--vary", "links.b3", "--random", "5", "--seed", "-1"), "seed"),
+        (("--vary", "links.b3", "--random", "5", "--spread", "2"), "--spread"),
+        (("--vary", "links.b3", "--random", "2000000000"), "too many"),
+        ((*GRID, "--radius", "-5"), "radius"),
+        ((*GRID, "--max-condition", "nan"), "max_condition"),
+        ((*GRID, "--jobs", "0"), "jobs"),
+        ((*GRID, "--jobs", "1", "--dask", "a"), "exclude"),
+        ((*GRID, "--design", "missing.toml"), "missing.toml"),
+        ((*GRID, "--assembly", "other"), "other"),
+    ],
+)
+def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, folder, words, place) -> None:
+    code, out, err = run(capsys, "--out", "a.csv", *words)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert place in err
+    assert list(folder.iterdir()) == []

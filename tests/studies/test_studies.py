@@ -1,0 +1,277 @@
+"""Studies: their designs, what is measured, and tables that do not depend on the workers."""
+
+from __future__ import annotations
+
+import csv
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Counterweight,
+    InvalidInput,
+    check_reach,
+    measure_singularity,
+    static_torques,
+)
+from paminsa_viz.studies import (
+    METRICS,
+    DesignAxis,
+    DesignGrid,
+    DesignRange,
+    RandomDesigns,
+    Region,
+    Study,
+    Workers,
+    cluster,
+    default_region,
+    measure_design,
+    processes,
+    run_study,
+)
+from tests.samples import random_design
+
+NAMES = [metric.column for metric in METRICS]
+GRID = DesignGrid(
+    (DesignAxis("links.b3", (0.2, 0.4)), DesignAxis("geometry.coupler_length", (0.1, 0.5, 0.63)))
+)
+SMALL = Study(APPENDIX_4, GRID, replace(default_region(APPENDIX_4), cells=8))
+RANDOM = replace(
+    SMALL,
+    variation=RandomDesigns(
+        (
+            DesignRange("joints.j7", 0.1, 0.5),
+            DesignRange.around(APPENDIX_4, "geometry.base_radius", 0.5),
+        ),
+        40,
+        seed=3,
+    ),
+)
+
+
+def test_a_grid_is_every_combination_the_last_axis_fastest() -> None:
+    assert GRID.size == 6
+    assert [GRID.values(i) for i in range(6)] == [
+        (0.2, 0.1), (0.2, 0.5), (0.2, 0.63), (0.4, 0.1), (0.4, 0.5), (0.4, 0.63),
+    ]  # fmt: skip
+
+
+@given(seed=st.integers(0, 2**32), index=st.integers(0, 10**6))
+def test_a_random_design_is_the_same_alone_and_among_more(seed, index) -> None:
+    ranges = RANDOM.variation.ranges
+    few, many = RandomDesigns(ranges, index + 1, seed), RandomDesigns(ranges, 10**7, seed)
+    values = few.values(index)
+    assert values == many.values(index)
+    assert values != many.values(index + 1)
+    assert values != RandomDesigns(ranges, index + 1, seed + 1).values(index)
+    assert all(r.low <= v <= r.high for r, v in zip(ranges, values, strict=True))
+
+
+def test_random_values_fill_their_ranges_evenly() -> None:
+    drawn = np.array([RANDOM.variation.values(i) for i in range(2000)])
+    for item, column in zip(RANDOM.variation.ranges, drawn.T, strict=True):
+        share = (column - item.low) / (item.high - item.low)
+        counts, _ = np.histogram(share, 10, (0, 1))
+        assert counts.min() > 140
+        assert counts.max() < 260
+    assert abs(np.corrcoef(drawn.T)[0, 1]) < 0.1
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("seed", range(6))
+def test_metrics_are_those_of_the_poses(seed, assembly) -> None:
+    rng = np.random.default_rng(seed)
+    design = random_design(rng)
+    middle = default_region(design, assembly)
+    region = Region(
+        radius=rng.uniform(0.2, 0.8) * design.geometry.base_radius,
+        theta=(-0.3, 0.7),
+        z=(middle.z[0], 1.1 * middle.z[0]),
+        cells=11,
+        max_condition=6.0,
+    )
+    found = dict(zip(NAMES, measure_design(design, region, assembly, base_mass=2.0), strict=True))
+
+    side = region.radius * (np.arange(11) - 5) / 5.5
+    x, y, theta, z = np.meshgrid(side, side, region.theta, region.z, indexing="ij")
+    pose = np.stack([x, y, theta, z], axis=-1)[np.hypot(x, y) <= region.radius]
+    torque = static_torques(design, pose, assembly)
+    reach, near = check_reach(design.geometry, pose), measure_singularity(design.geometry, pose)
+    ok = np.isfinite(torque).all(axis=-1)
+    usable = ok & (near.condition <= 6.0)
+    assert found["reached_share"] == pytest.approx(ok.mean())
+    assert found["usable_share"] == pytest.approx(usable.mean())
+    assert found["mass_kg"] - found["added_mass_kg"] == pytest.approx(2.0)
+    assert found["reach_margin_m"] == pytest.approx(reach.margins.min())
+    circle = near.position_distance + np.hypot(pose[:, 0], pose[:, 1])
+    assert found["singular_distance_m"] == pytest.approx(circle.min() - region.radius)
+    if ok.any():
+        assert found["worst_condition"] == pytest.approx(near.condition[ok].max())
+        assert found["median_condition"] == pytest.approx(np.median(near.condition[ok]))
+    if usable.any():
+        rotary = torque[usable, :3]
+        assert found["peak_torque_Nm"] == pytest.approx(np.abs(rotary).max())
+        assert found["rms_torque_Nm"] == pytest.approx(np.sqrt((rotary**2).mean()))
+        assert found["peak_force_N"] == pytest.approx(np.abs(torque[usable, 3]).max())
+
+
+def test_a_region_beyond_reach_has_no_loads() -> None:
+    study = replace(SMALL, region=replace(SMALL.region, z=(5.0,)))
+    cells = dict(zip(study.columns, study.row(0), strict=True))
+    assert cells["status"] == "not-reached"
+    assert cells["reached_share"] == "0.0"
+    assert cells["peak_torque_Nm"] == cells["worst_condition"] == ""
+
+
+def test_what_can_not_be_built_is_a_row_that_says_why() -> None:
+    axis = DesignAxis("geometry.magnification", (0.5, 3.0))
+    study = replace(SMALL, variation=DesignGrid((axis,)))
+    assert study.row(0)[:3] == ("0", "0.5", "impossible:geometry.magnification")
+    assert set(study.row(0)[3:]) == {""}
+    assert study.row(1)[2] == "ok"
+
+
+def test_bars_follow_their_lengths_and_masses_that_vary_do_not() -> None:
+    lengths = DesignGrid((DesignAxis("geometry.crank_length", (0.84,)),))
+    scaled = replace(SMALL, variation=lengths, scale_bars=True)
+    assert scaled.vary((0.84,)).links.b8 == pytest.approx(2 * APPENDIX_4.links.b8)
+    both = DesignGrid((DesignAxis("links.b8", (0.1,)), *lengths.axes))
+    assert replace(scaled, variation=both).vary((0.1, 0.84)).links.b8 == 0.1
+    assert replace(SMALL, variation=lengths).vary((0.84,)).links == APPENDIX_4.links
+
+
+def read(path) -> list[dict[str, str]]:
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+def test_a_row_reads_back_as_the_numbers_it_was_made_of(tmp_path) -> None:
+    run_study(SMALL, tmp_path / "a.csv")
+    rows = read(tmp_path / "a.csv")
+    assert [row["row"] for row in rows] == [str(i) for i in range(6)]
+    mass = APPENDIX_4.value
+    for i, row in enumerate(rows):
+        b3, l4 = GRID.values(i)
+        assert (float(row["links.b3 [kg]"]), float(row["geometry.coupler_length [m]"])) == (b3, l4)
+        design = APPENDIX_4.vary({"links.b3": b3, "geometry.coupler_length": l4})
+        found = measure_design(design, SMALL.region)
+        torque = found[NAMES.index("peak_torque_Nm")]
+        assert row["peak_torque_Nm"] == ("" if np.isnan(torque) else repr(torque))
+        assert float(row["added_mass_kg"]) == pytest.approx(3 * (b3 - mass("links.b3")))
+
+
+@pytest.fixture(scope="module")
+def expected(tmp_path_factory) -> bytes:
+    path = tmp_path_factory.mktemp("study") / "a.csv"
+    summary = run_study(RANDOM, path, command="test")
+    assert (summary.rows, summary.found) == (40, 0)
+    return path.read_bytes()
+
+
+def test_the_table_is_the_same_from_threads_and_processes(expected, tmp_path) -> None:
+    with ThreadPoolExecutor(3) as pool:
+        run_study(RANDOM, tmp_path / "threads.csv", Workers(pool, 3), command="test")
+    assert (tmp_path / "threads.csv").read_bytes() == expected
+    with processes(2) as workers:
+        run_study(RANDOM, tmp_path / "processes.csv", workers, command="test")
+    assert (tmp_path / "processes.csv").read_bytes() == expected
+
+
+def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
+    distributed = pytest.importorskip("distributed")
+    path = tmp_path / "cluster.csv"
+    with (
+        distributed.LocalCluster(
+            n_workers=1, threads_per_worker=2, processes=False, dashboard_address=None
+        ) as local,
+        cluster(local.scheduler_address) as workers,
+    ):
+        assert workers.count == 2
+        run_study(RANDOM, path, workers, command="test")
+    assert path.read_bytes() == expected
+
+
+def test_without_a_scheduler_there_the_complaint_names_the_place(monkeypatch) -> None:
+    pytest.importorskip("distributed")
+    monkeypatch.setattr("paminsa_viz.studies.executors.PATIENCE", 0.5)
+    with (
+        pytest.raises(InvalidInput, match=r"no scheduler answers at tcp://127\.0"),
+        cluster("tcp://127.0.0.1:9"),
+    ):
+        pass
+
+
+def test_an_error_in_the_middle_leaves_a_table_to_go_on_with(expected, tmp_path) -> None:
+    path = tmp_path / "a.csv"
+
+    def give_up(summary) -> None:
+        if summary.rows >= 16:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_study(RANDOM, path, command="test", progress=give_up)
+    assert len(read(path)) == 16
+    assert run_study(RANDOM, path).found == 16
+    assert path.read_bytes() == expected
+
+
+def test_the_summary_of_a_finished_table_is_that_of_its_rows(expected, tmp_path) -> None:
+    path = tmp_path / "a.csv"
+    path.write_bytes(expected)
+    summary = run_study(RANDOM, path)
+    rows = [row for row in read(path) if row["status"] == "ok"]
+    assert summary.found == 40
+    assert summary.status["ok"] == len(rows) > 5
+    assert sum(summary.status.values()) == 40
+    for name, found in summary.extremes.items():
+        values = {int(row["row"]): float(row[name]) for row in rows if row[name]}
+        assert found.least == min(values.values()) == values[found.least_row]
+        assert found.largest == max(values.values()) == values[found.largest_row]
+
+
+def test_every_difference_makes_another_table() -> None:
+    others = [
+        replace(SMALL, design=APPENDIX_4.vary({"links.b4": 0.5})),
+        replace(SMALL, design=replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1),))),
+        replace(SMALL, region=replace(SMALL.region, cells=9)),
+        replace(SMALL, assembly=Assembly.MIRROR),
+        replace(SMALL, scale_bars=True),
+        replace(SMALL, variation=DesignGrid(GRID.axes[:1])),
+        RANDOM,
+        replace(RANDOM, variation=replace(RANDOM.variation, seed=4)),
+    ]
+    marks = {study.fingerprint for study in (SMALL, *others)}
+    assert len(marks) == 1 + len(others)
+    same = replace(SMALL, design=replace(APPENDIX_4, name="other"))
+    assert same.fingerprint == SMALL.fingerprint
+
+
+@pytest.mark.parametrize(
+    ("make", "place"),
+    [
+        (lambda: DesignAxis("links.b33", (1.0,)), "did you mean links.b3"),
+        (lambda: DesignAxis("links.b3", ()), "links.b3"),
+        (lambda: DesignAxis("links.b3", (np.nan,)), "links.b3"),
+        (lambda: DesignRange("links.b3", 1.0, 1.0), "links.b3"),
+        (lambda: DesignRange.around(APPENDIX_4, "payload.mass", 0.1), "payload.mass: is 0"),
+        (lambda: DesignGrid(()), "at least one"),
+        (lambda: DesignGrid(GRID.axes * 2), "varies twice"),
+        (lambda: RandomDesigns(RANDOM.variation.ranges, 0), "size"),
+        (lambda: RandomDesigns(RANDOM.variation.ranges, 1, -1), "seed"),
+        (lambda: Region(0.0, (0.0,), (0.0,)), "radius"),
+        (lambda: Region(0.1, (), (0.0,)), "theta"),
+        (lambda: Region(0.1, (0.0,), (np.inf,)), "z"),
+        (lambda: Region(0.1, (0.0,), (0.0,), cells=1), "cells"),
+        (lambda: Region(0.1, (0.0,), (0.0,), max_condition=0.5), "max_condition"),
+        (lambda: processes(0).__enter__(), "jobs"),
+    ],
+)
+def test_what_can_not_be_is_refused(make, place) -> None:
+    with pytest.raises(InvalidInput, match=place):
+        make()
