@@ -15,6 +15,7 @@ from paminsa_viz.shapes import bodies, load
 from paminsa_viz.shapes.library import Z_UP, fixed_part
 from paminsa_viz.shapes.part import Array, Part
 from paminsa_viz.shapes.placement import BODIES, Placement, place_parts
+from paminsa_viz.shapes.weights import counterweight
 
 
 def transform(place: Placement) -> Array:
@@ -35,11 +36,11 @@ def assemble_glb(design: Design, posture: Posture, *, ground: bool = True) -> by
 
     Lengths are in metres and y is up, as glTF wants: the node "paminsa" turns the base frame, in
     which z is up. Below it each body is a node named as in `paminsa_viz.shapes.placement`
-    (``leg1_b3`` for ``leg1/b3``), whose children are its meshes by material. The file's scene
-    carries the pose and the design's name as extras.
+    (``leg1_b3`` for ``leg1/b3``), whose children are its meshes by material, and its counterweights
+    (``leg1_b3_weight1``). The file's scene carries the pose and the design's name as extras.
 
     Args:
-        design: Lengths and payload; its geometry is the posture's.
+        design: Lengths, payload and counterweights; its geometry is the posture's.
         posture: A solved posture of shape () that can be taken.
         ground: Whether the plinth is included.
 
@@ -75,6 +76,14 @@ def assemble_glb(design: Design, posture: Posture, *, ground: bool = True) -> by
     if design.payload.mass > 0:
         matrix = load.payload_transform(geometry, assembly, design.payload.mass)
         _add(scene, fixed_part("payload"), "payload", matrix, "platform", None)
+    for number, weight in enumerate(design.counterweights, 1):
+        if weight.mass == 0:
+            continue
+        part = counterweight(geometry, weight)
+        for leg in (1, 2, 3):
+            bar = f"leg{leg}_{weight.bar}"
+            colour = bodies.colour_of(f"leg{leg}/{weight.bar}")
+            _add(scene, part, f"{bar}_weight{number}", np.eye(4), bar, colour)
     return cast(bytes, export_glb(scene, include_normals=True))
 
 

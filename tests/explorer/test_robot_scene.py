@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,8 +20,10 @@ from paminsa_viz.explorer.scene.efforts import FACES, arc_arrow, force_arrow
 from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centres
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.skeleton import sticks
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4, Assembly
 from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients
 from paminsa_viz.shapes.placement import BODIES, place_parts
 from tests.samples import random_poses
@@ -414,3 +417,51 @@ def test_a_scene_of_a_tab_will_do() -> None:
 
     RobotScene(Recorder(), APPENDIX_4)  # type: ignore[arg-type]
     assert all(name.startswith(("add_", "configure_", "set_")) for name in made)
+
+
+def test_counterweights_hang_from_their_bars_and_no_pose_moves_them(
+    server: viser.ViserServer, robot: RobotScene
+) -> None:
+    robot.pose(solved())
+    bare = set(nodes(server))
+    weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b3", 7, 0.1, 1.0))
+    design = replace(APPENDIX_4, counterweights=weights)
+    assert robot.change(design) == ()
+    added = set(nodes(server)) - bare
+    assert added == {
+        f"{node_name(f'leg{leg}/{bar}')}/weight{number}"
+        for leg in (1, 2, 3)
+        for number, bar in ((1, "b8"), (2, "b3"))
+    }
+    with recorded(server) as messages:
+        robot.pose(solved((0.0, 0.02, 0.1, -0.55)))
+    assert not {m.name for m in messages} & added
+    with recorded(server) as messages:
+        heavier = (replace(weights[0], mass=3.0), weights[1])
+        robot.change(replace(design, counterweights=heavier))
+    assert {m.name for m in messages} == {name for name in added if name.endswith("1")}
+    robot.change(replace(design, counterweights=weights[1:]))
+    assert set(nodes(server)) - bare == {
+        f"{node_name(f'leg{leg}/b3')}/weight1" for leg in (1, 2, 3)
+    }
+    robot.change(APPENDIX_4)
+    assert set(nodes(server)) == bare
+
+
+def test_mass_centres_know_counterweights(server: viser.ViserServer, robot: RobotScene) -> None:
+    weight = Counterweight("b8", 8, 0.2, 2.0)
+    design = replace(APPENDIX_4, counterweights=(weight,))
+    at = counterweight_point(design.geometry, weight)
+    for pose in random_poses(np.random.default_rng(5), n=3):
+        posture = solved(pose)
+        bare, loaded = mass_centres(APPENDIX_4, posture), mass_centres(design, posture)
+        assert loaded.mass[-3:] == pytest.approx(2.0)
+        assert len(loaded.mass) == len(bare.mass) + 3 == len(loaded.colour)
+        z5, z9 = (posture.points[joint][:, 2] for joint in (5, 9))
+        assert loaded.centre[-3:, 2] == pytest.approx(at.z5 * z5 + at.r9 * z9 + at.z0)
+    robot.pose(posture)
+    robot.show(Layer.MASSES)
+    robot.change(design)  # more spheres than before: the node is made anew
+    assert len(server.scene._handle_from_node_name["/masses/centres"].batched_positions) == len(
+        loaded.mass
+    )

@@ -13,11 +13,13 @@ import numpy as np
 from viser import FrameHandle, GlbHandle, SceneApi
 
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.kinematics import Posture
 from paminsa_viz.shapes import bodies as shapes
 from paminsa_viz.shapes import load
 from paminsa_viz.shapes.placement import about_z, elevated
+from paminsa_viz.shapes.weights import counterweight_glb
 
 Position = tuple[float, float, float]
 Quaternion = Array
@@ -65,6 +67,9 @@ class BodyNodes:
         self._nodes: dict[str, GlbHandle] = {}
         self._built: dict[str, tuple[object, ...]] = {}
         self._payload_mass = 0.0
+        self._weights: tuple[Counterweight, ...] = ()
+        self._hung: dict[str, GlbHandle] = {}
+        self._hung_data: dict[str, bytes] = {}
         self._geometry = geometry
         self._assembly = assembly
         self.rebuild(geometry, assembly)
@@ -96,6 +101,7 @@ class BodyNodes:
             knee = self._nodes[f"leg{leg + 1}/b4"]
             knee.position = (geometry.crank_length, 0.0, 0.0)
         self._place_payload(remake="platform" in changed)
+        self._hang_weights()
         return tuple(changed)
 
     def _make(self, body: str) -> None:
@@ -174,10 +180,35 @@ class BodyNodes:
         node.scale = load.payload_scale(self._payload_mass)
         node.visible = True
 
+    def counterweights(self, weights: tuple[Counterweight, ...]) -> None:
+        """Show counterweights on every leg; one without mass is not drawn."""
+        self._weights = weights
+        self._hang_weights()
+
+    def _hang_weights(self) -> None:
+        """Make, remake or remove what differs; they hang from the bars, and no pose moves them."""
+        wanted: dict[str, bytes] = {}
+        for leg in (1, 2, 3):
+            for number, weight in enumerate(self._weights, 1):
+                if weight.mass > 0:
+                    bar = f"leg{leg}/{weight.bar}"
+                    name = f"{node_name(bar, self._root)}/weight{number}"
+                    colour = shapes.colour_of(bar)
+                    wanted[name] = counterweight_glb(self._geometry, weight, colour)
+        for name in [name for name in self._hung if name not in wanted]:
+            self._hung.pop(name).remove()
+            del self._hung_data[name]
+        for name, data in wanted.items():
+            if name not in self._hung:
+                self._hung[name] = self._scene.add_glb(name, data)
+            elif self._hung_data[name] != data:
+                self._hung[name].glb_data = data
+            self._hung_data[name] = data
+
     @property
     def node_count(self) -> int:
         """Number of nodes that exist, frames included."""
-        return len(self._nodes) + len(self._legs) + 1
+        return len(self._nodes) + len(self._hung) + len(self._legs) + 1
 
 
 STANDING: Final = tuple(body for body in shapes.STANDING if body != "ground")

@@ -11,8 +11,10 @@ from viser import ArrowsHandle, BatchedMeshHandle, SceneApi
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.scene.tint import drawn
+from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Posture
+from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.shapes.load import payload_centre
 
 Array = NDArray[np.float64]
@@ -43,7 +45,7 @@ def mass_centres(design: Design, posture: Posture) -> PointMasses:
     """Return every mass that the statics know, where it is in a posture of shape ().
 
     Legs 1, 2, 3 in turn (joints 2, 3, 4, 5, 7, 8, 9, then links B1, B2, B3, B4, B7, B8, B10), then
-    the platform and the payload.
+    the platform and the payload, then the counterweights of leg 1, of leg 2, of leg 3.
     """
     geometry, points = posture.geometry, posture.points
     axis = points[2] * [1.0, 1.0, 0.0]
@@ -66,11 +68,22 @@ def mass_centres(design: Design, posture: Posture) -> PointMasses:
     load = platform + payload_centre(geometry, posture.assembly, design.payload.mass)
     leg_colours = np.repeat(drawn(*palette.LEG_COLOURS), len(masses), axis=0)
     ends = drawn(palette.INK, palette.WARN)
+    weights = design.counterweights
+    hung = [_hung(posture, weight) for weight in weights]
+    added = np.stack(hung, axis=1).reshape(-1, 3) if hung else np.empty((0, 3))
     return PointMasses(
-        np.vstack([legs, platform, load]),
-        np.array([*masses * 3, design.platform.mass, design.payload.mass]),
-        np.vstack([leg_colours, ends]),
+        np.vstack([legs, platform, load, added]),
+        np.array(
+            [*masses * 3, design.platform.mass, design.payload.mass, *[w.mass for w in weights] * 3]
+        ),
+        np.vstack([leg_colours, ends, np.repeat(drawn(*palette.LEG_COLOURS), len(hung), axis=0)]),
     )
+
+
+def _hung(posture: Posture, weight: Counterweight) -> Array:
+    """Return where a counterweight is on the three legs, (3, 3) [m]."""
+    near, far = posture.points[weight.joint], posture.points[weight.other]
+    return near + weight.beyond / bar_length(posture.geometry, weight.bar) * (near - far)
 
 
 def gravity_arrows(points: PointMasses, gravity: float) -> Array:
@@ -118,6 +131,9 @@ class MassLayers:
     def _draw_balls(self, points: PointMasses) -> None:
         centres = points.centre.astype(np.float32)
         scales = np.cbrt(points.mass).astype(np.float32)
+        if self._balls is not None and len(self._balls.batched_positions) != len(centres):
+            self._balls.remove()
+            self._balls = None
         if self._balls is None:
             ball = icosphere(subdivisions=2, radius=BALL)
             self._balls = self._scene.add_batched_meshes_simple(

@@ -61,6 +61,7 @@ class RobotScene:
         self._masses = MassLayers(scene, design)
         self._efforts = EffortArrows(scene, geometry, assembly)
         self._bodies.payload(design.payload.mass)
+        self._bodies.counterweights(design.counterweights)
 
     @property
     def design(self) -> Design:
@@ -129,6 +130,8 @@ class RobotScene:
             self._efforts.rebuild(design.geometry, assembly)
         if design.payload.mass != before.payload.mass or remade:
             self._bodies.payload(design.payload.mass)
+        if design.counterweights != before.counterweights:
+            self._bodies.counterweights(design.counterweights)
         if design != before:
             self._masses.design(design)
         return remade
