@@ -1,4 +1,4 @@
-"""Fixtures: a running explorer, a headless browser, tabs on it."""
+"""Fixtures: a running explorer, and tabs of a headless browser on it."""
 
 from __future__ import annotations
 
@@ -8,18 +8,7 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer.state import initial_state
-from tests.explorer.chromium import FLAGS, PATIENCE, Tab, browser_path, until
-
-
-@pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
-    """A headless browser."""
-    playwright = pytest.importorskip("playwright.sync_api")
-    path = browser_path()
-    with playwright.sync_playwright() as driver:
-        chromium = driver.chromium.launch(executable_path=path, args=FLAGS)
-        yield chromium
-        chromium.close()
+from tests.explorer.chromium import PATIENCE, Tab, until
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,6 @@ from paminsa_viz.report.design_section import change, design_section
 from paminsa_viz.report.page import symbols
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
-from tests.explorer.chromium import FLAGS, browser_path
 from tests.samples import random_design
 
 HEAVY = replace(
@@ -229,28 +228,27 @@ def test_changes_and_numbers_as_a_person_reads_them() -> None:
 
 
 @pytest.mark.browser
-def test_a_browser_shows_it_without_asking_for_anything_and_prints_it(tmp_path: Path) -> None:
-    sync_api = pytest.importorskip("playwright.sync_api")
+def test_a_browser_shows_it_without_asking_for_anything_and_prints_it(
+    browser: Any, tmp_path: Path
+) -> None:
     path = tmp_path / "report.html"
     path.write_text(report(), encoding="utf-8")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=browser_path(), args=FLAGS)
-        page = browser.new_page(viewport={"width": 1280, "height": 900})
-        asked: list[str] = []
-        said: list[str] = []
-        page.on("request", lambda request: asked.append(request.url))
-        page.on("console", lambda message: said.append(message.text))
-        page.goto(path.as_uri())
-        broken = page.evaluate(
-            "[...document.images].filter(i => !i.complete || !i.naturalWidth).length"
-        )
-        assert broken == 0
-        for width in (1280, 400):
-            page.set_viewport_size({"width": width, "height": 900})
-            across = page.evaluate("document.documentElement.scrollWidth")
-            assert across <= width
-        printed = page.pdf(prefer_css_page_size=True)
-        browser.close()
+    page = browser.new_page(viewport={"width": 1280, "height": 900})
+    asked: list[str] = []
+    said: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    page.on("console", lambda message: said.append(message.text))
+    page.goto(path.as_uri())
+    broken = page.evaluate(
+        "[...document.images].filter(i => !i.complete || !i.naturalWidth).length"
+    )
+    assert broken == 0
+    for width in (1280, 400):
+        page.set_viewport_size({"width": width, "height": 900})
+        across = page.evaluate("document.documentElement.scrollWidth")
+        assert across <= width
+    printed = page.pdf(prefer_css_page_size=True)
+    page.close()
     assert [url for url in asked if not url.startswith(("file:", "data:"))] == []
     assert said == []
     assert printed.startswith(b"%PDF")
