@@ -6,6 +6,7 @@ import contextlib
 import logging
 import sys
 import threading
+import warnings
 import webbrowser
 
 import viser
@@ -71,6 +72,8 @@ def run(options: AppOptions) -> None:
     Raises:
         PaminsaError: If the design file is not usable or the port is taken.
     """
+    # A tab may go while it is drawn; viser would report every message that it no longer got.
+    warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     design = APPENDIX_4 if options.design is None else require_workable(load_design(options.design))
     app = App(options, design)
     notice = exposure_notice(options.host)
