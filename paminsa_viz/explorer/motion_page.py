@@ -12,14 +12,11 @@ import base64
 import html
 import json
 import math
-import threading
-from collections.abc import Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import rich
 import viser
 
 from paminsa_viz import __version__, palette
@@ -29,6 +26,7 @@ from paminsa_viz.explorer.scene.curves import Curve
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.view import raised
 from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.serving.seam import quiet
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.errors import InvalidInput
@@ -61,8 +59,6 @@ _ASPECT, _COVERED = 1.6, 0.2
 
 Frames = list[tuple[dict[str, Position], dict[str, Quaternion]]]
 """Positions and quaternions by scene node, of each instant."""
-
-_alone = threading.Lock()
 
 _PLAYER = Path(__file__).with_name("motion_player.html")
 
@@ -101,7 +97,7 @@ def motion_html(
         raise ImpossibleTrajectory(first)
     until = analysis.check.until
     times = frame_times(float(trajectory.t[0]), float(trajectory.t[until - 1]), frame_rate)
-    with _quiet():
+    with quiet():
         server = open_server(port=0)
         try:
             scene, frames = _record(server, analysis, times)
@@ -114,18 +110,6 @@ def frame_times(begin: float, end: float, frame_rate: float = FRAME_RATE) -> Arr
     """Return the instants of the robot's places in equal steps, both ends among them (n,) [s]."""
     steps = min(max(math.ceil((end - begin) * frame_rate - 1e-9), 1), MOST_FRAMES - 1)
     return np.linspace(begin, end, steps + 1)
-
-
-@contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep viser from announcing a server that nobody is to open; one caller at a time."""
-    console = rich.get_console()  # where viser prints
-    with _alone:
-        before, console.quiet = console.quiet, True
-        try:
-            yield
-        finally:
-            console.quiet = before
 
 
 def _record(

@@ -22,9 +22,11 @@ import dataclasses
 import inspect
 import socket
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
+import rich
 import viser
 from viser import _messages
 from viser.infra import _infra
@@ -43,6 +45,7 @@ _NEEDED_OF_CONNECTION = {"connection_made", "connection_lost", "data_received", 
 _CLOSE_TIMEOUT = 3.0  # s; a page answers at once, a hostile socket should not linger
 
 _making = threading.Lock()  # the overlay is seen by all of viser while it is in place
+_printing = threading.RLock()  # so is the console that viser prints on
 
 
 class ViserChanged(RuntimeError):
@@ -126,7 +129,8 @@ def start_viser(
             real, asyncio=_Overlay(real.asyncio, server=_Overlay(real.asyncio.server, serve=serve))
         )
         try:
-            server = viser.ViserServer(host, port, verbose=False)
+            with quiet():
+                server = viser.ViserServer(host, port, verbose=False)
         finally:
             names["websockets"] = real
     try:
@@ -137,6 +141,18 @@ def start_viser(
         server.stop()
         raise
     return server
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep viser from announcing a server; whoever starts one says what is to be known of it."""
+    console = rich.get_console()  # where viser prints
+    with _printing:
+        before, console.quiet = console.quiet, True
+        try:
+            yield
+        finally:
+            console.quiet = before
 
 
 def _separate_pages(server: viser.ViserServer) -> None:
