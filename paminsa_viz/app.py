@@ -12,14 +12,12 @@ import webbrowser
 import viser
 
 from paminsa_viz.explorer.bounds import require_workable
-from paminsa_viz.explorer.page import build
 from paminsa_viz.explorer.server import exposure_notice, open_server, server_url
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.backend import compile_in_background
 from paminsa_viz.options import AppOptions
-from paminsa_viz.shapes import prepare
 
 log = logging.getLogger(__name__)
 
@@ -33,12 +31,12 @@ class App:
     """
 
     def __init__(self, options: AppOptions, design: Design) -> None:
-        threading.Thread(target=_warm_up, args=(design,), daemon=True).start()
         self.design = design
         self.sessions: dict[int, Session] = {}
         self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
+        threading.Thread(target=_warm_up, args=(design,), daemon=True).start()
 
     @property
     def url(self) -> str:
@@ -46,6 +44,8 @@ class App:
         return server_url(self.server)
 
     def _connect(self, client: viser.ClientHandle) -> None:
+        from paminsa_viz.explorer.page import build
+
         self.sessions[client.client_id] = build(client, self.design)
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
@@ -61,7 +61,10 @@ class App:
 
 
 def _warm_up(design: Design) -> None:
-    """Make the first scene's bodies while the browser starts, then load the kernels."""
+    """Load what a page needs while the browser starts, make its bodies, then load the kernels."""
+    from paminsa_viz.explorer import page  # noqa: F401
+    from paminsa_viz.shapes import prepare
+
     prepare(design.geometry)
     compile_in_background()
 

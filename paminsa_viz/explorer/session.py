@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 
 Intent = Callable[[State], State]
 
-REST = 0.25
+REST = 0.4
 """Time without a change after which the hand counts as resting [s]."""
 
 BREATH = 0.02

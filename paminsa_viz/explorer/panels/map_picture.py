@@ -121,6 +121,7 @@ class MapPicture:
         self._hover: Any = None
         self._caption = gui.add_html("")
         self._drawn: tuple[Any, ...] = ()
+        self._offered: tuple[Any, ...] = ()
 
     def draw(self, state: State, moving: bool) -> None:
         """Draw what the state shows, unless it is drawn already or nobody sees it."""
@@ -149,7 +150,12 @@ class MapPicture:
         self.data, self.scales = data, scales
         self._say(state, data)
         if not moving:
-            self._offer_values(data, scales, width)
+            # All that the values depend on; where the robot stands is not part of it.
+            values = (document.design, document.assembly, document.pose[2:], reference, view,
+                      quantities, width)  # fmt: skip
+            if values != self._offered:
+                self._offer_values(data, scales, width)
+                self._offered = values
         self._drawn = (shown, not moving)
 
     def _offer_values(self, data: MapData, scales: tuple[Scale, ...], width: int) -> None:

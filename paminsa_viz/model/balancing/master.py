@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from scipy.optimize import linprog
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.balancing.errors import SolverFailed
@@ -184,6 +183,8 @@ def _linprog(cost: Array, matrix: Array, rhs: Array, bounds: list[tuple[float, f
     Raises:
         SolverFailed: If it fails for another reason.
     """
+    from scipy.optimize import linprog  # slow to load
+
     tight = {"primal_feasibility_tolerance": 1e-10, "dual_feasibility_tolerance": 1e-10}
     found: Any = None
     for method, options in (("highs", tight), ("highs-ds", {}), ("highs-ipm", {})):

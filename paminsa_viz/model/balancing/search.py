@@ -8,15 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.optimize import OptimizeResult, differential_evolution
 
 from paminsa_viz.model.balancing.executors import as_mapper, in_parts
 from paminsa_viz.model.balancing.requirements import Measures, Requirements, measure, resized
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 DEFAULT_PATHS = (
     "geometry.base_radius", "geometry.platform_radius", "geometry.magnification",
@@ -171,6 +173,8 @@ def search_geometry(
             raise StopIteration
 
     workers: Any = in_parts(as_mapper(executor), PART)
+    from scipy.optimize import differential_evolution  # slow to load
+
     found = differential_evolution(
         trial, list(chosen.values()), maxiter=generations, popsize=population,
         rng=np.random.default_rng(seed), callback=after_generation, polish=False,
