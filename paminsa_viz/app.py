@@ -8,16 +8,19 @@ import sys
 import threading
 import warnings
 import webbrowser
+from typing import TYPE_CHECKING
 
 import viser
 
 from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.explorer.server import exposure_notice, open_server, server_url
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.backend import compile_in_background
 from paminsa_viz.options import AppOptions
+
+if TYPE_CHECKING:  # loaded in the background, while the browser starts
+    from paminsa_viz.explorer.session import Session
 
 log = logging.getLogger(__name__)
 
