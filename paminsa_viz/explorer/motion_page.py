@@ -1,9 +1,8 @@
 """A played motion as one HTML page, which opens from a file without a server or a network.
 
-viser writes the page of a standing scene. The motion is played by a small script of ours
-(`motion_player.html`), which moves the nodes: viser's own player makes the whole scene anew
-whenever the motion starts again, and stands still meanwhile. The scene needs a server to belong
-to, so one is started while the page is made, guarded and on this machine only.
+viser writes the page of a standing scene (`robot_page`). The motion is played by a small script of
+ours (`motion_player.html`), which moves the nodes: viser's own player makes the whole scene anew
+whenever the motion starts again, and stands still meanwhile.
 """
 
 from __future__ import annotations
@@ -20,13 +19,9 @@ import numpy as np
 import viser
 
 from paminsa_viz import __version__, palette
+from paminsa_viz.explorer.robot_page import standing_robot, titled
 from paminsa_viz.explorer.scene.bodies import Position, Quaternion
-from paminsa_viz.explorer.scene.cameras import preset
 from paminsa_viz.explorer.scene.curves import Curve
-from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
-from paminsa_viz.explorer.scene.view import raised
-from paminsa_viz.explorer.server import open_server
-from paminsa_viz.explorer.serving.seam import quiet
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.errors import InvalidInput
@@ -54,8 +49,8 @@ _ROUNDING = 1e-9
 _PATH_POINTS = 600
 """Points of the path that is drawn."""
 
-_ASPECT, _COVERED = 1.6, 0.2
-"""Width over height of the window that the camera is placed for, and what the controls cover."""
+_COVERED = 0.2
+"""Share of the window's height that the controls cover."""
 
 Frames = list[tuple[dict[str, Position], dict[str, Quaternion]]]
 """Positions and quaternions by scene node, of each instant."""
@@ -97,12 +92,7 @@ def motion_html(
         raise ImpossibleTrajectory(first)
     until = analysis.check.until
     times = frame_times(float(trajectory.t[0]), float(trajectory.t[until - 1]), frame_rate)
-    with quiet():
-        server = open_server(port=0)
-        try:
-            scene, frames = _record(server, analysis, times)
-        finally:
-            server.stop()
+    scene, frames = _record(analysis, times)
     return _page(scene, analysis, times, frames).encode()
 
 
@@ -112,25 +102,14 @@ def frame_times(begin: float, end: float, frame_rate: float = FRAME_RATE) -> Arr
     return np.linspace(begin, end, steps + 1)
 
 
-def _record(
-    server: viser.ViserServer, analysis: TrajectoryAnalysis, times: Array
-) -> tuple[str, Frames]:
+def _record(analysis: TrajectoryAnalysis, times: Array) -> tuple[str, Frames]:
     """Return viser's page of the robot at its first place, and its nodes' places at all times."""
-    design, trajectory = analysis.design, analysis.trajectory
-    assembly = analysis.solved.assembly
-    robot = RobotScene(server.scene, design, assembly)
-    for layer in Layer:
-        robot.show(layer, layer in SHOWN_AT_START)
+    geometry, trajectory = analysis.design.geometry, analysis.trajectory
     poses = trajectory.at(times).pose
-    robot.pose(solve_posture(design.geometry, poses[0], assembly))
-    _draw_path(server.scene, trajectory, float(times[-1]))
-    view = raised(preset("3D", design.geometry, assembly, robot.posture, _ASPECT), _COVERED)
-    camera = server.initial_camera
-    camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)
-    camera.fov = view.fov
-    page = server.get_scene_serializer().as_html()
-    postures = [solve_posture(design.geometry, pose, assembly) for pose in poses]
-    return page, [robot.places(posture) for posture in postures]
+    postures = [solve_posture(geometry, pose, analysis.solved.assembly) for pose in poses]
+    with standing_robot(analysis.design, postures[0], covered=_COVERED) as (scene, robot, page):
+        _draw_path(scene, trajectory, float(times[-1]))
+        return page(), [robot.places(posture) for posture in postures]
 
 
 def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> None:
@@ -161,9 +140,7 @@ def _page(
         ("DATA", data.replace("<", "\\u003c")),  # a name may hold </script>
     ):
         player = player.replace(f"@{key}@", content, 1)
-    head, _, rest = scene.partition("</head>")
-    head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
-    page = f"{head}</head>{rest}"
+    page = titled(scene, title)
     end = page.rindex("</body>")
     return page[:end] + player + page[end:]
 

@@ -1,0 +1,92 @@
+"""The standing robot as one HTML page, which opens from a file without a server or a network.
+
+viser writes the page. Its scene needs a server to belong to, so one is started while the page is
+made, guarded and on this machine only.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+import viser
+from numpy.typing import ArrayLike
+
+from paminsa_viz.explorer.scene.cameras import preset
+from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
+from paminsa_viz.explorer.scene.view import raised
+from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.serving.seam import quiet
+from paminsa_viz.model.arrays import as_vectors
+from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.kinematics import Posture, solve_posture
+from paminsa_viz.model.reach import require_reachable
+
+ASPECT = 1.6
+"""Width over height of the window that the camera is placed for."""
+
+
+def robot_html(design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED) -> bytes:
+    """Return a page with the robot in a pose, to be turned and zoomed with the mouse.
+
+    Args:
+        design: The robot.
+        pose: (4,) [m, m, rad, m].
+        assembly: How its pantographs are put together.
+
+    Returns:
+        HTML, UTF-8.
+
+    Raises:
+        InvalidInput: If it is not one pose.
+        UnreachablePose: If the robot can not take it.
+        CannotListen: If no port is left for the server.
+    """
+    place = as_vectors(pose, "pose")
+    if place.shape != (4,):
+        raise InvalidInput("pose", f"one pose (4,) is needed; got {place.shape}")
+    require_reachable(design.geometry, place)
+    posture = solve_posture(design.geometry, place, assembly)
+    with standing_robot(design, posture) as (_, _, page):
+        return titled(page(), f"PAMINSA: {design.name}").encode()
+
+
+@contextmanager
+def standing_robot(
+    design: Design, posture: Posture, *, covered: float = 0.0
+) -> Iterator[tuple[viser.SceneApi, RobotScene, Callable[[], str]]]:
+    """Put a robot into a scene of its own.
+
+    Args:
+        design: The robot.
+        posture: A solved posture of shape () of it.
+        covered: Lower part of the window's height that the camera is to keep free.
+
+    Yields:
+        The scene, for more to be drawn; the robot; and what writes the page of both.
+    """
+    with quiet():
+        server = open_server(port=0)
+        try:
+            robot = RobotScene(server.scene, design, posture.assembly)
+            for layer in Layer:
+                robot.show(layer, layer in SHOWN_AT_START)
+            robot.pose(posture)
+            view = preset("3D", design.geometry, posture.assembly, posture, ASPECT)
+            view = raised(view, covered)
+            camera = server.initial_camera
+            camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)
+            camera.fov = view.fov
+            yield server.scene, robot, lambda: server.get_scene_serializer().as_html()
+        finally:
+            server.stop()
+
+
+def titled(page: str, title: str) -> str:
+    """Return viser's page with a title of ours."""
+    head, _, rest = page.partition("</head>")
+    head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
+    return f"{head}</head>{rest}"

@@ -1,0 +1,196 @@
+"""The robot, its maps and its motions as things that a notebook shows inline.
+
+The last line of a cell is shown::
+
+    from paminsa_viz.notebook import curve_view, map_view, motion_view, robot_view
+
+    robot_view(APPENDIX_4, (0.05, -0.03, 0.4, -0.6))
+
+Robot and motion are pages of their own in a frame: the notebook keeps them, and they can be turned
+and played without a kernel and without a network. Maps and curves are the app's and the report's.
+"""
+
+from __future__ import annotations
+
+import html
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from numpy.typing import ArrayLike
+
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.trajectory import Trajectory, TrajectoryAnalysis, home
+
+if TYPE_CHECKING:
+    import plotly.graph_objects as go
+
+    from paminsa_viz.figures.curves import CurveKind
+
+__all__ = ["InlinePage", "InlinePicture", "curve_view", "map_view", "motion_view", "robot_view"]
+
+
+@dataclass(frozen=True)
+class InlinePage:
+    """A page of its own, shown in a frame.
+
+    Attributes:
+        content: The page, HTML in UTF-8.
+        height: Of the frame [pixels]; it is as wide as the notebook.
+    """
+
+    content: bytes = field(repr=False)
+    height: int = 480
+
+    def _repr_html_(self) -> str:
+        # No access to the notebook it is in: the page runs its own scripts and nothing else.
+        return (
+            f'<iframe srcdoc="{html.escape(self.content.decode())}" sandbox="allow-scripts" '
+            f'style="width: 100%; height: {self.height:d}px; border: 0"></iframe>'
+        )
+
+    def save(self, path: str | Path) -> None:
+        """Write the page to a file, which any browser opens.
+
+        Raises:
+            FileError: If it can not be written.
+        """
+        write_bytes(path, self.content)
+
+
+@dataclass(frozen=True)
+class InlinePicture:
+    """A drawing.
+
+    Attributes:
+        svg: The drawing, SVG in UTF-8.
+    """
+
+    svg: bytes = field(repr=False)
+
+    def _repr_svg_(self) -> str:
+        return self.svg.decode()
+
+    def save(self, path: str | Path) -> None:
+        """Write the drawing to a file.
+
+        Raises:
+            FileError: If it can not be written.
+        """
+        write_bytes(path, self.svg)
+
+
+def robot_view(
+    design: Design = APPENDIX_4,
+    pose: ArrayLike | None = None,
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    height: int = 480,
+) -> InlinePage:
+    """Return the robot in 3D, to be turned and zoomed.
+
+    Args:
+        design: The robot.
+        pose: (4,) [m, m, rad, m]; in the middle of the workspace if left out.
+        assembly: How its pantographs are put together.
+        height: Of the frame [pixels].
+
+    Raises:
+        UnreachablePose: If the robot can not take the pose.
+    """
+    from paminsa_viz.explorer.robot_page import robot_html  # late: the page's libraries
+
+    return InlinePage(robot_html(design, _pose(design, pose, assembly), assembly), height)
+
+
+def motion_view(
+    trajectory: Trajectory,
+    design: Design = APPENDIX_4,
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    height: int = 560,
+) -> InlinePage:
+    """Return the moving robot in 3D, with a time line and its torques.
+
+    Args:
+        trajectory: The motion; one that fails is played up to there.
+        design: The robot.
+        assembly: How its pantographs are put together.
+        height: Of the frame [pixels].
+
+    Raises:
+        ImpossibleTrajectory: If the motion fails at its very start.
+    """
+    from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
+
+    return InlinePage(motion_html(design, assembly, trajectory), height)
+
+
+def map_view(
+    design: Design = APPENDIX_4,
+    pose: ArrayLike | None = None,
+    assembly: Assembly = Assembly.PRINTED,
+    *,
+    quantity: str = "torques",
+    cells: int = 100,
+    width: int = 900,
+) -> go.Figure:
+    """Return maps over x and y as a plotly figure, which shows values under the mouse.
+
+    Args:
+        design: The robot.
+        pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.
+        assembly: How its pantographs are put together.
+        quantity: ``"torques"`` for those of M1, M2 and M3, or the value of a `Quantity`.
+        cells: Cells along each side.
+        width: Of the figure [pixels].
+
+    Raises:
+        InvalidInput: If there is no such quantity.
+    """
+    from paminsa_viz.figures.from_model import TORQUES, map_data
+    from paminsa_viz.figures.map_window import cell_centres, half_width
+    from paminsa_viz.figures.ranges import choose_scales
+    from paminsa_viz.figures.screen import screen_figure
+    from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
+
+    if quantity != "torques" and quantity not in {item.value for item in Quantity}:
+        known = ", ".join(["torques", *(item.value for item in Quantity)])
+        raise InvalidInput("quantity", f"there are {known}")
+    shown = TORQUES if quantity == "torques" else (Quantity(quantity),)
+    place = _pose(design, pose, assembly)
+    centres = cell_centres(half_width(design.geometry), cells)
+    field = solve_field(
+        design.geometry,
+        xy_grid(centres, centres, *place[2:].tolist()),
+        assembly,
+        dexterity=any(item.needs_dexterity for item in shown),
+    )
+    data = map_data(field, design, place, shown)
+    return screen_figure(data, choose_scales(data), width)
+
+
+def curve_view(
+    analysis: TrajectoryAnalysis, kind: CurveKind = "torques", **more: Any
+) -> InlinePicture:
+    """Return curves over time as a drawing.
+
+    Args:
+        analysis: A design on a trajectory.
+        kind: What is drawn, see `paminsa_viz.figures.curves.KINDS`.
+        more: Further arguments of `paminsa_viz.figures.curves.figure_bytes`, such as ``reference``.
+
+    Raises:
+        InvalidInput: If the kind is unknown, or what it needs is missing.
+    """
+    from paminsa_viz.figures.curves import figure_bytes
+
+    return InlinePicture(figure_bytes(kind, analysis, format="svg", **more))
+
+
+def _pose(design: Design, pose: ArrayLike | None, assembly: Assembly) -> Array:
+    """Return the pose asked for, or the one in the middle of the workspace."""
+    return home(design.geometry, assembly) if pose is None else as_vectors(pose, "pose")

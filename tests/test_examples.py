@@ -1,0 +1,47 @@
+"""Every example runs as it stands, and the gallery lists it."""
+
+from __future__ import annotations
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = Path(__file__).parent.parent / "examples"
+SCRIPTS = sorted(EXAMPLES.glob("*.py"))
+WRITTEN = {
+    "design_study": {"design_study.csv"},
+    "dynamic_torques": {"dynamic_torques.png"},
+    "in_a_notebook": {"robot.html", "maps.html", "motion.html", "torques.svg"},
+    "static_maps": {"static_maps.png"},
+}
+SAID = {
+    "balance": r"M_p2 =  ? ?0\.0000 N, torques \[0\. 0\. 0\.\]",
+    "design_study": r"400 designs, \{'ok': 400\}",
+    "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
+    "misprints": r"all of them +0\.\d+",
+    "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",
+    "static_maps": r"M_p2 = 9\.100 N",
+    "verify_with_mujoco": r"corrected: .* \d\.\de-1[3-9]",
+}
+
+
+def test_the_gallery_lists_every_script() -> None:
+    listed = re.findall(
+        r"^\| \[(\w+)\.py\]\(\1\.py\) \|", (EXAMPLES / "README.md").read_text(), re.M
+    )
+    assert sorted(listed) == [script.stem for script in SCRIPTS]
+    assert set(WRITTEN) | set(SAID) == set(listed)
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
+def test_an_example_runs(script, tmp_path, monkeypatch, capsys) -> None:
+    if script.stem == "verify_with_mujoco":
+        pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(script), run_name="__main__")
+    assert re.search(SAID.get(script.stem, ""), capsys.readouterr().out)
+    assert {path.name for path in tmp_path.iterdir()} == WRITTEN.get(script.stem, set())
+    assert all(path.stat().st_size > 10_000 for path in tmp_path.iterdir())
+    assert len(script.read_text().splitlines()) <= 45

@@ -1,0 +1,106 @@
+"""What a notebook shows inline: the explorer's own robot, maps and curves."""
+
+from __future__ import annotations
+
+import html
+import re
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.motion_page import motion_html
+from paminsa_viz.explorer.robot_page import robot_html
+from paminsa_viz.figures.curves import figure_bytes
+from paminsa_viz.model import APPENDIX_4, Assembly, InvalidInput, UnreachablePose, static_torques
+from paminsa_viz.model.trajectory import PRESET, analyse
+from paminsa_viz.notebook import InlinePage, curve_view, map_view, motion_view, robot_view
+
+POSE = (0.05, -0.03, 0.4, -0.5)
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return PRESET["arch"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample(200)
+
+
+def test_a_page_is_a_frame_that_holds_all_of_it(tmp_path) -> None:
+    page = InlinePage('<p title="a">&amp; é</p>'.encode(), height=300)
+    shown = page._repr_html_()
+    found = re.fullmatch(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts" .*</iframe>', shown)
+    assert found
+    assert html.unescape(found[1]).encode() == page.content
+    assert "height: 300px" in shown
+    assert "content" not in repr(page)
+    page.save(tmp_path / "page.html")
+    assert (tmp_path / "page.html").read_bytes() == page.content
+
+
+def test_the_robot_stands_in_the_pose_asked_for() -> None:
+    page = robot_view(APPENDIX_4, POSE).content.decode()
+    assert page.lstrip().lower().startswith("<!doctype html>")
+    assert "<title>PAMINSA: Appendix 4</title>" in page
+    assert len(robot_html(APPENDIX_4, POSE)) == pytest.approx(len(page), rel=0.01)
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+def test_without_a_pose_it_is_one_that_can_be_taken(assembly) -> None:
+    assert robot_view(assembly=assembly).content
+    z = map_view(assembly=assembly, cells=10)
+    assert z.data
+
+
+def test_a_pose_out_of_reach_is_refused() -> None:
+    with pytest.raises(UnreachablePose):
+        robot_view(APPENDIX_4, (1.0, 0.0, 0.0, -0.5))
+    with pytest.raises(InvalidInput):
+        robot_view(APPENDIX_4, np.zeros((2, 4)))
+
+
+def test_a_motion_is_the_page_of_the_export(motion) -> None:
+    page = motion_view(motion, height=600)
+    assert len(page.content) == pytest.approx(
+        len(motion_html(APPENDIX_4, Assembly.PRINTED, motion)), rel=0.01
+    )
+    assert b"pick-and-place arch" in page.content
+
+
+def test_maps_show_the_static_torques() -> None:
+    figure = map_view(APPENDIX_4, POSE, cells=40)
+    heat = [trace for trace in figure.data if trace.type == "heatmap" and trace.coloraxis]
+    assert len(heat) == 3
+    values = np.array(heat[1].customdata, float)
+    x, y = np.meshgrid(np.array(heat[1].x) / 1e3, np.array(heat[1].y) / 1e3)
+    pose = np.stack([x, y, np.full_like(x, POSE[2]), np.full_like(x, POSE[3])], axis=-1)
+    np.testing.assert_allclose(values, static_torques(APPENDIX_4, pose)[..., 1], rtol=1e-6)
+    assert len(map_view(APPENDIX_4, POSE, quantity="condition", cells=20).data) > 0
+    with pytest.raises(InvalidInput, match="there are torques, tau_1"):
+        map_view(quantity="beauty")
+
+
+def test_curves_are_the_figures_of_the_report(motion, tmp_path) -> None:
+    analysis = analyse(APPENDIX_4, motion)
+    picture = curve_view(analysis, "power", width_mm=120)
+    assert picture._repr_svg_().encode() == figure_bytes(
+        "power", analysis, format="svg", width_mm=120
+    )
+    picture.save(tmp_path / "a.svg")
+    assert (tmp_path / "a.svg").read_bytes() == picture.svg
+
+
+@pytest.mark.browser
+def test_robot_and_motion_are_drawn_in_a_notebooks_page(browser, motion, tmp_path) -> None:
+    path = tmp_path / "notebook.html"
+    shown = robot_view(APPENDIX_4, POSE)._repr_html_() + motion_view(motion)._repr_html_()
+    path.write_text(f'<meta charset="utf-8"><body>{shown}', encoding="utf-8")
+    page = browser.new_page()
+    asked: list[str] = []
+    page.on("request", lambda request: asked.append(request.url))
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.goto(path.as_uri())
+    for index in range(2):
+        frame = page.frame_locator("iframe").nth(index)
+        frame.locator("canvas").first.wait_for(timeout=60_000)
+    page.close()
+    assert wrong == []
+    assert [url for url in asked if url.startswith("http")] == []
