@@ -42,11 +42,11 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
     Raises:
         InvalidDesign: If no machine can have them, or they are too large to work with.
     """
-    design = _honestly_named(require_workable(state.document.design.vary(changes)))
+    design = honestly_named(require_workable(state.document.design.vary(changes)))
     return settle(state, replace(state.document, design=design))
 
 
-def _honestly_named(design: Design) -> Design:
+def honestly_named(design: Design) -> Design:
     """Return the design under a name that does not claim to be Appendix 4's if it is not."""
     printed = design == APPENDIX_4
     if design.name == APPENDIX_4.name and not printed:

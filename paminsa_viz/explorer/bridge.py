@@ -1,6 +1,6 @@
 """What viser has no handle for: scripts sent to the tab, and messages that come back from it.
 
-Two things need it. Clicks on a Plotly map happen in the page and have to reach the server; and a
+Two things need it. Clicks on a Plotly figure happen in the page and have to reach the server; and a
 tab's own store (``sessionStorage``), unlike viser's ``local_storage``, is not shared between tabs,
 so that each finds its own state again after a reload. Messages come back through a hidden text
 input of the same tab, which the server's guard checks like any other input.
@@ -42,6 +42,14 @@ _SETUP = """
     if (!send("hello", saved)) setTimeout(hello, 50);
   };
   hello();
+  const graphics = () => {
+    const canvas = window.__viserMutable && window.__viserMutable.canvas;
+    if (!canvas) { setTimeout(graphics, 200); return; }
+    const gl = canvas.getContext("webgl2");
+    const names = gl && gl.getExtension("WEBGL_debug_renderer_info");
+    send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
+  };
+  graphics();
   const shown = () => { if (!send("shown", null)) setTimeout(shown, 50); };
   requestAnimationFrame(() => setTimeout(shown, 0));
   setTimeout(shown, 2000); // a tab in the background draws nothing
@@ -77,7 +85,7 @@ class Bridge:
 
     def __init__(self, client: viser.ClientHandle) -> None:
         self._client = client
-        self._listeners: dict[str, Callable[[Any], None]] = {}
+        self._listeners: dict[str, list[Callable[[Any], None]]] = {}
         self._last = 0
         self._lock = threading.Lock()
         self._inbox = client.gui.add_text("bridge", "", visible=False)
@@ -87,14 +95,14 @@ class Bridge:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
         After it comes a ``shown``, once what has been sent so far stands on the screen; it may come
-        twice.
+        twice. A ``graphics`` names what draws the 3D view.
         """
         script = _SETUP.replace("__UUID__", json.dumps(self._inbox._impl.uuid))
         self.run(script.replace("__KEY__", json.dumps(STORE_KEY)))
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:
-        """Call ``listener`` with the data of every message of one kind."""
-        self._listeners[kind] = listener
+        """Call ``listener`` too with the data of every message of one kind."""
+        self._listeners.setdefault(kind, []).append(listener)
 
     def save(self, text: str) -> None:
         """Keep a text in the tab's own store, where a reload finds it."""
@@ -120,6 +128,5 @@ class Bridge:
             if fresh:
                 self._last = fresh[-1][0]
         for _, kind, data in fresh:
-            listener = self._listeners.get(kind)
-            if listener is not None:
+            for listener in self._listeners.get(kind, ()):
                 listener(data)

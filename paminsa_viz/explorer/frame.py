@@ -7,6 +7,7 @@ from enum import Enum
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
@@ -29,6 +30,15 @@ NEAR_ROTATION = np.radians(5.0)
 """Closer than this to a singular rotation, the pose counts as near a singularity [rad]."""
 NEAR_SERIAL = 0.01
 """Less room than this to a stretched or folded pantograph counts as near a singularity [m]."""
+
+
+def near_singularity(singularity: Singularity) -> NDArray[np.bool_]:
+    """Return which poses count as near a singularity, in the shape of the distances."""
+    return (
+        (np.abs(singularity.position_distance) < NEAR_POSITION)
+        | (np.abs(singularity.rotation_distance) < NEAR_ROTATION)
+        | (np.asarray(singularity.serial_distance) < NEAR_SERIAL)
+    )
 
 
 class Health(Enum):
@@ -69,14 +79,7 @@ class Frame:
         """Status of the request."""
         if not self.requested.ok.all():
             return Health.UNREACHABLE
-        s = self.singularity
-        rotation, position = float(s.rotation_distance), float(s.position_distance)
-        near = (
-            abs(position) < NEAR_POSITION
-            or abs(rotation) < NEAR_ROTATION
-            or float(s.serial_distance) < NEAR_SERIAL
-        )
-        return Health.NEAR if near else Health.FINE
+        return Health.NEAR if near_singularity(self.singularity).all() else Health.FINE
 
     @cached_property
     def explanation(self) -> str:

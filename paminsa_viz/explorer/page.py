@@ -12,6 +12,7 @@ from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import ComparePanel
 from paminsa_viz.explorer.panels.design_panel import DesignPanel
 from paminsa_viz.explorer.panels.file_panel import FilePanel
@@ -36,8 +37,12 @@ PANEL_WIDTH = 380
 
 BRAND = "#0b6e99"
 
+SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
+"""Parts of the names of what draws in the absence of a graphics card."""
+
 LATER_TABS = {
     "Design": viser.Icon.WEIGHT,
+    "Balance": viser.Icon.SCALE,
     "Motion": viser.Icon.ROUTE,
     "Compare": viser.Icon.PIN,
     "View": viser.Icon.EYE,
@@ -61,6 +66,12 @@ class TabStore:
         if text != self._kept:
             self._kept = text
             self._bridge.save(text)
+
+
+def has_graphics_card(renderer: object) -> bool:
+    """Return whether what a browser names as its renderer is more than a program."""
+    name = renderer.lower() if isinstance(renderer, str) else ""
+    return bool(name) and not any(word in name for word in SOFTWARE_RENDERERS)
 
 
 def build(client: viser.ClientHandle, design: Design) -> Session:
@@ -94,6 +105,8 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         maps = MapsPanel(session, bridge, motions)
         with places["Design"]:
             design_panel = DesignPanel(session)
+        with places["Balance"]:
+            balance = BalancePanel(session, bridge)
         with places["Motion"]:
             motion = MotionPanel(session, motions)
         with places["Compare"]:
@@ -102,7 +115,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
             view = ViewPanel(session)
         with places["File"]:
             files = FilePanel(session)
-        session.first += [Gizmo(session), design_panel, view]
+        session.first += [Gizmo(session), design_panel, balance, view]
         session.first += [Clock(session), motion, MotionPath(session, motions)]
         session.later += [FloorMap(session, maps.store), maps, compare, files, TabStore(bridge)]
         commands.register(session)
@@ -120,7 +133,12 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
             return
         session.ask("restore", lambda state: actions.restore(state, document), step=False)
 
+    def choose_detail(renderer: object) -> None:
+        if has_graphics_card(renderer):
+            session.ask("graphics", lambda state: actions.set_layers(state, fine=True))
+
     bridge.on("hello", restore)
+    bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.do(build_rest))
     bridge.open()
     session.start()

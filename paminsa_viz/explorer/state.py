@@ -7,6 +7,7 @@ from enum import Enum
 
 import numpy as np
 
+from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.motion.description import Motion, Pose
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.motion.playback import Playback
@@ -118,6 +119,7 @@ class State:
     playback: Playback = field(default_factory=Playback)
     plots: PlotView = field(default_factory=PlotView)
     simulating: Simulating = field(default_factory=Simulating)
+    balancing: Balancing = field(default_factory=Balancing)
 
 
 def home_pose(geometry: Geometry, assembly: Assembly) -> Pose:

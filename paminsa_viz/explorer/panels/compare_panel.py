@@ -14,7 +14,7 @@ from paminsa_viz.explorer.panels.readout import dot
 from paminsa_viz.explorer.panels.readout import number as fixed
 from paminsa_viz.explorer.panels.tables import note, table
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.symbols import change_text, edge, html
+from paminsa_viz.explorer.symbols import change_text, edge, html, number
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
@@ -85,6 +85,25 @@ def _value(design: Design, parameter: Parameter) -> str:
     return text
 
 
+def _weights(design: Design, reference: Design) -> list[list[str]]:
+    """Return rows for places where two designs have other counterweights."""
+    held: dict[str, float] = {}
+    present: dict[str, float] = {}
+    for found, weights in ((held, reference.counterweights), (present, design.counterweights)):
+        for weight in weights:
+            found[weight.place] = found.get(weight.place, 0.0) + weight.mass
+    return [
+        [
+            f"on {escape(place)}",
+            f"{number(held.get(place, 0.0))}\u202fkg",
+            f"<b>{number(present.get(place, 0.0))}\u202fkg</b>",
+            change_text(held.get(place, 0.0), present.get(place, 0.0)),
+        ]
+        for place in dict.fromkeys([*held, *present])
+        if held.get(place) != present.get(place)
+    ]
+
+
 def differences_html(design: Design, reference: Design, title: str) -> str:
     """Return a table of the numbers in which two designs differ; arguments as `torques_html`."""
     rows = [
@@ -97,6 +116,7 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
         for p in PARAMETERS
         if is_changed(design, p.path, reference)
     ]
+    rows += _weights(design, reference)
     if not rows:
         return note("No number differs.", "differences", muted=True)
     count = f"{len(rows)} number{'s differ' if len(rows) > 1 else ' differs'}"

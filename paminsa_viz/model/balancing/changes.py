@@ -152,7 +152,8 @@ class MassSpace:
             numbers[mass.path] = amount
             if held > 0:
                 for path in _inertias(mass):
-                    numbers[path] = self.design.value(path) * amount / held
+                    # In this order an unchanged mass leaves its inertia to the last digit.
+                    numbers[path] = self.design.value(path) * (amount / held)
         added = tuple(
             Counterweight(rail.bar, rail.joint, lever, amount)
             for rail, places in zip(self.changes.rails, levers[len(masses) :], strict=True)

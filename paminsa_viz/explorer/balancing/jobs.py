@@ -1,0 +1,96 @@
+"""What is worked out for a person, and what came of it: plain data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import Enum
+
+from paminsa_viz.explorer.balancing.wishes import Wishes
+from paminsa_viz.model import Assembly, Design, PaminsaError
+from paminsa_viz.model.balancing import Front, Optimum
+from paminsa_viz.model.trajectory import Trajectory
+
+
+class Task(Enum):
+    """What is to be worked out."""
+
+    PAPER = "the paper's balance"
+    BEST = "the best masses"
+    FRONT = "the front"
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """A task with everything it depends on.
+
+    Attributes:
+        task: What is to be worked out.
+        design: The robot as it is.
+        assembly: Root of the knee.
+        theta, z: The plane of poses in which standing still is looked at, that of the maps
+            [rad, m].
+        trajectory: The present motion, or None.
+        problem: Why there is no motion.
+        wishes: What a person set.
+    """
+
+    task: Task
+    design: Design
+    assembly: Assembly
+    theta: float
+    z: float
+    trajectory: Trajectory | None
+    problem: str
+    wishes: Wishes
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A number before and after; NaN where it has no value."""
+
+    label: str
+    unit: str
+    before: float
+    after: float
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What came of a job: an optimum or a front, or why there is none.
+
+    Attributes:
+        job: The job.
+        after: The best design, or None.
+        optimum: It, with its proof.
+        effects: What it does to torques and masses.
+        front: The front, if that was asked for.
+        designs: The designs of its points.
+        problem: Why there is nothing.
+    """
+
+    job: Job
+    after: Design | None = None
+    optimum: Optimum | None = None
+    effects: tuple[Effect, ...] = ()
+    front: Front | None = None
+    designs: tuple[Design, ...] = ()
+    problem: PaminsaError | None = None
+
+
+@dataclass(frozen=True)
+class Balancing:
+    """The balancing of a session.
+
+    Attributes:
+        wishes: What a person set.
+        running: The job that runs, or None.
+        done: What part of it is done, 0 to 1.
+        outcome: The last result of another task than a front, or None.
+        front: The last front, or why there is none, or None.
+    """
+
+    wishes: Wishes = field(default_factory=Wishes)
+    running: Job | None = None
+    done: float = 0.0
+    outcome: Outcome | None = None
+    front: Outcome | None = None

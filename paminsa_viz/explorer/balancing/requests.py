@@ -1,0 +1,168 @@
+"""What a person can ask of the balance, each as a pure function from state to state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from paminsa_viz.explorer.actions import honestly_named
+from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
+from paminsa_viz.explorer.balancing.solving import run
+from paminsa_viz.explorer.balancing.wishes import Arm, Goal, require_possible
+from paminsa_viz.explorer.bounds import require_workable
+from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.state import State, settle
+from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.model.counterweight import Counterweight
+
+
+def wish(state: State, **changes: Any) -> State:
+    """Change what may change, and what is to be small; a refusal of earlier wishes is forgotten.
+
+    Raises:
+        InvalidInput: If a number is out of its range.
+    """
+    balancing = state.balancing
+    wishes = replace(balancing.wishes, **changes)
+    require_possible(wishes)
+    refused = balancing.outcome is not None and balancing.outcome.problem is not None
+    outcome = None if refused else balancing.outcome
+    return replace(state, balancing=replace(balancing, wishes=wishes, outcome=outcome))
+
+
+def choose_goal(state: State, goal: Goal) -> State:
+    """Choose what is to be small: a balance is exact, other goals are free of it, unless said."""
+    if goal is state.balancing.wishes.goal:
+        return state
+    return wish(state, goal=goal, exact=goal.static)
+
+
+def set_arm(state: State, name: str, longest: float, most: float) -> State:
+    """Set one of the places for counterweights [m, kg]."""
+    return wish(state, **{name: Arm(longest, most)})
+
+
+def make_job(state: State, task: Task) -> Job:
+    """Return a task for the present state."""
+    document = state.document
+    found = motions.planned(state)
+    return Job(
+        task, document.design, document.assembly, *document.pose[2:], found.trajectory,
+        found.problem, state.balancing.wishes,
+    )  # fmt: skip
+
+
+def balance_now(state: State) -> State:
+    """Take over the paper's balance at once: it takes a few milliseconds.
+
+    Raises:
+        InvalidInput: If another task runs.
+    """
+    begun = begin(state, Task.PAPER)
+    job = begun.balancing.running
+    return begun if job is None else taken(begun, run(job))
+
+
+def begin(state: State, task: Task) -> State:
+    """Ask for a task.
+
+    Raises:
+        InvalidInput: If another one runs.
+    """
+    if state.balancing.running is not None:
+        raise InvalidInput("balance", "the last task still runs; stop it or wait")
+    running = make_job(state, task)
+    return replace(state, balancing=replace(state.balancing, running=running, done=0.0))
+
+
+def stop(state: State) -> State:
+    """Forget the task that runs."""
+    return replace(state, balancing=replace(state.balancing, running=None))
+
+
+def progressed(state: State, job: Job, done: float) -> State:
+    """Show how far a task is, 0 to 1."""
+    if state.balancing.running is not job:
+        return state
+    return replace(state, balancing=replace(state.balancing, done=done))
+
+
+def taken(state: State, outcome: Outcome) -> State:
+    """Take over the outcome of the task that runs; that of an older one is dropped.
+
+    A better design is worked on from now on, the one before pinned to compare with, if that one was
+    not changed in the meantime.
+    """
+    if state.balancing.running is not outcome.job:
+        return state
+    balancing = replace(state.balancing, running=None)
+    if outcome.job.task is Task.FRONT:
+        return replace(state, balancing=replace(balancing, front=outcome))
+    if outcome.after is not None and state.document.design != outcome.job.design:
+        problem = InvalidInput("design", "it was changed in the meantime; ask once more")
+        outcome = Outcome(outcome.job, problem=problem)
+    state = replace(state, balancing=replace(balancing, outcome=outcome))
+    if outcome.after is None or outcome.after == state.document.design:
+        return state
+    return _beside(state, outcome.after, outcome.job.design)
+
+
+def choose_point(state: State, index: int) -> State:
+    """Work on a point of the front, the design it was made from pinned to compare with.
+
+    Raises:
+        InvalidInput: If there is no such point.
+    """
+    found = state.balancing.front
+    if found is None or index not in range(len(found.designs)):
+        raise InvalidInput("front", "there is no such point")
+    state = replace(state, balancing=replace(state.balancing, outcome=None))
+    return _beside(state, found.designs[index], found.job.design)
+
+
+def chosen_point(state: State) -> int | None:
+    """Return which point of the front is worked on, or None."""
+    found = state.balancing.front
+    designs = () if found is None else found.designs
+    return designs.index(state.document.design) if state.document.design in designs else None
+
+
+def _beside(state: State, design: Design, reference: Design) -> State:
+    design = honestly_named(require_workable(design))
+    return settle(state, replace(state.document, design=design, reference=reference))
+
+
+def hang(state: State, weights: tuple[Counterweight, ...]) -> State:
+    """Give every leg these counterweights and no others.
+
+    Raises:
+        InvalidDesign: If they are too many or too large to work with.
+    """
+    changed = replace(state.document.design, counterweights=weights)
+    design = honestly_named(require_workable(changed))
+    return settle(state, replace(state.document, design=design))
+
+
+def add_weight(state: State, bar: str, joint: int) -> State:
+    """Hang a counterweight of 1 kg on a bar, 100 mm beyond one of its joints."""
+    added = Counterweight(bar, joint, 0.1, 1.0)
+    return hang(state, (*state.document.design.counterweights, added))
+
+
+def set_weight(state: State, number: int, mass: float, beyond: float) -> State:
+    """Change one of the counterweights [kg, m]; nothing if there is none of that number.
+
+    Raises:
+        InvalidDesign: If it is not possible.
+    """
+    weights = list(state.document.design.counterweights)
+    if number >= len(weights):
+        return state
+    weights[number] = replace(weights[number], mass=mass, beyond=beyond)
+    return hang(state, tuple(weights))
+
+
+def drop_weight(state: State, number: int) -> State:
+    """Take one of the counterweights off."""
+    weights = state.document.design.counterweights
+    return hang(state, weights[:number] + weights[number + 1 :])

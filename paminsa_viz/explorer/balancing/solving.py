@@ -1,0 +1,180 @@
+"""Works a job out; pure functions, run on any thread."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
+from paminsa_viz.explorer.balancing.wishes import Goal, Wishes, changes_of
+from paminsa_viz.explorer.frame import near_singularity
+from paminsa_viz.explorer.maps import COARSE
+from paminsa_viz.figures.map_window import cell_centres, half_width
+from paminsa_viz.model import (
+    Assembly,
+    Design,
+    Field,
+    Geometry,
+    InvalidInput,
+    Limit,
+    PaminsaError,
+    balance_distance,
+    measure_singularity,
+    solve_field,
+    xy_grid,
+)
+from paminsa_viz.model.balancing import (
+    AddedMass,
+    Changes,
+    Imbalance,
+    MassChange,
+    Optimum,
+    StaticPeak,
+    StaticRms,
+    Term,
+    TrajectoryPeak,
+    TrajectoryRms,
+    balance,
+    optimise,
+    pareto_front,
+    whole_mass,
+)
+from paminsa_viz.model.balancing.changes import mass_space
+from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
+
+FRONT_POINTS = 12
+SAME_PLACE = 1e-9
+"""Counterweights on one bar nearer to each other than this are one [m]."""
+
+Progress = Callable[[float], bool]
+"""Is told what part is done, and says whether to stop."""
+
+
+def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
+    """Work a job out; what can not be done is part of the outcome."""
+    try:
+        if job.task is Task.FRONT:
+            return _front(job, progress)
+        found = balance(job.design) if job.task is Task.PAPER else _best(job)
+        after = tidied(found.after)
+        return Outcome(job, after, found, effects(job, after))
+    except PaminsaError as error:
+        return Outcome(job, problem=error)
+
+
+def _best(job: Job) -> Optimum:
+    wishes = job.wishes
+    changes = changes_of(wishes, job.design)
+    if wishes.goal.static:
+        criterion = AddedMass() if wishes.goal is Goal.ADDED else MassChange()
+        return balance(job.design, changes, criterion, exact=wishes.exact)
+    limits = _limits(wishes)
+    if wishes.exact:
+        limits.append((Imbalance(), 0.0))
+    peak = TrajectoryPeak(motion(job))
+    if wishes.goal is Goal.PEAK:
+        return optimise(job.design, changes, peak, limits=limits)
+    if wishes.goal is Goal.RMS:
+        return optimise(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
+    # Each counts by what it is now, so that the share is one of like with like.
+    parts = ((wishes.share, peak), (1 - wishes.share, StaticPeak(plane(job))))
+    goals = [(share / (value(term, job.design) or 1.0), term) for share, term in parts]
+    return optimise(job.design, changes, goals, limits=limits)
+
+
+def _limits(wishes: Wishes) -> list[tuple[Term, float]]:
+    return [(AddedMass(), wishes.added)] if wishes.added > 0 else []
+
+
+def _front(job: Job, progress: Progress) -> Outcome:
+    found = pareto_front(
+        job.design, changes_of(job.wishes, job.design), TrajectoryPeak(motion(job)),
+        StaticPeak(plane(job)), points=FRONT_POINTS, limits=_limits(job.wishes),
+        progress=lambda done, of: progress(done / of),
+    )  # fmt: skip
+    return Outcome(job, front=found, designs=tuple(tidied(p.design) for p in found.points))
+
+
+def tidied(design: Design) -> Design:
+    """Return the design without counterweights that weigh nothing, those at one place as one."""
+    kept: list[Counterweight] = []
+    for weight in design.counterweights:
+        if weight.mass == 0:
+            continue
+        for number, other in enumerate(kept):
+            near = abs(other.beyond - weight.beyond) < SAME_PLACE
+            if near and (other.bar, other.joint) == (weight.bar, weight.joint):
+                kept[number] = replace(other, mass=other.mass + weight.mass)
+                break
+        else:
+            kept.append(weight)
+    return replace(design, counterweights=tuple(kept))
+
+
+def value(term: Term, design: Design) -> float:
+    """Return the value of a term for a design [the term's unit]."""
+    space = mass_space(design, Changes())
+    return term.piece(space).value(space.before, space.amounts)
+
+
+def effects(job: Job, after: Design) -> tuple[Effect, ...]:
+    """Return what the step from the job's design to another one does."""
+    before = job.design
+    found = [Effect("M_p2", "N", balance_distance(before), balance_distance(after))]
+    makers: tuple[tuple[str, Callable[[], Term]], ...] = (
+        ("peak torque standing", lambda: StaticPeak(plane(job))),
+        ("RMS torque standing", lambda: StaticRms(plane(job))),
+        ("peak torque in motion", lambda: TrajectoryPeak(motion(job))),
+        ("RMS torque in motion", lambda: TrajectoryRms(motion(job))),
+    )
+    for label, make in makers:
+        try:
+            term = make()
+            found.append(Effect(label, term.unit, value(term, before), value(term, after)))
+        except PaminsaError:  # no motion, or no pose of the plane in reach
+            found.append(Effect(label, "N m", np.nan, np.nan))
+    return (*found, Effect("mass of the robot", "kg", whole_mass(before), whole_mass(after)))
+
+
+def motion(job: Job) -> SolvedTrajectory:
+    """Return the present motion, solved.
+
+    Raises:
+        ImpossibleTrajectory: If the robot can not run it.
+        InvalidInput: If there is none.
+    """
+    if job.trajectory is None:
+        raise InvalidInput("motion", job.problem or "there is none yet")
+    design = job.design
+    solved = _solved(design.geometry, job.trajectory, job.assembly, design.gravity)
+    solved.check.require()
+    return solved
+
+
+@lru_cache(maxsize=2)
+def _solved(
+    geometry: Geometry, trajectory: Trajectory, assembly: Assembly, gravity: float
+) -> SolvedTrajectory:
+    return solve_trajectory(geometry, trajectory, assembly, gravity=gravity)
+
+
+def plane(job: Job) -> Field:
+    """Return the poses at the job's theta and z that maps show, but none near a singularity.
+
+    Torques have no bound there: a peak would be that of the cell that happens to come nearest.
+    """
+    return _plane(job.design.geometry, job.assembly, job.theta, job.z)
+
+
+@lru_cache(maxsize=2)
+def _plane(geometry: Geometry, assembly: Assembly, theta: float, z: float) -> Field:
+    centres = cell_centres(half_width(geometry), COARSE)
+    grid = xy_grid(centres, centres, theta, z)
+    field = solve_field(geometry, grid, assembly)
+    near = near_singularity(measure_singularity(geometry, grid.poses()))
+    status = np.where(near & (field.status == Limit.OK), np.uint8(Limit.SINGULAR), field.status)
+    return replace(field, status=status)

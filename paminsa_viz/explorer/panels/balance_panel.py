@@ -1,0 +1,57 @@
+"""The tab that balances: one button for the paper's balance, and everything beyond it."""
+
+from __future__ import annotations
+
+from viser import Icon
+
+from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing.worker import Balancer
+from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels.balance_front import FrontPlot
+from paminsa_viz.explorer.panels.balance_inputs import BalanceInputs
+from paminsa_viz.explorer.panels.balance_weights import WeightList
+from paminsa_viz.explorer.panels.balance_words import details_html, status_html
+from paminsa_viz.explorer.panels.design_panel import balance_html
+from paminsa_viz.explorer.session import Session
+
+
+class BalancePanel:
+    """M_p2, the button, goals and bounds, what came of it, counterweights, the front.
+
+    Made in the current container of the page.
+    """
+
+    def __init__(self, session: Session, bridge: Bridge) -> None:
+        gui = session.client.gui
+        self._balancer = Balancer(session)
+        self._gauge = gui.add_html("")
+        self.button = gui.add_button(
+            "Balance as in the paper", icon=Icon.SCALE,
+            hint="M_p2 = 0 (Eqs. 7–8) by masses of joints and links, with the least added mass",
+        )  # fmt: skip
+        self.button.on_click(lambda _: session.ask("balance", requests.balance_now))
+        self._status = gui.add_html("")
+        with gui.add_folder("Other masses, other goals", expand_by_default=False):
+            self.inputs = BalanceInputs(session)
+        self._details = gui.add_html("")
+        with gui.add_folder("Counterweights of each leg"):
+            self.weights = WeightList(session)
+        with gui.add_folder("Moving against standing: the front", expand_by_default=False):
+            self.front = FrontPlot(session, bridge)
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Follow the state, and begin what is asked for."""
+        self._balancer.draw(frame, moving)
+        for part in (self.inputs, self.weights, self.front):
+            part.draw(frame, moving)
+        for handle, html in (
+            (self._gauge, balance_html(frame.state, frame.balance)),
+            (self._status, status_html(frame.state)),
+            (self._details, details_html(frame.state.balancing.outcome)),
+        ):
+            if handle.content != html:
+                handle.content = html
+        busy = frame.state.balancing.running is not None
+        if self.button.disabled != busy:
+            self.button.disabled = busy
