@@ -1,0 +1,90 @@
+"""The balance in a real browser: one click, what it says, the front, counterweights."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing.wishes import Arm
+from paminsa_viz.model import APPENDIX_4, balance_distance
+from tests.explorer.chromium import Tab, until
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture
+def balance(tab: Tab) -> Tab:
+    """The tab with the balance in sight and the robot at a pose that gravity pulls at."""
+    tab.session.ask("test", lambda s: actions.move(s, x=0.1, y=-0.05, theta=0.3))
+    until(lambda: tab.state.document.pose[0] == 0.1, "the pose")
+    tab.open_tab("Balance")
+    return tab
+
+
+def torques(tab: Tab) -> list[float]:
+    """Return the torques of M1 to M3 as the readout says them."""
+    cells = re.findall(r"(−?[\d.]+) N·m", tab.text("actuators"))
+    return [float(cell.replace("−", "-")) for cell in cells]
+
+
+def press(tab: Tab, name: str) -> None:
+    tab.page.get_by_role("button", name=name, exact=True).click()
+
+
+def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
+    page = balance.page
+    press(balance, "Balance as in the paper")
+    page.get_by_test_id("balance-status").get_by_text("Balanced").wait_for()
+    assert balance_distance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
+    assert balance.state.document.reference == APPENDIX_4
+    text = until(lambda: balance.text("balance-result"), "the tables")
+    assert re.search(r"m7 \[kg\]\s+0.28\s+3.063\s+\+2.783", text)
+    assert "no added mass is below 8.349 kg" in text
+    balance.open_tab("Pose")
+    until(lambda: torques(balance) == [0, 0, 0], "no torque holds the robot")
+    balance.session.undo()
+    until(lambda: np.abs(torques(balance)).max() > 0.1, "gravity pulls again")
+    assert balance.state.document.design == APPENDIX_4
+    assert balance.state.document.reference is None
+
+
+def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> None:
+    balance.session.ask(
+        "test", lambda s: requests.wish(s, arm_b3=Arm(0.1, 0.0), arm_b8=Arm(0.1, 0.5))
+    )
+    balance.page.get_by_text("Other masses, other goals").click()
+    press(balance, "Find the best masses")
+    status = balance.page.get_by_test_id("balance-status")
+    status.get_by_text("The bounds do not allow it").wait_for()
+    assert "raise weight on B8 past 8 from 0.5 to 3.896 kg" in status.inner_text()
+    assert balance.state.document.design == APPENDIX_4
+    balance.session.ask("test", lambda s: requests.wish(s, arm_b8=Arm(0.1, 5.0)))
+    press(balance, "Find the best masses")
+    status.get_by_text("Balanced").wait_for()
+    node = "/robot/leg2/slider/b8/weight1"
+    until(lambda: balance.place(node), "the counterweight hangs in the scene")
+    balance.page.get_by_role("button", name="all", exact=True).click()
+    until(lambda: balance.place(node) is None, "and is taken off")
+    assert balance.state.document.design == APPENDIX_4
+
+
+def test_a_click_on_the_front_works_on_that_design(balance: Tab) -> None:
+    page = balance.page
+    page.get_by_text("Moving against standing: the front").click()
+    press(balance, "Compute the front")
+    until(lambda: balance.state.balancing.front is not None, "the front")
+    designs = balance.state.balancing.front.designs
+    points = page.locator(".js-plotly-plot .scatterlayer .trace").first.locator("path.point")
+    until(lambda: points.count() == len(designs), "its points are drawn")
+    points.nth(3).scroll_into_view_if_needed()
+    box = until(points.nth(3).bounding_box, "a place to click")
+    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    until(lambda: balance.state.document.design == designs[3], "the design of that point")
+    assert balance.state.document.reference == APPENDIX_4
+    until(lambda: balance.handle("Point").value == 4, "the slider follows")
+    balance.press("Point", "End")
+    until(lambda: balance.state.document.design == designs[-1], "the end of the front")
