@@ -42,6 +42,14 @@ _SETUP = """
     if (!send("hello", saved)) setTimeout(hello, 50);
   };
   hello();
+  const graphics = () => {
+    const canvas = window.__viserMutable && window.__viserMutable.canvas;
+    if (!canvas) { setTimeout(graphics, 200); return; }
+    const gl = canvas.getContext("webgl2");
+    const names = gl && gl.getExtension("WEBGL_debug_renderer_info");
+    send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
+  };
+  graphics();
   const shown = () => { if (!send("shown", null)) setTimeout(shown, 50); };
   requestAnimationFrame(() => setTimeout(shown, 0));
   setTimeout(shown, 2000); // a tab in the background draws nothing
@@ -87,7 +95,7 @@ class Bridge:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
         After it comes a ``shown``, once what has been sent so far stands on the screen; it may come
-        twice.
+        twice. A ``graphics`` names what draws the 3D view.
         """
         script = _SETUP.replace("__UUID__", json.dumps(self._inbox._impl.uuid))
         self.run(script.replace("__KEY__", json.dumps(STORE_KEY)))

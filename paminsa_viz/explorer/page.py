@@ -37,6 +37,9 @@ PANEL_WIDTH = 380
 
 BRAND = "#0b6e99"
 
+SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
+"""Parts of the names of what draws in the absence of a graphics card."""
+
 LATER_TABS = {
     "Design": viser.Icon.WEIGHT,
     "Balance": viser.Icon.SCALE,
@@ -63,6 +66,12 @@ class TabStore:
         if text != self._kept:
             self._kept = text
             self._bridge.save(text)
+
+
+def has_graphics_card(renderer: object) -> bool:
+    """Return whether what a browser names as its renderer is more than a program."""
+    name = renderer.lower() if isinstance(renderer, str) else ""
+    return bool(name) and not any(word in name for word in SOFTWARE_RENDERERS)
 
 
 def build(client: viser.ClientHandle, design: Design) -> Session:
@@ -124,7 +133,12 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
             return
         session.ask("restore", lambda state: actions.restore(state, document), step=False)
 
+    def choose_detail(renderer: object) -> None:
+        if has_graphics_card(renderer):
+            session.ask("graphics", lambda state: actions.set_layers(state, fine=True))
+
     bridge.on("hello", restore)
+    bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.do(build_rest))
     bridge.open()
     session.start()

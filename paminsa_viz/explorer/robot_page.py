@@ -73,7 +73,7 @@ def standing_robot(
         try:
             robot = RobotScene(server.scene, design, posture.assembly)
             for layer in Layer:
-                robot.show(layer, layer in SHOWN_AT_START)
+                robot.show(layer, layer in SHOWN_AT_START or layer is Layer.FINE)
             robot.pose(posture)
             view = preset("3D", design.geometry, posture.assembly, posture, ASPECT)
             view = raised(view, covered)

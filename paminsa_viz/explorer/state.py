@@ -84,6 +84,7 @@ class Layers:
     singularity: bool = True
     floor_map: bool = True
     gizmo: bool = False
+    fine: bool = False
     shadows: bool = False
     path: bool = False
     floor_opacity: float = 0.85

@@ -16,6 +16,7 @@ from paminsa_viz.shapes.solids import (
     ALONG,
     box,
     circle,
+    is_plain,
     loft,
     moved,
     prism,
@@ -86,8 +87,9 @@ def quill() -> Part:
     part.add("steel", tube(at.QUILL_BORE, at.QUILL_RADIUS, -0.016, at.QUILL_TOP - 0.004, 0.0, 12))
     part.add("body", tube(at.QUILL_BORE, 0.026, at.QUILL_TOP - 0.0045, at.QUILL_TOP, 0.0, 16))
     half = at.CORE - 0.0005
-    outline = np.vstack([circle(half, 0.0, 16)[12:], circle(half, 0.0, 16)[:5]])
-    outline = np.vstack([outline, [[-0.024, half, 0.0], [-0.027, half - 0.003, 0.0]]])
+    angle = np.linspace(-np.pi / 2, np.pi / 2, 5 if is_plain() else 9)
+    nose = half * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    outline = np.vstack([nose, [[-0.024, half, 0.0], [-0.027, half - 0.003, 0.0]]])
     outline = np.vstack([outline, [[-0.027, 0.003 - half, 0.0], [-0.024, -half, 0.0]]])
     part.add("body", prism(outline, -0.019, 0.019, 0.002))
     part.add("dark", rod(0.0145, -0.0215, -0.0185, 0.0, 12))

@@ -29,8 +29,10 @@ from paminsa_viz.shapes.solids import (
     Array,
     beam,
     box,
+    is_plain,
     loft,
     moved,
+    plain_shapes,
     prism,
     rod,
     rounded_polygon,
@@ -40,6 +42,9 @@ from paminsa_viz.shapes.solids import (
 
 STANDING: Final = ("ground", "base", "m1", "m2", "m3", "m4")
 """Names of the bodies that do not move."""
+
+SMALL: Final = 0.028
+"""Pieces smaller than this are left out of plain bodies [m]."""
 
 ACTUATOR_NAMES: Final = ("m1", "m2", "m3", "m4")
 
@@ -111,12 +116,13 @@ def make_body(body: str, geometry: Geometry, assembly: Assembly = Assembly.PRINT
         "b7": bar,
         "b8": bar,
     }
-    return _made(makers[kind], lengths_of(body, geometry, assembly)).copy()
+    return _made(makers[kind], lengths_of(body, geometry, assembly), is_plain()).copy()
 
 
 @lru_cache(maxsize=64)
-def _made(maker: Callable[..., Part], lengths: tuple[object, ...]) -> Part:
+def _made(maker: Callable[..., Part], lengths: tuple[object, ...], plain: bool) -> Part:
     """Return a moving body; the three legs share what is made here."""
+    del plain  # only tells one from the other
     return maker(*lengths)
 
 
@@ -178,6 +184,8 @@ def shaft(length: float) -> Part:
 
 def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
     """Return a shaft with six shallow grooves along z, which show that it turns."""
+    if is_plain():
+        return rod(radius, bottom, top)
     angle = 2 * np.pi * np.arange(24) / 24
     depth = np.where(np.arange(24) % 6 == 0, 0.0016, 0.0)
     flat = (radius - depth)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -243,12 +251,22 @@ def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:
 
 
 @lru_cache(maxsize=256)
-def body_glb(body: str, geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> bytes:
-    """Return a body as a coloured GLB in its own frame, z up; the last ones made are kept."""
-    return make_body(body, geometry, assembly).glb(colour_of(body))
+def body_glb(
+    body: str, geometry: Geometry, assembly: Assembly = Assembly.PRINTED, *, fine: bool = True
+) -> bytes:
+    """Return a body as a coloured GLB in its own frame, z up; the last ones made are kept.
+
+    One that is not ``fine`` has a fifth of the triangles: no bolts and pins, and round sides of few
+    faces.
+    """
+    if fine:
+        return make_body(body, geometry, assembly).glb(colour_of(body))
+    with plain_shapes():
+        return make_body(body, geometry, assembly).without_small(SMALL).glb(colour_of(body))
 
 
 def prepare(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> None:
-    """Make and keep every body's GLB, so that the first scene need not wait for them."""
-    for body in (*STANDING, *BODIES):
-        body_glb(body, geometry, assembly)
+    """Make and keep every body's GLB, so that no scene need wait for them; the plain ones first."""
+    for fine in (False, True):
+        for body in (*STANDING, *BODIES):
+            body_glb(body, geometry, assembly, fine=fine)

@@ -20,6 +20,7 @@ from trimesh.exchange.gltf import export_glb
 
 from paminsa_viz.shapes.catalogue import CATALOGUE
 from paminsa_viz.shapes.part import Part, Piece
+from paminsa_viz.shapes.solids import is_plain
 
 Z_UP = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
@@ -79,16 +80,27 @@ def _read(name: str) -> Part:
     return Part(pieces)
 
 
+_MAKERS = {fitting.name: fitting.make for fitting in CATALOGUE}
+
+
 def fixed_part(name: str) -> Part:
     """Return a fixed part from its mesh file, in the part's own frame (z up) [m].
+
+    Within `plain_shapes` it is a plain one.
 
     Raises:
         KeyError: If no part has this name.
         MissingMeshes: If the mesh files are not there.
     """
-    if name not in {fitting.name for fitting in CATALOGUE}:
+    if name not in _MAKERS:
         raise KeyError(name)
-    return Part(list(_read(name).pieces))
+    return (_plain(name) if is_plain() else _read(name)).copy()
+
+
+@cache
+def _plain(name: str) -> Part:
+    """Make a fixed part with few faces; there is no file of it."""
+    return _MAKERS[name]()
 
 
 def write_meshes(folder: Path) -> list[Path]:

@@ -61,6 +61,10 @@ class Part:
         for name in dict.fromkeys(piece.material for piece in self.pieces):
             yield name, _stacked([p.mesh for p in self.pieces if p.material == name])
 
+    def without_small(self, size: float) -> Part:
+        """Return the part without pieces that are in every direction smaller than ``size`` [m]."""
+        return Part([p for p in self.pieces if np.ptp(p.mesh.bounds, axis=0).max() >= size])
+
     def bounds(self) -> Array:
         """Return the lower and upper corner of all pieces, (2, 3) [m]."""
         corners = np.array([piece.mesh.bounds for piece in self.pieces])

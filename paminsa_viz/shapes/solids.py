@@ -7,7 +7,9 @@ closes on itself. All lengths in metres.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 import trimesh
@@ -17,6 +19,28 @@ Array = NDArray[np.float64]
 
 CREASE = np.radians(32.0)
 """Faces that meet at a sharper angle than this are shaded as an edge [rad]."""
+PLAIN_CREASE = np.radians(65.0)
+"""The same for plain shapes, whose round sides have as few as six faces [rad]."""
+
+_plain = ContextVar("plain", default=False)
+
+
+@contextmanager
+def plain_shapes() -> Iterator[None]:
+    """Make solids with few faces: sharp edges, and round sides that only look round.
+
+    A browser without a graphics card takes two microseconds for every triangle of every picture.
+    """
+    before = _plain.set(True)
+    try:
+        yield
+    finally:
+        _plain.reset(before)
+
+
+def is_plain() -> bool:
+    """Whether solids are being made with few faces."""
+    return _plain.get()
 
 
 def _corner_normals(vertices: Array, faces: NDArray[np.int64], crease: float) -> Array:
@@ -51,8 +75,9 @@ def _corner_normals(vertices: Array, faces: NDArray[np.int64], crease: float) ->
     return (total / np.linalg.norm(total, axis=1)[:, None]).reshape(-1, 3, 3)
 
 
-def shade(vertices: Array, faces: NDArray[np.int64], crease: float = CREASE) -> trimesh.Trimesh:
-    """Return a mesh whose vertices are split along the edges sharper than ``crease`` [rad]."""
+def shade(vertices: Array, faces: NDArray[np.int64]) -> trimesh.Trimesh:
+    """Return a mesh whose vertices are split along its edges; see `CREASE`."""
+    crease = PLAIN_CREASE if is_plain() else CREASE
     vertices = np.asarray(vertices, dtype=np.float64)
     joined, index = np.unique(vertices.round(9) + 0.0, axis=0, return_inverse=True)
     faces = index.reshape(-1)[np.asarray(faces)]
@@ -98,7 +123,9 @@ def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
 
 
 def circle(radius: float, height: float = 0.0, segments: int = 24) -> Array:
-    """Return a circle about z at a height, (segments, 3)."""
+    """Return a circle about z at a height, (segments, 3); a third of the points if plain."""
+    if is_plain():
+        segments = max(6, round(segments / 3))
     angle = 2 * np.pi * np.arange(segments) / segments
     return np.stack(
         [radius * np.cos(angle), radius * np.sin(angle), np.full(segments, height)], axis=1
@@ -110,6 +137,8 @@ def rounded_rectangle(
 ) -> Array:
     """Return a rectangle (width along x, depth along y) with round corners about z."""
     radius = min(radius, width / 2, depth / 2)
+    if is_plain():
+        radius, steps = 0.0, 0
     corners = []
     for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
         angle = np.pi / 2 * (quarter + np.arange(steps + 1) / max(steps, 1))
@@ -132,6 +161,7 @@ def rounded_polygon(corners: Array, radius: float, height: float = 0.0, steps: i
     The corners run counter-clockwise.
     """
     corners = np.asarray(corners, dtype=np.float64)
+    steps = 3 if is_plain() else steps
     out = []
     for before, here, after in zip(
         np.roll(corners, 1, axis=0), corners, np.roll(corners, -1, axis=0), strict=True
@@ -152,11 +182,16 @@ def revolve(profile: Sequence[tuple[float, float]], segments: int = 20) -> trime
     return loft([circle(r, h, segments) for r, h in profile])
 
 
+def _chamfer(wanted: float, *most: float) -> float:
+    """Return how far edges are broken [m]."""
+    return 0.0 if is_plain() else min((wanted, *most))
+
+
 def rod(
     radius: float, bottom: float, top: float, chamfer: float = 0.001, segments: int = 16
 ) -> trimesh.Trimesh:
     """Return a round bar along z from ``bottom`` to ``top`` with chamfered ends."""
-    c = min(chamfer, radius / 2, (top - bottom) / 2.5)
+    c = _chamfer(chamfer, radius / 2, (top - bottom) / 2.5)
     return revolve(
         [(radius - c, bottom), (radius, bottom + c), (radius, top - c), (radius - c, top)], segments
     )
@@ -171,7 +206,7 @@ def tube(
     segments: int = 24,
 ) -> trimesh.Trimesh:
     """Return a hollow cylinder along z with chamfered outer edges."""
-    c = min(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
+    c = _chamfer(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
     profile = [
         (inner, bottom),
         (outer - c, bottom),
@@ -191,7 +226,7 @@ def prism(
     Both rims are broken by ``chamfer``; with ``steps`` > 1 they are rounded.
     """
     flat = np.asarray(outline)[:, :2]
-    c = min(chamfer, (top - bottom) / 2.5)
+    c, steps = _chamfer(chamfer, (top - bottom) / 2.5), 1 if is_plain() else steps
     nudge = np.roll(flat, -1, axis=0) - np.roll(flat, 1, axis=0)
     inward = np.stack([-nudge[:, 1], nudge[:, 0]], axis=1)
     inward /= np.linalg.norm(inward, axis=1)[:, None]
@@ -233,7 +268,7 @@ def beam(
         flat = rounded_rectangle(section[0] - 2 * shrink, section[1] - 2 * shrink, radius - shrink)
         return np.stack([np.full(len(flat), x), flat[:, 0], flat[:, 1]], axis=1)
 
-    c = min(chamfer, (end - start) / 3)
+    c = _chamfer(chamfer, (end - start) / 3)
     return loft(
         [
             loop(start, section_start, c),
@@ -257,7 +292,7 @@ def arc_beam(
 
     It runs from the angle ``start`` counter-clockwise to ``end`` [rad].
     """
-    c, half = chamfer, width / 2
+    c, half = _chamfer(chamfer), width / 2
     section = [
         (half, bottom),
         (half, top - c),
@@ -266,7 +301,8 @@ def arc_beam(
         (-half, top - c),
         (-half, bottom),
     ]
-    steps = max(int(np.ceil((end - start) / np.radians(7.5))), 1)
+    step = np.radians(20.0 if is_plain() else 7.5)
+    steps = max(int(np.ceil((end - start) / step)), 1)
     loops = []
     for angle in np.linspace(start, end, steps + 1):
         loops.append(

@@ -13,6 +13,7 @@ import pytest
 import viser
 from trimesh.transformations import quaternion_matrix
 
+from paminsa_viz.explorer.page import has_graphics_card
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.cameras import VIEWS, preset
 from paminsa_viz.explorer.scene.curves import Curve, circle, dashes, segments
@@ -25,6 +26,7 @@ from paminsa_viz.model.design import APPENDIX_4, Assembly
 from paminsa_viz.model.kinematics import solve_posture
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients
+from paminsa_viz.shapes.bodies import body_glb
 from paminsa_viz.shapes.placement import BODIES, place_parts
 from tests.samples import random_poses
 
@@ -234,6 +236,31 @@ def test_layers_switch_on_and_off(server: viser.ViserServer, robot: RobotScene) 
     for layer in Layer:
         robot.show(layer)
     assert set(nodes(server)) == first
+
+
+def test_bodies_begin_plain_and_can_be_fine(server: viser.ViserServer, robot: RobotScene) -> None:
+    bar = nodes(server)["/robot/leg1/slider/b8/b4"]
+    plain = bar.glb_data
+    robot.show(Layer.FINE)
+    assert bar.glb_data == body_glb("leg1/b4", APPENDIX_4.geometry)
+    assert len(bar.glb_data) > 2 * len(plain)
+    robot.show(Layer.FINE, False)
+    assert bar.glb_data == plain
+
+
+@pytest.mark.parametrize(
+    ("renderer", "card"),
+    [
+        ("ANGLE (NVIDIA, NVIDIA GeForce RTX 3060 Direct3D11 vs_5_0 ps_5_0, D3D11)", True),
+        ("Apple M2", True),
+        ("ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero)), SwiftShader driver)", False),
+        ("llvmpipe (LLVM 15.0.7, 256 bits)", False),
+        ("", False),
+        (None, False),
+    ],
+)
+def test_a_program_is_no_graphics_card(renderer: object, card: bool) -> None:
+    assert has_graphics_card(renderer) is card
 
 
 def test_hidden_layers_cost_nothing(server: viser.ViserServer, robot: RobotScene) -> None:

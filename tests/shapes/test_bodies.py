@@ -12,8 +12,16 @@ from hypothesis import strategies as st
 from paminsa_viz import palette
 from paminsa_viz.model.design import APPENDIX_4, Assembly, Geometry
 from paminsa_viz.shapes import layers as at
-from paminsa_viz.shapes.bodies import STANDING, body_glb, colour_of, lengths_of, make_body
+from paminsa_viz.shapes.bodies import (
+    SMALL,
+    STANDING,
+    body_glb,
+    colour_of,
+    lengths_of,
+    make_body,
+)
 from paminsa_viz.shapes.placement import BODIES
+from paminsa_viz.shapes.solids import is_plain, plain_shapes
 from tests.samples import random_design
 
 GEOMETRY = APPENDIX_4.geometry
@@ -113,3 +121,27 @@ def test_a_part_handed_out_can_be_added_to_without_harm() -> None:
     assert outline("leg1/b8", GEOMETRY, Assembly.PRINTED) == outline(
         "leg3/b8", GEOMETRY, Assembly.PRINTED
     )
+
+
+def test_plain_bodies_are_light_and_fill_the_same_room() -> None:
+    names = (*STANDING, *BODIES)
+    faces = {True: 0, False: 0}
+    for name in names:
+        fine = make_body(name, APPENDIX_4.geometry)
+        with plain_shapes():
+            plain = make_body(name, APPENDIX_4.geometry).without_small(SMALL)
+        for part, detailed in ((fine, True), (plain, False)):
+            faces[detailed] += sum(len(piece.mesh.faces) for piece in part.pieces)
+        # Six-sided rods are a little slimmer, and bolts and glands stand out of what is left.
+        np.testing.assert_allclose(plain.bounds(), fine.bounds(), atol=0.025)
+    assert 4 * faces[False] < faces[True]
+
+
+def test_what_is_plain_does_not_stay_so() -> None:
+    geometry = APPENDIX_4.geometry
+    before = body_glb("leg1/b4", geometry)
+    plain = body_glb("leg1/b4", geometry, fine=False)
+    body_glb.cache_clear()
+    assert len(plain) < len(before) / 2
+    assert body_glb("leg1/b4", geometry) == before
+    assert not is_plain()

@@ -23,6 +23,7 @@ LAYER_LABELS = {
     "floor_map": ("Floor map", "The chosen map, under the robot; click it to go there"),
     "path": ("Path of the motion", "Coloured by torque, and on the maps"),
     "gizmo": ("Handle on the platform", "Drag the platform in the scene"),
+    "fine": ("Fine detail", "Round edges and bolts; on by itself where there is a graphics card"),
     "shadows": ("Shadows and reflections", "Slow without a graphics card"),
 }
 

@@ -72,6 +72,7 @@ class BodyNodes:
         self._hung_data: dict[str, bytes] = {}
         self._geometry = geometry
         self._assembly = assembly
+        self._fine = False
         self.rebuild(geometry, assembly)
 
     @property
@@ -82,6 +83,18 @@ class BodyNodes:
     @visible.setter
     def visible(self, visible: bool) -> None:
         self._top.visible = visible
+
+    @property
+    def fine(self) -> bool:
+        """Whether the bodies have all their details; they begin plain, and are there sooner."""
+        return self._fine
+
+    @fine.setter
+    def fine(self, fine: bool) -> None:
+        if fine != self._fine:
+            self._fine = fine
+            for body in self._built:
+                self._make(body)
 
     def rebuild(self, geometry: Geometry, assembly: Assembly) -> tuple[str, ...]:
         """Remake the bodies whose defining lengths differ; return their names.
@@ -106,7 +119,7 @@ class BodyNodes:
 
     def _make(self, body: str) -> None:
         """Make or replace one node; a replaced one keeps its pose and what hangs from it."""
-        data = shapes.body_glb(body, self._geometry, self._assembly)
+        data = shapes.body_glb(body, self._geometry, self._assembly, fine=self._fine)
         old = self._nodes.get(body)
         if old is not None:
             old.glb_data = data

@@ -29,6 +29,7 @@ class Layer(Enum):
     GRAVITY = "Gravity arrows"
     EFFORTS = "Torque arrows"
     GROUND = "Ground"
+    FINE = "Fine detail"
     SHADOWS = "Shadows and reflections"
     SPOT = "Soft spot below the platform"
 
@@ -160,6 +161,7 @@ class RobotScene:
             Layer.GRAVITY: (self._masses, "gravity_visible"),
             Layer.EFFORTS: (self._efforts, "visible"),
             Layer.GROUND: (self._stage, "visible"),
+            Layer.FINE: (self._bodies, "fine"),
             Layer.SHADOWS: (self._stage, "shadows"),
             Layer.SPOT: (self._stage, "spot"),
         }[layer]

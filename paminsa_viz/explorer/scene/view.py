@@ -103,6 +103,7 @@ class RobotView:
             (Layer.MASSES, layers.mass_centres),
             (Layer.GRAVITY, layers.gravity),
             (Layer.EFFORTS, layers.torques),
+            (Layer.FINE, layers.fine),
             (Layer.SHADOWS, layers.shadows),
             # Over a map it would only dim the colours, and true shadows need no help.
             (Layer.SPOT, not (layers.floor_map or layers.shadows)),
