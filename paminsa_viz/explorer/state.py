@@ -8,6 +8,7 @@ from enum import Enum
 import numpy as np
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
+from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Motion, Pose
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.motion.playback import Playback
@@ -121,6 +122,7 @@ class State:
     plots: PlotView = field(default_factory=PlotView)
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
+    engine_answer: Answer | None = None
 
 
 def home_pose(geometry: Geometry, assembly: Assembly) -> Pose:

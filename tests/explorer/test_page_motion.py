@@ -148,6 +148,27 @@ def test_a_pinned_design_and_misprints_stand_beside(motion: Tab) -> None:
     until(lambda: "as printed" in motion.text("motion-numbers"), "numbers of all")
 
 
+def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -> None:
+    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    switch = motion.handle("MuJoCo")._impl.uuid
+    motion.page.locator(f'[id="{switch}"]').click()
+    motion.page.get_by_text("PASS").wait_for()
+    answer = motion.state.engine_answer
+    series = page_curves(motion)[0]
+    assert len(series) == 3 + 6
+    for curve, marks in zip(series[3:6], series[6:9], strict=True):
+        apart = [a - b for a, b in zip(curve, marks, strict=True) if b == b and b is not None]
+        assert len(apart) >= 25
+        assert max(map(abs, apart)) < 1e-9
+    # Another design has no marks until the engine has spoken of it.
+    motion.session.ask("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
+    until(lambda: motion.state.engine_answer is not answer, "the engine is asked again")
+    motion.session.ask("test", lambda s: requests.set_plots(s, plot=Plot.DIFFERENCE, printed=True))
+    until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
+    assert motion.text("motion-numbers").count("FAIL") == 4
+    motion.page.get_by_text("the misprints").wait_for()
+
+
 def test_an_impossible_motion_is_reported(motion: Tab) -> None:
     motion.session.ask(
         "test",

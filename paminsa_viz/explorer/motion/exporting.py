@@ -15,10 +15,12 @@ from paminsa_viz.files.trajectory_series import (
     series_npz,
     simulation_series,
 )
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import InvalidInput, Misprint
+from paminsa_viz.model.trajectory import analyse
 
 FIGURES: dict[Plot, CurveKind] = {
     Plot.TORQUES: "torques",
+    Plot.DIFFERENCE: "comparison",
     Plot.PARTS: "breakdown",
     Plot.POWER: "power",
     Plot.ENERGY: "energy",
@@ -48,11 +50,14 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
         dpi: Pixels per inch.
 
     Raises:
-        InvalidInput: If there is no motion or no simulation, or a number is out of its range.
+        InvalidInput: If there is no motion, no simulation or no engine's torques of it, or a
+            number is out of its range.
     """
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
     found, what = _analysed(state), figure_kind(state)
+    if state.plots.plot is Plot.DIFFERENCE:
+        return _difference(state, found, kind, width_mm, dpi)
     simulation = found.simulation if what == "tracking" else None
     if what == "tracking" and not (simulation and requests.simulated_as_it_is(state)):
         raise InvalidInput("simulation", "simulate the present motion first")
@@ -63,6 +68,26 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
                 simulation=simulation, format=known, width_mm=width_mm, dpi=dpi,
             )  # fmt: skip
             return File(_name(state, found, what, kind), content)
+    raise InvalidInput("kind", "png, svg or pdf is needed")
+
+
+def _difference(state: State, found: Analysed, kind: str, width_mm: float, dpi: float) -> File:
+    torques = found.answer.found if found.answer else None
+    if torques is None:
+        why = found.answer.problem if found.answer else ""
+        raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
+    analysis, title = torques.thinned, f"Formulae and {torques.engine.name}"
+    if found.printed is not None:
+        motion, assembly = analysis.trajectory, analysis.solved.assembly
+        analysis = analyse(analysis.design, motion, assembly, misprints=Misprint.ALL)
+        title = f"Formulae as printed and {torques.engine.name}"
+    for known in ("png", "svg", "pdf"):
+        if known == kind:
+            content = figure_bytes(
+                "comparison", analysis, engine=torques.engine, title=title,
+                format=known, width_mm=width_mm, dpi=dpi,
+            )  # fmt: skip
+            return File(_name(state, found, "comparison", kind), content)
     raise InvalidInput("kind", "png, svg or pdf is needed")
 
 

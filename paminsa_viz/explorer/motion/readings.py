@@ -30,8 +30,8 @@ class Reading:
 
 
 def readings(chart: Chart) -> tuple[Reading, ...]:
-    """Return the numbers of every curve of a chart."""
-    return tuple(_reading(chart, trace) for trace in chart.traces)
+    """Return the numbers of every curve of a chart; marks are no curves."""
+    return tuple(_reading(chart, trace) for trace in chart.traces if not trace.marks)
 
 
 def _reading(chart: Chart, trace: Trace) -> Reading:

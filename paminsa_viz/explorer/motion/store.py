@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Assembly, Design, Misprint
@@ -25,12 +26,15 @@ class Analysed:
         reference: The pinned design on the same motion, or None.
         printed: The present design by the formulae as printed, or None if they are not shown.
         simulation: The last simulation, or None.
+        answer: What came of asking an engine about the present design on this motion; None as long
+            as it was not asked, or only about another.
     """
 
     present: TrajectoryAnalysis
     reference: TrajectoryAnalysis | None
     printed: TrajectoryAnalysis | None
     simulation: Simulation | None
+    answer: Answer | None = None
 
 
 class MotionStore:
@@ -62,7 +66,11 @@ class MotionStore:
                 "printed", document.design, motion, document.assembly, Misprint.ALL
             )
         outcome = state.simulating.outcome
-        return Analysed(present, reference, printed, outcome.simulation if outcome else None)
+        answer = state.engine_answer
+        if answer is not None and not answer.serves(present):
+            answer = None
+        simulation = outcome.simulation if outcome else None
+        return Analysed(present, reference, printed, simulation, answer)
 
     def _analysis(
         self,

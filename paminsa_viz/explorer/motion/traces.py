@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.explorer.motion.checking import EngineTorques
 from paminsa_viz.explorer.motion.plots import Plot, PlotView
 from paminsa_viz.explorer.motion.store import Analysed
+from paminsa_viz.explorer.symbols import unit_text
 from paminsa_viz.figures.curves_model import PARTS
 from paminsa_viz.model.trajectory import TrajectoryAnalysis
 from paminsa_viz.palette import ACTUATOR_COLOURS, INK, MUTED
@@ -27,6 +30,12 @@ _DEGREES = 180 / np.pi
 _SMALL = 1e-4
 """Errors up to this are shown in a thousandth of the unit [m, rad]."""
 
+_PLAIN = 1e-2
+"""Differences from here on are shown in the unit itself [N m, N]."""
+
+MOST_MARKS = 50
+"""About how many of an engine's torques are marked on a curve."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trace:
@@ -38,6 +47,7 @@ class Trace:
         colour: ``#rrggbb``.
         dash: Lengths of dash and gap [px]; empty for a full line.
         wide: Whether it is drawn stronger than others.
+        marks: Whether its values are drawn as marks and not as a line; between them it has none.
     """
 
     label: str
@@ -45,6 +55,7 @@ class Trace:
     colour: str
     dash: tuple[int, ...] = SOLID
     wide: bool = True
+    marks: bool = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +89,10 @@ def charts(view: PlotView, found: Analysed) -> tuple[Chart, ...]:
         return _energy(found)
     if view.plot in _OF_PLATFORM:
         return _of_platform(view.plot, found)
-    return _of_actuators(view.plot, found)
+    if view.plot is Plot.DIFFERENCE:
+        return _differences(found)
+    drawn = _of_actuators(view.plot, found)
+    return _marked(drawn, found) if view.needs_engine else drawn
 
 
 def _chart(
@@ -124,6 +138,73 @@ def _of_actuators(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
         _chart(*turning, _besides(found, pick, (0, 1, 2)), found.present),
         _chart(*lifting, _besides(found, pick, (3,)), found.present),
     )
+
+
+def _marked(drawn: tuple[Chart, ...], found: Analysed) -> tuple[Chart, ...]:
+    """Return the charts of the torques with an engine's marked on them, as soon as they are known.
+
+    The curves of the marks are there from the start, so that the charts can stay.
+    """
+    marks = np.full(found.present.torque.shape, np.nan)
+    name, torques = "engine", found.answer.found if found.answer else None
+    if torques is not None:
+        name, torque = torques.engine.name, torques.engine.torque
+        step = math.ceil(len(torque) / MOST_MARKS)
+        marks[torques.kept[::step]] = torque[::step]
+    return tuple(
+        replace(
+            chart,
+            traces=chart.traces
+            + tuple(Trace(f"M{j + 1} {name}", marks[:, j], INK, marks=True) for j in columns),
+        )
+        for chart, columns in zip(drawn, ((0, 1, 2), (3,)), strict=True)
+    )
+
+
+def _differences(found: Analysed) -> tuple[Chart, ...]:
+    """Return the formulae's torques minus an engine's; nothing in the charts if not known yet."""
+    torques = found.answer.found if found.answer else None
+    return tuple(
+        _difference(found, torques, columns, title, unit)
+        for columns, title, unit in (((0, 1, 2), "Torques", "N·m"), ((3,), "Force F₄", "N"))
+    )
+
+
+def _difference(
+    found: Analysed,
+    torques: EngineTorques | None,
+    columns: tuple[int, ...],
+    title: str,
+    unit: str,
+) -> Chart:
+    present, name = found.present, "engine"
+    kept = np.arange(present.trajectory.size)
+    if torques is not None:
+        kept, name = torques.kept, torques.engine.name
+    curves = []
+    for analysis, dash, said in ((present, SOLID, ""), (found.printed, DOTTED, " as printed")):
+        if analysis is not None:
+            unknown = np.full((kept.size, 4), np.nan)
+            values = unknown if torques is None else torques.difference(analysis)
+            curves += [(f"M{j + 1}{said}", values[:, j], j, dash) for j in columns]
+    largest = np.nanmax(np.abs([values for _, values, _, _ in curves]), initial=0.0)
+    factor, unit = _readable(float(largest), unit)
+    traces = tuple(
+        Trace(label, factor * values, ACTUATOR_COLOURS[j], dash, wide=dash == SOLID)
+        for label, values, j, dash in curves
+    )
+    failing = ~present.check.good[kept]
+    until = int(np.searchsorted(kept, present.check.until))
+    heading = f"{title}, formulae − {name} [{unit}]"
+    return Chart(heading, unit, present.trajectory.t[kept], traces, failing, until)
+
+
+def _readable(largest: float, unit: str) -> tuple[float, str]:
+    """Return the factor to a unit in which a small number is from 1 to 1000, and that unit."""
+    if not 0.0 < largest < _PLAIN:
+        return 1.0, unit
+    power = 3 * math.floor(math.log10(largest) / 3)
+    return 10.0**-power, unit_text(f"10^{power} {unit}")
 
 
 def _parts(actuator: int, found: Analysed) -> Chart:

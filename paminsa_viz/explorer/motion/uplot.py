@@ -26,25 +26,28 @@ _OWN = 2
 
 _SHADE = f"{BAD}26"
 
+_MARK = {"show": True, "size": 5, "width": 1, "fill": "#ffffff"}
+
 
 class Layout(NamedTuple):
     """What a chart on the page is made for; data of another layout need another chart.
 
     Attributes:
         title: Heading.
-        strokes: Colour, dash and width of each curve.
+        strokes: Colour, dash and width of each curve, and whether it is one of marks.
         pieces: Pieces of each curve.
     """
 
     title: str
-    strokes: tuple[tuple[str, tuple[int, ...], bool], ...]
+    strokes: tuple[tuple[str, tuple[int, ...], bool, bool], ...]
     pieces: int
 
 
 def layout(chart: Chart, pieces: int = 1) -> Layout:
     """Return the layout of a chart with at least so many pieces a curve."""
-    needed = max((len(runs(trace.values)) for trace in chart.traces), default=1)
-    strokes = tuple((trace.colour, trace.dash, trace.wide) for trace in chart.traces)
+    lines = [trace for trace in chart.traces if not trace.marks]
+    needed = max((len(runs(trace.values)) for trace in lines), default=1)
+    strokes = tuple((t.colour, t.dash, t.wide, t.marks) for t in chart.traces)
     return Layout(chart.title, strokes, min(max(needed, pieces), MOST_PIECES))
 
 
@@ -56,12 +59,15 @@ def runs(values: Values) -> list[slice]:
 
 
 def thinned(chart: Chart) -> NDArray[np.intp]:
-    """Return which samples are shown: evenly spread ones, and all peaks and ends of runs."""
+    """Return which samples are shown: evenly spread, all peaks and ends of runs, all marks."""
     n = chart.t.size
     if n <= MOST_POINTS:
         return np.arange(n)
     chosen = [np.linspace(0, n - 1, MOST_POINTS).round().astype(np.intp)]
     for trace in chart.traces:
+        if trace.marks:
+            chosen.append(np.flatnonzero(~np.isnan(trace.values)))
+            continue
         pieces = runs(trace.values)[:MOST_PIECES]
         for piece in pieces:
             part = trace.values[piece]
@@ -84,6 +90,8 @@ def data(chart: Chart, pieces: int) -> tuple[Values, ...]:
 
 def _pieces(trace: Trace, index: NDArray[np.intp], pieces: int) -> list[Values]:
     shown = trace.values[index]
+    if trace.marks:
+        return [shown] + [np.full(index.size, np.nan)] * (pieces - 1)
     found = runs(trace.values)
     if len(found) <= 1 and pieces == 1:
         return [shown]
@@ -118,11 +126,13 @@ def options(shape: Layout) -> dict[str, Any]:
         hidden | {"auto": True},
         hidden | {"scale": "failing", "fill": _SHADE},
     ]
-    for colour, dash, wide in shape.strokes:
+    for colour, dash, wide, marks in shape.strokes:
         line = {
             "stroke": colour, "width": 1.8 if wide else 1.2, "dash": dash, "auto": False,
             "points": {"show": False},
         }  # fmt: skip
+        if marks:
+            line |= {"stroke": "transparent", "width": 0, "points": _MARK | {"stroke": colour}}
         series += [line] * shape.pieces
     axis = {"stroke": MUTED, "ticks": {"show": False}, "font": "11px sans-serif", "gap": 3}
     return {

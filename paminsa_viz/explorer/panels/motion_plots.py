@@ -5,18 +5,18 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-import numpy as np
-
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.moment import PLACE, Moment
 from paminsa_viz.explorer.motion.plots import Plot
-from paminsa_viz.explorer.motion.readings import Reading, readings, value_at
+from paminsa_viz.explorer.motion.readings import Reading, readings
 from paminsa_viz.explorer.motion.store import Analysed, MotionStore
-from paminsa_viz.explorer.motion.traces import DASHED, DOTTED, SOLID, Chart, charts
+from paminsa_viz.explorer.motion.traces import Chart, charts
 from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
+from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
+from paminsa_viz.explorer.panels.motion_numbers import difference_html, numbers_html
 from paminsa_viz.explorer.panels.motion_words import status_line
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
@@ -76,6 +76,10 @@ class MotionPlots:
             "actuator", ACTUATORS, initial_value=ACTUATORS[plots.actuator], order=6,
             hint="Whose torque is taken apart",
         )  # fmt: skip
+        self.engine = gui.add_checkbox(
+            "MuJoCo", plots.engine, order=6.5,
+            hint="Marks: the torques that a physics engine finds, which knows none of the formulae",
+        )  # fmt: skip
         self.printed = gui.add_checkbox(
             "formulae as printed", plots.printed, order=7,
             hint="Dotted: what the paper's formulae give with all their misprints",
@@ -92,6 +96,11 @@ class MotionPlots:
                 lambda s: ACTUATORS[s.plots.actuator],
             ),
             Control(
+                session, self.engine, "plots.engine",
+                lambda s, value: requests.set_plots(s, engine=bool(value)),
+                lambda s: s.plots.engine,
+            ),
+            Control(
                 session, self.printed, "plots.printed",
                 lambda s, value: requests.set_plots(s, printed=bool(value)),
                 lambda s: s.plots.printed,
@@ -100,6 +109,7 @@ class MotionPlots:
         self._key: tuple[object, ...] = ()
         self._drawn: tuple[Chart, ...] = ()
         self._read: tuple[tuple[Reading, ...], ...] = ()
+        self._checker = EngineChecker(session)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Draw what has changed, unless nobody sees it."""
@@ -109,13 +119,19 @@ class MotionPlots:
         if not self._slots.width(PLACE):
             return
         _show(self.actuator, state.plots.plot is Plot.PARTS)
-        _show(self.printed, state.plots.plot in (Plot.TORQUES, Plot.POWER, Plot.ENERGY))
-        self._draw_curves(state)
-        self._moment.show(state.playback.time)
-        _write(self._numbers, numbers_html(self._drawn, self._read, state.playback.time))
-
-    def _draw_curves(self, state: State) -> None:
+        _show(self.engine, state.plots.plot is Plot.TORQUES)
+        _show(self.printed, state.plots.plot in (*_COMPARED, Plot.DIFFERENCE))
         found = self.store.all(state)
+        self._checker.draw(found if state.plots.needs_engine else None, moving)
+        self._draw_curves(state, found)
+        time = state.playback.time
+        self._moment.show(time)
+        if found is not None and state.plots.plot is Plot.DIFFERENCE:
+            _write(self._numbers, difference_html(self._drawn, found, time))
+        else:
+            _write(self._numbers, numbers_html(self._drawn, self._read, time))
+
+    def _draw_curves(self, state: State, found: Analysed | None) -> None:
         key = (found, state.plots) if found is None else (*vars(found).values(), state.plots)
         if key == self._key:
             return
@@ -146,12 +162,17 @@ def caption_html(state: State, found: Analysed | None, drawn: tuple[Chart, ...])
     first = found.present.check.first
     if first is not None:
         parts.append(f'<span style="color:{BAD}"><b>fails</b> {escape(first.explanation)}</span>')
+    engine = ""
+    if state.plots.needs_engine:
+        engine = f'<span style="flex-basis:100%">{verdict_html(found.answer, found)}</span>'
     marks = "click: go to that instant · drag: zoom"
     return (
         '<div class="paminsa-whole" style="display:flex;flex-wrap:wrap;gap:1px 14px;'
         f'font-size:12px;line-height:1.3;color:{INK}">'
         + "".join(f"<span>{part}</span>" for part in parts)
-        + f'<span style="margin-left:auto;color:{MUTED}">{marks}</span></div>'
+        + f'<span style="margin-left:auto;color:{MUTED}">{marks}</span>'
+        + engine
+        + "</div>"
     )
 
 
@@ -161,60 +182,6 @@ def _instead(words: str) -> str:
 
 
 _COMPARED = (Plot.TORQUES, Plot.POWER, Plot.ENERGY)
-
-
-def numbers_html(
-    drawn: tuple[Chart, ...], read: tuple[tuple[Reading, ...], ...], time: float
-) -> str:
-    """Return the table of the curves: the value at the cursor, the largest one, the RMS."""
-    if not drawn:
-        return '<div class="paminsa-numbers"></div>'
-    cell = "padding:0 0 0 10px;text-align:right;white-space:nowrap"
-    heads = (f"at {time:.3f} s", "largest", "at", "RMS", "")
-    rows = [
-        f'<tr style="color:{MUTED}"><th></th>'
-        + "".join(f'<th style="{cell};font-weight:600">{head}</th>' for head in heads)
-        + "</tr>"
-    ]
-    lines = [(chart, line) for chart, found in zip(drawn, read, strict=True) for line in found]
-    for dash in (SOLID, DASHED, DOTTED):
-        for chart, line in lines:
-            if line.trace.dash != dash:
-                continue
-            cells = (
-                f"<b>{written(value_at(chart, line.trace, time))}</b>", written(line.peak),
-                f"{line.peak_t:.3f} s" if np.isfinite(line.peak_t) else "–", written(line.rms),
-                line.unit,
-            )  # fmt: skip
-            rows.append(
-                f'<tr><td style="white-space:nowrap">{stroke(line.trace.colour, line.trace.dash)}'
-                f"{escape(line.trace.label)}</td>"
-                + "".join(f'<td style="{cell}">{text}</td>' for text in cells)
-                + "</tr>"
-            )
-    return (
-        '<div class="paminsa-numbers" data-testid="motion-numbers" style="max-height:118px;'
-        'overflow-y:auto"><table style="width:100%;border-collapse:collapse;font-size:12px;'
-        f'line-height:1.25;font-variant-numeric:tabular-nums;color:{INK}">'
-        + "".join(rows)
-        + "</table></div>"
-    )
-
-
-def stroke(colour: str, dash: tuple[int, ...]) -> str:
-    """Return a short piece of a curve for a table."""
-    style = "solid" if not dash else "dashed" if dash[0] > 3 else "dotted"
-    return (
-        f'<span style="display:inline-block;width:16px;border-top:2.5px {style} {colour};'
-        'vertical-align:middle;margin-right:6px"></span>'
-    )
-
-
-def written(value: float) -> str:
-    """Write a value of a curve shortly; rounding of the arithmetic as 0."""
-    if not np.isfinite(value):
-        return "–"
-    return number(value if abs(value) > 1e-12 else 0.0, 4)
 
 
 def _show(handle: Any, visible: bool) -> None:

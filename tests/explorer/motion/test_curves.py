@@ -55,7 +55,11 @@ def test_curves_are_the_models(state: State) -> None:
         assert line.rms == pytest.approx(summary.rms, rel=1e-12)
 
 
-@pytest.mark.parametrize("plot", [plot for plot in Plot if "simulation" not in plot.value])
+ALONE = [p for p in Plot if "simulation" not in p.value and p is not Plot.DIFFERENCE]
+"""Plots of the formulae alone."""
+
+
+@pytest.mark.parametrize("plot", ALONE)
 def test_every_plot_has_numbers(plot: Plot, state: State) -> None:
     found = MotionStore().all(state)
     assert found is not None

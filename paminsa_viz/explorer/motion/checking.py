@@ -1,0 +1,137 @@
+"""The torques along the motion beside those of a physics engine, which knows no formula of ours."""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.engines.comparison import Comparison, torque_scale
+from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.model import PaminsaError
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.trajectory import Trajectory, TrajectoryAnalysis, analyse
+
+if TYPE_CHECKING:
+    from paminsa_viz.explorer.state import State
+    from paminsa_viz.figures.curves import OtherTorques
+
+log = logging.getLogger(__name__)
+
+MOST_SAMPLES = 250
+"""Samples of a motion that the engine computes, in equal distance; it takes a tenth of a second."""
+
+
+@dataclass(frozen=True, eq=False)
+class EngineTorques:
+    """An engine's torques along a motion.
+
+    Attributes:
+        thinned: The formulae's torques at the k samples that were computed.
+        kept: (k,) which samples of the whole motion they are.
+        engine: The engine's torques there, joint friction added; NaN where the motion fails.
+        tolerance: Largest difference over an actuator's largest torque that passes.
+    """
+
+    thinned: TrajectoryAnalysis
+    kept: NDArray[np.intp]
+    engine: OtherTorques
+    tolerance: float
+
+    def difference(self, analysis: TrajectoryAnalysis) -> Array:
+        """Return the formulae's torques minus the engine's, (k, 4) [N m, N].
+
+        Args:
+            analysis: The same design on the whole motion, some formulae perhaps as printed.
+        """
+        return analysis.torque[self.kept] - self.engine.torque
+
+    def comparison(self, analysis: TrajectoryAnalysis) -> Comparison:
+        """Return the comparison at the samples where the motion does not fail.
+
+        Args:
+            analysis: As of `difference`.
+        """
+        computed = analysis.torque[self.kept[self._good]]
+        return Comparison(computed, self.engine.torque[self._good], self._scale)
+
+    @cached_property
+    def _good(self) -> NDArray[np.bool_]:
+        return self.thinned.check.good
+
+    @cached_property
+    def _scale(self) -> Array:
+        thinned, good = self.thinned, self._good
+        poses, assembly = thinned.trajectory.pose[good], thinned.solved.assembly
+        return torque_scale(thinned.design, poses, self.engine.torque[good], assembly)
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """What came of asking the engine.
+
+    Attributes:
+        analysis: The design on the motion that it was asked about.
+        found: Its torques, or None.
+        problem: Why there are none, in words.
+        missing: Whether that is because there is no engine here, whatever the design.
+    """
+
+    analysis: TrajectoryAnalysis
+    found: EngineTorques | None
+    problem: str = ""
+    missing: bool = False
+
+    def serves(self, analysis: TrajectoryAnalysis) -> bool:
+        """Whether it holds for a design on a motion, and is not another's."""
+        own = self.analysis
+        return self.missing or (
+            own.trajectory is analysis.trajectory
+            and own.solved.assembly is analysis.solved.assembly
+            and own.design == analysis.design
+        )
+
+
+def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
+    """Ask the engine for the torques of a design on a motion; raises nothing."""
+    # Late: what engines need takes half a second to load.
+    from paminsa_viz.engines.verification import TOLERANCE
+    from paminsa_viz.figures.verified import engine_torques
+
+    try:
+        kept, motion = _thinned(analysis.trajectory)
+        thinned = analyse(analysis.design, motion, analysis.solved.assembly)
+        if not thinned.check.good.any():
+            return Answer(analysis, None, "the robot can not run any of the motion")
+        found = EngineTorques(thinned, kept, engine_torques(thinned), TOLERANCE)
+        return Answer(analysis, found)
+    except EngineMissing as error:
+        return Answer(analysis, None, str(error), missing=True)
+    except PaminsaError as error:
+        return Answer(analysis, None, str(error))
+    except Exception:
+        log.exception("an engine's computation failed")
+        return Answer(analysis, None, "it failed; details are in the program's log")
+
+
+def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
+    """Return evenly spread samples, both ends among them, and the motion of these alone."""
+    count = min(trajectory.size, MOST_SAMPLES)
+    kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
+    motion = replace(
+        trajectory,
+        t=trajectory.t[kept],
+        pose=trajectory.pose[kept],
+        velocity=trajectory.velocity[kept],
+        acceleration=trajectory.acceleration[kept],
+    )
+    return kept, motion
+
+
+def taken(state: State, answer: Answer) -> State:
+    """Take over what came of the last question."""
+    return replace(state, engine_answer=answer)

@@ -1,0 +1,301 @@
+"""An engine's torques on the page: right, of what is shown and of nothing else, or why not."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines.verification import TOLERANCE, verify
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.motion import exporting, requests, uplot
+from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine, taken
+from paminsa_viz.explorer.motion.description import Kind
+from paminsa_viz.explorer.motion.plots import Plot
+from paminsa_viz.explorer.motion.readings import readings
+from paminsa_viz.explorer.motion.store import Analysed, MotionStore
+from paminsa_viz.explorer.motion.traces import charts
+from paminsa_viz.explorer.panels import motion_engine
+from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
+from paminsa_viz.explorer.panels.motion_numbers import difference_html
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.symbols import unit_text
+from paminsa_viz.figures import verified
+from paminsa_viz.model import Assembly, InvalidInput, Misprint
+
+needs_mujoco = pytest.mark.usefixtures("mujoco")
+
+
+@pytest.fixture
+def mujoco() -> Any:
+    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+
+
+@pytest.fixture
+def state() -> State:
+    """A design of its own on the paper-like motion, its torques beside the engine's."""
+    changed = actions.vary(initial_state(), {"payload.mass": 2.0, "links.b4": 0.9})
+    return requests.set_plots(changed, engine=True, printed=True)
+
+
+def analysed(state: State) -> Analysed:
+    found = MotionStore().all(state)
+    assert found is not None
+    return found
+
+
+def answered(state: State) -> State:
+    """Return a state after the engine was asked about it."""
+    return taken(state, ask_engine(analysed(state).present))
+
+
+@needs_mujoco
+@pytest.mark.parametrize("assembly", list(Assembly))
+def test_numbers_are_those_of_a_verification(state: State, assembly: Assembly) -> None:
+    found = analysed(answered(actions.assemble(state, assembly)))
+    assert found.answer is not None
+    torques = found.answer.found
+    assert torques is not None
+    assert found.printed is not None
+    motion = torques.thinned.trajectory
+    assert motion.size == MOST_SAMPLES
+    assert (motion.t[0], motion.t[-1]) == (0.0, found.present.trajectory.t[-1])
+    design = found.present.design
+    known = verify(design, assembly, motion, poses=1, misprints=(Misprint.ALL,))
+    np.testing.assert_array_equal(torques.engine.torque, known.engines[0].dynamic.reference)
+    own, printed = torques.comparison(found.present), torques.comparison(found.printed)
+    assert own.agrees(TOLERANCE)
+    assert own.relative.max() < 1e-11
+    np.testing.assert_allclose(own.scale, known.engines[0].dynamic.scale, rtol=1e-12)
+    wanted = known.printed[Misprint.ALL]
+    np.testing.assert_allclose(printed.largest, wanted.largest, rtol=1e-9)
+    np.testing.assert_allclose(printed.rms, wanted.rms, rtol=1e-9)
+
+
+@needs_mujoco
+def test_friction_is_no_difference(state: State) -> None:
+    rubbing = {"friction.coulomb_rotary": 0.3, "friction.viscous_linear": 5.0}
+    found = analysed(answered(actions.vary(state, rubbing)))
+    assert found.answer is not None
+    assert found.answer.found is not None
+    assert found.answer.found.comparison(found.present).relative.max() < 1e-11
+
+
+@needs_mujoco
+def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
+    known = answered(state)
+    assert analysed(known).answer is known.engine_answer
+    for other in (
+        actions.vary(known, {"links.b3": 0.5}),
+        actions.vary(known, {"geometry.crank_length": 0.44}),
+        actions.vary(known, {"friction.coulomb_rotary": 0.1}),
+        actions.assemble(known, Assembly.MIRROR),
+        requests.choose_preset(known, "circle"),
+    ):
+        found = analysed(other)
+        assert found.answer is None
+        for chart in charts(other.plots, found):
+            marks = [trace for trace in chart.traces if trace.marks]
+            assert marks
+            assert all(np.isnan(trace.values).all() for trace in marks)
+        view = replace(other.plots, plot=Plot.DIFFERENCE)
+        for chart in charts(view, found):
+            assert all(np.isnan(trace.values).all() for trace in chart.traces)
+        assert "computing" in verdict_html(found.answer, found)
+    back = actions.vary(actions.vary(known, {"links.b3": 0.5}), {"links.b3": 0.406})
+    assert analysed(back).answer is known.engine_answer
+
+
+@needs_mujoco
+def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
+    waiting, found = analysed(state), analysed(answered(state))
+    for before, chart in zip(charts(state.plots, waiting), charts(state.plots, found), strict=True):
+        assert uplot.layout(before) == uplot.layout(chart)
+        marks = [trace for trace in chart.traces if trace.marks]
+        assert len(readings(chart)) == len(chart.traces) - len(marks)
+        series = uplot.data(chart, 1)
+        for number, trace in enumerate(chart.traces):
+            if trace not in marks:
+                continue
+            seen = np.flatnonzero(np.isfinite(trace.values))
+            assert 25 <= seen.size <= 51
+            own = chart.traces[marks.index(trace)].values
+            np.testing.assert_allclose(trace.values[seen], own[seen], atol=1e-9)
+            shown = uplot.curve(series, uplot.layout(chart), number)
+            assert np.isfinite(shown).sum() == seen.size
+
+
+@needs_mujoco
+def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> None:
+    state = requests.set_plots(answered(state), plot=Plot.DIFFERENCE, printed=False)
+    found = analysed(state)
+    assert found.answer is not None
+    torques = found.answer.found
+    assert torques is not None
+    turning, lifting = charts(state.plots, found)
+    assert "10⁻" in turning.unit
+    wanted = torques.difference(found.present)[:, 0]
+    ratio = turning.traces[0].values[wanted != 0] / wanted[wanted != 0]
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+    assert turning.unit.startswith(unit_text(f"10^{-round(np.log10(ratio[0]))}"))
+    assert 1 <= max(np.abs(trace.values).max() for trace in turning.traces) < 1000
+    table = difference_html((turning, lifting), found, 0.1)
+    assert table.count("PASS") == 4
+    assert "FAIL" not in table
+    assert "PASS" in verdict_html(found.answer, found)
+
+    state = requests.set_plots(state, printed=True)
+    found = analysed(state)
+    drawn = charts(state.plots, found)
+    assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
+    table = difference_html(drawn, found, 0.1)
+    assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
+    assert "misprints" in verdict_html(found.answer, found)
+    figure = exporting.figure(state, "svg", 120.0, 100.0)
+    assert "comparison" in figure.name
+    assert b"as printed" in figure.content or b"<svg" in figure.content
+
+
+@needs_mujoco
+def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
+    line = requests.choose_kind(state, Kind.LINE)
+    line = requests.change(line, start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55))
+    found = analysed(answered(line))
+    assert found.answer is not None
+    torques = found.answer.found
+    assert torques is not None
+    good = found.present.check.good[torques.kept]
+    assert 0 < good.sum() < good.size
+    comparison = torques.comparison(found.present)
+    assert len(comparison.computed) == good.sum()
+    assert comparison.agrees(TOLERANCE)
+    (chart, _) = charts(replace(line.plots, plot=Plot.DIFFERENCE), found)
+    np.testing.assert_array_equal(np.isnan(chart.traces[0].values), ~good)
+    np.testing.assert_array_equal(chart.failing, ~good)
+
+    away = requests.change(line, start=(0.9, 0, 0, -0.55), goal=(0.95, 0, 0, -0.55))
+    found = analysed(answered(away))
+    assert found.answer is not None
+    assert "can not run any" in found.answer.problem
+    assert "can not run any" in verdict_html(found.answer, found)
+
+
+def test_a_missing_engine_is_told_once_for_all_designs(
+    state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    state = answered(state)
+    for other in (state, actions.vary(state, {"links.b3": 0.5})):
+        found = analysed(other)
+        assert found.answer is not None
+        said = verdict_html(found.answer, found)
+        assert "pip install" in said
+        assert str(EngineMissing("MuJoCo")).split(";")[0] in said
+        assert "–" in difference_html(
+            charts(replace(other.plots, plot=Plot.DIFFERENCE), found), found, 0.0
+        )
+    with pytest.raises(InvalidInput, match="pip install"):
+        exporting.figure(requests.set_plots(state, plot=Plot.DIFFERENCE), "png", 120.0, 100.0)
+
+
+def test_a_fault_is_told_and_logged(
+    state: State, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def broken(analysis: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(verified, "engine_torques", broken)
+    assert "program's log" in ask_engine(analysed(state).present).problem
+    assert "engine's computation failed" in caplog.text
+
+
+class Asked:
+    """A session that takes requests at once, and an engine that answers when it is let."""
+
+    closed = False
+
+    def __init__(self, state: State, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.state, self.store = state, MotionStore()
+        self.designs: list[float] = []
+        self.may, self.came = threading.Semaphore(0), threading.Semaphore(0)
+        self.checker = EngineChecker(self)  # type: ignore[arg-type]
+        monkeypatch.setattr(motion_engine, "ask_engine", self._answer)
+
+    def _answer(self, analysis: Any) -> Answer:
+        self.designs.append(analysis.design.links.b3)
+        self.came.release()
+        assert self.may.acquire(timeout=20)
+        return Answer(analysis, None, "no matter")
+
+    def ask(self, source: str, intent: Any, *, step: bool) -> None:
+        assert not step
+        self.state = intent(self.state)
+        self.came.release()
+
+    def wait(self) -> None:
+        """Wait until the engine is asked, or has answered."""
+        assert self.came.acquire(timeout=20)
+
+    def draw(self, b3: float, moving: bool = False) -> None:
+        self.state = actions.vary(self.state, {"links.b3": b3})
+        self.checker.draw(self.store.all(self.state), moving)
+
+
+def test_of_many_questions_the_newest_is_answered(
+    state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = Asked(state, monkeypatch)
+    asked.draw(0.5, moving=True)
+    assert asked.designs == []
+    asked.draw(0.5)
+    asked.wait()
+    for b3 in (0.6, 0.7, 0.8):
+        asked.draw(b3)
+    asked.may.release()
+    asked.wait()
+    assert asked.state.engine_answer is None
+    asked.may.release()
+    asked.wait()
+    assert asked.designs == [0.5, 0.8]
+    assert analysed(asked.state).answer is asked.state.engine_answer is not None
+    asked.draw(0.8)
+    asked.draw(0.5)
+    asked.wait()
+    asked.may.release()
+    asked.wait()
+    assert asked.designs == [0.5, 0.8, 0.5]
+
+
+def test_a_motion_that_plays_keeps_no_one_waiting(
+    state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = Asked(state, monkeypatch)
+    monkeypatch.setattr(motion_engine, "REST", 0.0)
+    asked.draw(0.5, moving=True)
+    asked.wait()
+    asked.may.release()
+    asked.wait()
+    assert asked.designs == [0.5]
+
+
+def test_nothing_is_asked_that_is_not_shown(state: State) -> None:
+    assert state.plots.needs_engine
+    assert not requests.set_plots(state, plot=Plot.POWER).plots.needs_engine
+    assert not requests.set_plots(state, engine=False).plots.needs_engine
+    assert requests.set_plots(state, engine=False, plot=Plot.DIFFERENCE).plots.needs_engine
+
+
+@needs_mujoco
+def test_of_few_samples_all_are_computed(state: State) -> None:
+    state = answered(requests.change(state, rate=50.0))
+    answer, motion = state.engine_answer, requests.planned(state).trajectory
+    assert answer is not None
+    assert answer.found is not None
+    assert motion is not None
+    assert answer.found.kept.tolist() == list(range(motion.size))
+    assert motion.size < MOST_SAMPLES
