@@ -14,7 +14,14 @@ import viser
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
 from paminsa_viz.figures.from_model import TORQUES
-from paminsa_viz.model import InvalidInput, PaminsaError, Quantity, solve_posture
+from paminsa_viz.model import (
+    Design,
+    InvalidInput,
+    PaminsaError,
+    Posture,
+    Quantity,
+    solve_posture,
+)
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -140,10 +147,39 @@ def robot(state: State) -> File:
     """Write the robot as it stands as a GLB."""
     from paminsa_viz.shapes import assemble_glb
 
+    design, posture = _standing(state)
+    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, posture))
+
+
+def mujoco_model(state: State, meshes: bool) -> File:
+    """Write the robot as it stands for MuJoCo, held by position servos.
+
+    Args:
+        state: What to write.
+        meshes: A zip archive with the robot's shapes, instead of one XML file with capsules.
+
+    Raises:
+        InvalidInput: If nothing could hold the pose, or a link has too little mass to be moved.
+        InvalidDesign: If a bar's inertias belong to no rigid body.
+    """
+    # Late, as the shapes are: they bring large libraries.
+    from paminsa_viz.engines.exported import exported_mjcf
+    from paminsa_viz.shapes.robot_files import robot_files, zipped
+
+    design, posture = _standing(state)
+    text = exported_mjcf(design, posture.assembly, pose=posture.pose.tolist())
+    if not meshes:
+        return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
+    name = file_name(state, "mujoco", "zip", at_pose=True)
+    files = robot_files(text, design, posture)
+    return File(name, zipped(files, name.removesuffix(".zip")))
+
+
+def _standing(state: State) -> tuple[Design, Posture]:
+    """Return the present masses on the geometry that stands, and how it stands."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
-    posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
-    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, posture))
+    return design, solve_posture(standing.geometry, standing.pose, standing.assembly)
 
 
 def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import io
+import zipfile
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -14,13 +17,15 @@ import trimesh
 import viser
 from PIL import Image
 
+from paminsa_viz.cli import main
 from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.panels import export_panel
 from paminsa_viz.explorer.panels.export_panel import ExportPanel
 from paminsa_viz.explorer.server import open_server
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import InvalidInput, Quantity, solve_posture, static_torques
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import Assembly, InvalidInput, Quantity, solve_posture, static_torques
 
 from .panel_desk import Desk, desk_with
 
@@ -126,6 +131,60 @@ class TestContents:
         np.testing.assert_allclose(place[:3, 3], (x, z, -y), atol=1e-6)  # y is up in a GLB
 
 
+class TestMujocoModel:
+    @pytest.fixture
+    def state(self) -> State:
+        """A design of its own, mirrored and posed, and then asked for too much."""
+        state = actions.assemble(initial_state(), Assembly.MIRROR)
+        state = actions.vary(state, {"payload.mass": 3.25, "geometry.crank_length": 0.44})
+        return actions.move(actions.move(state, x=0.04, y=-0.02, theta=0.5), x=9.0)
+
+    def test_it_is_the_command_s(self, state: State, tmp_path: Path) -> None:
+        save_design(state.document.design, tmp_path / "d.toml")
+        x, y, theta, z = state.standing.pose
+        pose = (1e3 * x, 1e3 * y, np.degrees(theta), 1e3 * z)
+        words = ["--design", str(tmp_path / "d.toml"), "--assembly", "mirror"]
+        words += ["--mjcf", str(tmp_path / "r.xml"), "--pose", *map(repr, map(float, pose))]
+        assert main(["export", *words]) == 0
+        file = exports.mujoco_model(state, meshes=False)
+        assert file.name.endswith("_mujoco_x40_y-20_theta29_z497.xml")
+        wanted, found = (
+            {
+                (element.tag, element.get("name"), key): value
+                for element in ElementTree.fromstring(text).iter()
+                for key, value in element.attrib.items()
+            }
+            for text in ((tmp_path / "r.xml").read_bytes(), file.content)
+        )
+        assert found.keys() == wanted.keys()
+        for key, value in wanted.items():
+            if found[key] != value:  # the command reads millimetres
+                own, other = (np.array(text.split(), float) for text in (found[key], value))
+                np.testing.assert_allclose(own, other, atol=1e-9, err_msg=str(key))
+
+    def test_mujoco_loads_both_and_they_stand(self, state: State, tmp_path: Path) -> None:
+        mujoco = pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+        plain = exports.mujoco_model(state, meshes=False)
+        (tmp_path / plain.name).write_bytes(plain.content)
+        packed = exports.mujoco_model(state, meshes=True)
+        with zipfile.ZipFile(io.BytesIO(packed.content)) as archive:
+            archive.extractall(tmp_path)
+        folder = packed.name.removesuffix(".zip")
+        for path in (tmp_path / plain.name, tmp_path / folder / "robot.xml"):
+            model = mujoco.MjModel.from_xml_path(str(path))
+            data = mujoco.MjData(model)
+            for _ in range(200):
+                mujoco.mj_step(model, data)
+            found = [data.joint(f"platform_{name}").qpos[0] for name in ("x", "y", "theta", "z")]
+            np.testing.assert_allclose(found, state.standing.pose, atol=1e-4)
+            assert model.body("payload").mass[0] == 3.25
+        assert model.nmesh > 40
+
+    def test_a_singular_pose_is_refused(self) -> None:
+        with pytest.raises(InvalidInput, match="singular"):
+            exports.mujoco_model(state_at(theta=np.radians(73.39845)), meshes=False)
+
+
 class TestView:
     asked: tuple[int, int] = (0, 0)
 
@@ -209,6 +268,8 @@ class TestPanel:
         desk.until(lambda: any(title == "Not exported" for title, _ in desk.told))
         desk.set(group(desk, "save"), "Robot as GLB")
         desk.until(lambda: any("robot" in body for _, body in desk.told))
+        desk.set(group(desk, "MuJoCo"), "MJCF with meshes")
+        desk.until(lambda: any(".zip" in body for _, body in desk.told))
 
     def test_one_at_a_time(self, desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
         waiting: list[bool] = []

@@ -93,6 +93,20 @@ def test_the_robot_and_the_view(posed: Tab) -> None:
     assert as_picture(content).std() > 5
 
 
+def test_the_mujoco_model_runs(posed: Tab) -> None:
+    mujoco = pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    name, content = export(posed, "MJCF")
+    assert name.endswith(".xml")
+    model = mujoco.MjModel.from_xml_string(content.decode())
+    data = mujoco.MjData(model)
+    for _ in range(100):
+        mujoco.mj_step(model, data)
+    assert abs(data.joint("platform_x").qpos[0] - 0.05) < 1e-4
+    name, content = export(posed, "MJCF with meshes")
+    assert name.endswith(".zip")
+    assert content.startswith(b"PK")
+
+
 def test_a_saved_design_restores_it(tab: Tab) -> None:
     tab.session.ask("test", lambda s: actions.vary(s, {"links.b3": 0.777, "payload.mass": 3.0}))
     until(lambda: tab.state.document.design.links.b3 == 0.777, "the design changes")

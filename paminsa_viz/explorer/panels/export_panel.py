@@ -92,6 +92,15 @@ class ExportPanel:
         scene = gui.add_button_group(
             "save", ("View as PNG", "Robot as GLB"), hint="The 3D view as it is, or the posed robot"
         )
+        models = gui.add_button_group(
+            "MuJoCo", ("MJCF", "MJCF with meshes"),
+            hint="All masses, loops and actuators for MuJoCo: one XML file, or a ZIP with the "
+            "real shapes",
+        )  # fmt: skip
+        gui.add_html(
+            f'<div style="font-size:12px;color:{MUTED}">held in this pose; in '
+            "MuJoCo’s viewer, sliders move it</div>"
+        )
         self._about_motion = gui.add_html(heading("Motion", _motion(session.state)))
         curves = gui.add_button_group(
             "figure", ("PNG", "SVG", "PDF"), hint="The curves of “Motion plots”, width as above"
@@ -105,6 +114,7 @@ class ExportPanel:
         figures.on_click(self._figure)
         tables.on_click(self._table)
         scene.on_click(self._scene)
+        models.on_click(self._model)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Say what would be saved."""
@@ -167,6 +177,11 @@ class ExportPanel:
         self._save(
             "the 3D view as PNG", lambda state: exports.view(state, self._session.client, size)
         )
+
+    def _model(self, event: Any) -> None:
+        meshes = event.target.value != "MJCF"
+        what = "the MuJoCo model" + (" with meshes" if meshes else "")
+        self._save(what, lambda state: exports.mujoco_model(state, meshes))
 
     def _save(self, what: str, make: Callable[[State], exports.File]) -> None:
         """Make a file and send it; runs on the thread of the click, not on the session's worker."""
