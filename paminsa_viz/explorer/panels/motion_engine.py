@@ -79,13 +79,13 @@ class EngineChecker:
 def verdict_html(answer: Answer | None, found: Analysed) -> str:
     """Return what the line below the charts says of the engine."""
     if answer is None:
-        return f'{MARK}<span style="color:{MUTED}">engine: computing …</span>'
+        return f'<span style="color:{MUTED}">engine: computing …</span>'
     torques = answer.found
     if torques is None:
         return f'<b style="color:{BAD}">no engine’s torques</b>: {escape(answer.problem)}'
     own, tolerance = torques.comparison(found.present), torques.tolerance
     said = (
-        f"{MARK}{escape(torques.engine.name)}, {len(own.computed)} samples: "
+        f"{escape(torques.engine.name)}, {len(own.computed)} samples: "
         f"{verdict(own.agrees(tolerance))}, off by {_share(own)} of the largest torque"
     )
     if found.printed is not None:

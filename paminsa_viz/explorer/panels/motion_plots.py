@@ -15,7 +15,7 @@ from paminsa_viz.explorer.motion.readings import Reading, readings
 from paminsa_viz.explorer.motion.store import Analysed, MotionStore
 from paminsa_viz.explorer.motion.traces import Chart, charts
 from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
-from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
+from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html, numbers_html
 from paminsa_viz.explorer.panels.motion_words import status_line
 from paminsa_viz.explorer.panels.slots import Slots, marker
@@ -164,7 +164,9 @@ def caption_html(state: State, found: Analysed | None, drawn: tuple[Chart, ...])
         parts.append(f'<span style="color:{BAD}"><b>fails</b> {escape(first.explanation)}</span>')
     engine = ""
     if state.plots.needs_engine:
-        engine = f'<span style="flex-basis:100%">{verdict_html(found.answer, found)}</span>'
+        mark = MARK if state.plots.plot is Plot.TORQUES else ""
+        verdict = verdict_html(found.answer, found)
+        engine = f'<span style="flex-basis:100%">{mark}{verdict}</span>'
     marks = "click: go to that instant · drag: zoom"
     return (
         '<div class="paminsa-whole" style="display:flex;flex-wrap:wrap;gap:1px 14px;'
