@@ -204,7 +204,7 @@ def _readable(largest: float, unit: str) -> tuple[float, str]:
     if not 0.0 < largest < _PLAIN:
         return 1.0, unit
     power = 3 * math.floor(math.log10(largest) / 3)
-    return 10.0**-power, unit_text(f"10^{power} {unit}")
+    return 10.0**-power, f"{unit_text(f'10^{power}')} {unit}"
 
 
 def _parts(actuator: int, found: Analysed) -> Chart:
