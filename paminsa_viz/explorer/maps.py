@@ -21,7 +21,16 @@ from paminsa_viz.figures.map_window import cell_centres, half_width
 from paminsa_viz.figures.maps import MapData, difference
 from paminsa_viz.figures.ranges import choose_scales
 from paminsa_viz.figures.scale import Kind, Scale, ScaleChoice
-from paminsa_viz.model import Assembly, Design, Field, Geometry, Quantity, solve_field, xy_grid
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Assembly,
+    Design,
+    Field,
+    Geometry,
+    Quantity,
+    solve_field,
+    xy_grid,
+)
 
 COARSE = 72
 """Cells along each side while the hand moves; also what the colour range is found from, so that it
@@ -144,6 +153,32 @@ def shows_difference(state: State) -> bool:
     return state.map_view.difference and state.document.reference is not None
 
 
+def hold_range(state: State) -> State:
+    """Hold the colour range of torques that suits the design and the reference alike.
+
+    So maps of both, and of their difference, compare by their colours. Appendix 4 takes the place
+    of a reference where there is none.
+    """
+    document, store = state.document, MapStore()
+    largest = 0.0
+    for design in (document.design, document.reference or APPENDIX_4):
+        shown = replace(state, document=replace(document, design=design))
+        data = store.present(shown, COARSE, TORQUES)
+        scale = choose(data, data, MapView())[0]
+        if np.nanmax(np.abs(data.values), initial=0.0) > 0:
+            largest = max(largest, -scale.low, scale.high)
+    if largest == 0:
+        return state
+    return actions.set_map_view(
+        state, range_mode=RangeMode.MANUAL, low=-largest, high=largest, shared=True
+    )
+
+
+def toggle_difference(state: State) -> State:
+    """Show the difference from the reference, or no longer."""
+    return actions.set_map_view(state, difference=not shows_difference(state))
+
+
 def go_to(state: State, x: float, y: float) -> State:
     """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
     half = half_width(state.document.design.geometry)
@@ -167,7 +202,10 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
     if view.range_mode is RangeMode.MANUAL and view.quantity.unit == data.unit:
         ends = _usable(view.low, view.high)
         if ends is not None:
-            return choose_scales(data, replace(robust, low=ends[0], high=ends[1]))
+            low, high = ends
+            if low < 0 < high and not data.signed and not (data.values < 0).any():
+                low = 0.0  # colours for values that can not be would only dull the others
+            return choose_scales(data, replace(robust, low=low, high=high))
     if view.range_mode is RangeMode.FULL:
         if view.shared:
             return choose_scales(data, _spanning(data, robust))

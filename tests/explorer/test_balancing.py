@@ -13,25 +13,29 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
-from paminsa_viz.explorer.balancing.solving import plane, run, tidied, value
+from paminsa_viz.explorer.balancing.solving import middle, plane, run, tidied, value
 from paminsa_viz.explorer.balancing.wishes import Arm, Goal, Movable
 from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.frame import compute, near_singularity
+from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
 from paminsa_viz.explorer.motion import requests as motions
 from paminsa_viz.explorer.panels.balance_front import FrontFigure, clicked_point
+from paminsa_viz.explorer.panels.balance_tornado import TornadoFigure, words
 from paminsa_viz.explorer.panels.balance_words import details_html, status_html
 from paminsa_viz.explorer.panels.compare_panel import differences_html
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.state import RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     InvalidDesign,
     InvalidInput,
     Limit,
+    Quantity,
     balance_distance,
+    check_reach,
     measure_singularity,
 )
-from paminsa_viz.model.balancing import InfeasibleBounds, StaticPeak
+from paminsa_viz.model.balancing import OUTPUTS, InfeasibleBounds, StaticPeak
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.trajectory import analyse
 
@@ -261,6 +265,62 @@ def test_a_front_that_is_stopped_stops(start: State) -> None:
     outcome = run(job, lambda _: True)
     assert outcome.front is not None
     assert len(outcome.front.points) < 3
+
+
+def test_the_tornado_has_the_longest_bar_on_top(start: State) -> None:
+    loaded = requests.add_weight(requests.add_weight(start, "b8", 8), "b3", 7)
+    after = solved(loaded, Task.TORNADO)
+    outcome = after.balancing.tornado
+    assert outcome is not None
+    assert outcome.tornado is not None
+    for output in range(len(OUTPUTS)):
+        tree = json.loads(TornadoFigure(outcome.tornado, output).to_json())
+        lengths = np.abs([trace["x"] for trace in tree["data"]]).max(axis=0)
+        assert len(lengths) > 5
+        assert (np.diff(lengths) <= 1e-12).all()
+        names = tree["data"][0]["y"]
+        assert len(names) == len(set(names))
+    assert "counterweight 2" in json.dumps(TornadoFigure(outcome.tornado, 0).to_json())
+    # What it says of m_7 is what a design with another m_7 has.
+    bar = next(bar for bar in outcome.tornado.bars if bar.path == "joints.j7")
+    more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
+    assert bar.plus[0] == pytest.approx(balance_distance(more))
+    assert "Of an earlier design" in words(requests.hang(after, ()))
+    with pytest.raises(InvalidInput):
+        requests.show_output(after, 9)
+
+
+def test_the_tornado_looks_at_clear_poses(start: State) -> None:
+    job = requests.make_job(start, Task.TORNADO)
+    poses = middle(job).poses()
+    geometry = APPENDIX_4.geometry
+    assert check_reach(geometry, poses).ok.all()
+    assert not near_singularity(measure_singularity(geometry, poses)).any()
+    far = solved(actions.move(start, z=-3.0), Task.TORNADO)
+    assert "no pose around the middle is clear" in words(far)
+
+
+def test_without_a_motion_the_tornado_says_what_it_can(start: State) -> None:
+    table = motions.choose_kind(start, motions.Kind.TABLE)
+    after = solved(table, Task.TORNADO)
+    assert "Nothing to show" not in words(after)
+    assert "Nothing to show" in words(requests.show_output(after, 3))
+
+
+def test_one_scale_suits_both_designs(start: State) -> None:
+    after = requests.balance_now(start)
+    held = hold_range(after)
+    assert held.map_view.range_mode is RangeMode.MANUAL
+    assert held.map_view.high == -held.map_view.low > 1
+    store = MapStore()
+    shown = [held, actions.swap_reference(held), toggle_difference(held)]
+    scales = [store.scales(s, store.data(s)) for s in shown]
+    assert scales[0] == scales[1] == scales[2]
+    # Where nothing can be negative, no colours are spent on it.
+    quantities, alone = (Quantity.MAX_TORQUE,), hold_range(start)
+    (scale,) = store.scales(alone, store.data(alone, COARSE, quantities), quantities)
+    assert scale.low == 0
+    assert not toggle_difference(toggle_difference(held)).map_view.difference
 
 
 def test_counterweights_are_hung_changed_and_taken_off(start: State) -> None:

@@ -7,7 +7,7 @@ from enum import Enum
 
 from paminsa_viz.explorer.balancing.wishes import Wishes
 from paminsa_viz.model import Assembly, Design, PaminsaError
-from paminsa_viz.model.balancing import Front, Optimum
+from paminsa_viz.model.balancing import Front, Optimum, Tornado
 from paminsa_viz.model.trajectory import Trajectory
 
 
@@ -17,6 +17,7 @@ class Task(Enum):
     PAPER = "the paper's balance"
     BEST = "the best masses"
     FRONT = "the front"
+    TORNADO = "what each value matters"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +57,7 @@ class Effect:
 
 @dataclass(frozen=True, eq=False)
 class Outcome:
-    """What came of a job: an optimum or a front, or why there is none.
+    """What came of a job: an optimum, a front or a tornado, or why there is none.
 
     Attributes:
         job: The job.
@@ -65,6 +66,7 @@ class Outcome:
         effects: What it does to torques and masses.
         front: The front, if that was asked for.
         designs: The designs of its points.
+        tornado: What each value matters, if that was asked for.
         problem: Why there is nothing.
     """
 
@@ -74,6 +76,7 @@ class Outcome:
     effects: tuple[Effect, ...] = ()
     front: Front | None = None
     designs: tuple[Design, ...] = ()
+    tornado: Tornado | None = None
     problem: PaminsaError | None = None
 
 
@@ -85,8 +88,10 @@ class Balancing:
         wishes: What a person set.
         running: The job that runs, or None.
         done: What part of it is done, 0 to 1.
-        outcome: The last result of another task than a front, or None.
-        front: The last front, or why there is none, or None.
+        outcome: The last better design, or why there is none, or None.
+        front: The last front, likewise.
+        tornado: What each value matters, likewise.
+        output: Which of `paminsa_viz.model.balancing.OUTPUTS` the tornado chart shows.
     """
 
     wishes: Wishes = field(default_factory=Wishes)
@@ -94,3 +99,5 @@ class Balancing:
     done: float = 0.0
     outcome: Outcome | None = None
     front: Outcome | None = None
+    tornado: Outcome | None = None
+    output: int = 0

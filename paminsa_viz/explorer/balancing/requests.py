@@ -13,6 +13,7 @@ from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.explorer.motion import requests as motions
 from paminsa_viz.explorer.state import State, settle
 from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.model.balancing import OUTPUTS
 from paminsa_viz.model.counterweight import Counterweight
 
 
@@ -40,6 +41,17 @@ def choose_goal(state: State, goal: Goal) -> State:
 def set_arm(state: State, name: str, longest: float, most: float) -> State:
     """Set one of the places for counterweights [m, kg]."""
     return wish(state, **{name: Arm(longest, most)})
+
+
+def show_output(state: State, output: int) -> State:
+    """Choose what the tornado chart shows.
+
+    Raises:
+        InvalidInput: If there is no such output.
+    """
+    if output not in range(len(OUTPUTS)):
+        raise InvalidInput("output", f"one of {len(OUTPUTS)} is needed")
+    return replace(state, balancing=replace(state.balancing, output=output))
 
 
 def make_job(state: State, task: Task) -> Job:
@@ -98,6 +110,8 @@ def taken(state: State, outcome: Outcome) -> State:
     balancing = replace(state.balancing, running=None)
     if outcome.job.task is Task.FRONT:
         return replace(state, balancing=replace(balancing, front=outcome))
+    if outcome.job.task is Task.TORNADO:
+        return replace(state, balancing=replace(balancing, tornado=outcome))
     if outcome.after is not None and state.document.design != outcome.job.design:
         problem = InvalidInput("design", "it was changed in the meantime; ask once more")
         outcome = Outcome(outcome.job, problem=problem)

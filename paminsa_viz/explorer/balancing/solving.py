@@ -18,6 +18,7 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
+    Grid,
     InvalidInput,
     Limit,
     PaminsaError,
@@ -40,6 +41,7 @@ from paminsa_viz.model.balancing import (
     balance,
     optimise,
     pareto_front,
+    tornado,
     whole_mass,
 )
 from paminsa_viz.model.balancing.changes import mass_space
@@ -47,6 +49,10 @@ from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 
 FRONT_POINTS = 12
+MIDDLE, MIDDLE_CELLS = 0.75, 21
+"""What part of the clear square around the robot's axis is looked at where lengths change, and with
+how many poses along its sides."""
+
 SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
@@ -59,6 +65,8 @@ def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
     try:
         if job.task is Task.FRONT:
             return _front(job, progress)
+        if job.task is Task.TORNADO:
+            return _tornado(job)
         found = balance(job.design) if job.task is Task.PAPER else _best(job)
         after = tidied(found.after)
         return Outcome(job, after, found, effects(job, after))
@@ -97,6 +105,33 @@ def _front(job: Job, progress: Progress) -> Outcome:
         progress=lambda done, of: progress(done / of),
     )  # fmt: skip
     return Outcome(job, front=found, designs=tuple(tidied(p.design) for p in found.points))
+
+
+def _tornado(job: Job) -> Outcome:
+    wishes, design = job.wishes, job.design
+    try:
+        trajectory = motion(job).trajectory
+    except PaminsaError:  # what it matters to the motion then has no value
+        trajectory = None
+    found = tornado(design, middle(job), trajectory, job.assembly, change=wishes.change)
+    return Outcome(job, tornado=found)
+
+
+def middle(job: Job) -> Grid:
+    """Return poses around the robot's axis that stay clear of limits when lengths change a little.
+
+    Raises:
+        InvalidInput: If there is no room around the axis at this theta and z.
+    """
+    clear = plane(job).status == Limit.OK
+    half = COARSE // 2
+    sizes = range(half, 0, -1)
+    most = next((n for n in sizes if clear[half - n : half + n, half - n : half + n].all()), 0)
+    if most == 0:
+        raise InvalidInput("pose", "at this theta and z no pose around the middle is clear")
+    reach = MIDDLE * most / half * half_width(job.design.geometry)
+    centres = np.linspace(-reach, reach, MIDDLE_CELLS)
+    return xy_grid(centres, centres, job.theta, job.z)
 
 
 def tidied(design: Design) -> Design:

@@ -64,6 +64,7 @@ class Wishes:
         arm_b8, arm_b3: Counterweights beyond joint 8 on B8, and beyond joint 7 on B3.
         exact: Whether nothing but M_p2 = 0 will do.
         added: Largest added mass of the robot, for goals on the motion [kg]; 0 for no limit.
+        change: By what part each value is changed to see what it matters, 0 to 1.
     """
 
     goal: Goal = Goal.ADDED
@@ -75,6 +76,7 @@ class Wishes:
     arm_b3: Arm = Arm(most=5.0)
     exact: bool = True
     added: float = 0.0
+    change: float = 0.05
 
     @property
     def arms(self) -> tuple[Rail, ...]:
@@ -85,7 +87,13 @@ class Wishes:
         )
 
 
-RANGES = {"share": (0.0, 1.0), "heavier": (0.0, 100.0), "lighter": (0.0, 1.0), "added": (0.0, 1e3)}
+RANGES = {
+    "share": (0.0, 1.0),
+    "heavier": (0.0, 100.0),
+    "lighter": (0.0, 1.0),
+    "added": (0.0, 1e3),
+    "change": (0.001, 0.5),
+}
 """Smallest and largest values of `Wishes`, in its units."""
 
 LONGEST, MOST = (0.0, 1.0), (0.0, 100.0)

@@ -13,13 +13,13 @@ from paminsa_viz.explorer.balancing.jobs import Outcome, Task
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT
 from paminsa_viz.explorer.panels.balance_words import problem_html
 from paminsa_viz.explorer.panels.incoming import number
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.figures.screen import FONT
-from paminsa_viz.palette import INK, LEG_COLOURS, MUTED, REFERENCE
+from paminsa_viz.palette import INK, MUTED, REFERENCE
 
 NAME = "front"
 """What the plot calls itself when it is clicked."""
@@ -145,18 +145,13 @@ class FrontFigure:
             raise ValueError("there is no front")
         x, y = ([getattr(p, name) for p in front.points] for name in ("first", "second"))
         sizes = [14 if index == chosen else 9 for index in range(len(x))]
-        colours = [LEG_COLOURS[1] if index == chosen else LEG_COLOURS[0] for index in range(len(x))]
+        colours = [INK if index == chosen else MUTED for index in range(len(x))]
         hover = "in motion %{x:.4~g} N·m<br>standing %{y:.4~g} N·m<extra></extra>"
-        axis = {
-            "fixedrange": True, "gridcolor": "#e4e8ec", "zerolinecolor": "#b9c1c9",
-            "linecolor": MUTED, "ticks": "outside", "tickcolor": MUTED, "automargin": True,
-        }  # fmt: skip
-        style = {"family": FONT, "size": 12, "color": INK}
         self._tree = {
             "data": [
                 {
                     "type": "scatter", "mode": "lines+markers", "x": x, "y": y,
-                    "line": {"color": "#9db8cc", "width": 2},
+                    "line": {"color": "#c3cad1", "width": 2},
                     "marker": {"size": sizes, "color": colours, "opacity": 1},
                     "hovertemplate": hover, "name": "best masses", "cliponaxis": False,
                 },
@@ -167,18 +162,14 @@ class FrontFigure:
                     "hovertemplate": f"before: {hover}",
                 },
             ],
-            "layout": {
-                "meta": NAME, "font": style, "dragmode": False, "hovermode": "closest",
-                "margin": {"l": 8, "r": 26, "t": 8, "b": 8},
-                "paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)",
-                "showlegend": True,
-                "legend": {"x": 1, "y": 1, "xanchor": "right", "bgcolor": "rgba(255,255,255,0.7)"},
-                "xaxis": axis | {"title": {"text": "peak torque in motion [N·m]"}},
-                "yaxis": axis | {
+            "layout": LAYOUT | {
+                "meta": NAME,
+                "xaxis": AXIS | {"title": {"text": "peak torque in motion [N·m]"}},
+                "yaxis": AXIS | {
                     "title": {"text": "peak torque standing [N·m]"}, "rangemode": "tozero"
                 },
             },
-            "config": {"displayModeBar": False, "doubleClick": False},
+            "config": CONFIG,
         }  # fmt: skip
 
     def to_json(self) -> str:

@@ -4,20 +4,30 @@ from __future__ import annotations
 
 from viser import Icon
 
+from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.worker import Balancer
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.panels.balance_front import FrontPlot
 from paminsa_viz.explorer.panels.balance_inputs import BalanceInputs
+from paminsa_viz.explorer.panels.balance_tornado import TornadoPlot
 from paminsa_viz.explorer.panels.balance_weights import WeightList
 from paminsa_viz.explorer.panels.balance_words import details_html, status_html
 from paminsa_viz.explorer.panels.design_panel import balance_html
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.session import Intent, Session
+
+MAPS: dict[str, Intent] = {
+    "one scale": hold_range,
+    "difference": toggle_difference,
+    "swap": actions.swap_reference,
+}
+"""Ways to look at the maps before and after."""
 
 
 class BalancePanel:
-    """M_p2, the button, goals and bounds, what came of it, counterweights, the front.
+    """M_p2, the button, goals and bounds, what came of it, counterweights, the front, the tornado.
 
     Made in the current container of the page.
     """
@@ -32,6 +42,12 @@ class BalancePanel:
         )  # fmt: skip
         self.button.on_click(lambda _: session.ask("balance", requests.balance_now))
         self._status = gui.add_html("")
+        self.maps = gui.add_button_group(
+            "Maps", tuple(MAPS), visible=False,
+            hint="Colour the maps of design and reference alike; show their difference; change "
+            "places with the reference",
+        )  # fmt: skip
+        self.maps.on_click(lambda event: session.ask("balance.maps", MAPS[event.target.value]))
         with gui.add_folder("Other masses, other goals", expand_by_default=False):
             self.inputs = BalanceInputs(session)
         self._details = gui.add_html("")
@@ -39,11 +55,13 @@ class BalancePanel:
             self.weights = WeightList(session)
         with gui.add_folder("Moving against standing: the front", expand_by_default=False):
             self.front = FrontPlot(session, bridge)
+        with gui.add_folder("What each mass and length matters", expand_by_default=False):
+            self.tornado = TornadoPlot(session)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state, and begin what is asked for."""
         self._balancer.draw(frame, moving)
-        for part in (self.inputs, self.weights, self.front):
+        for part in (self.inputs, self.weights, self.front, self.tornado):
             part.draw(frame, moving)
         for handle, html in (
             (self._gauge, balance_html(frame.state, frame.balance)),
@@ -52,6 +70,9 @@ class BalancePanel:
         ):
             if handle.content != html:
                 handle.content = html
+        pinned = frame.state.document.reference is not None
+        if self.maps.visible != pinned:
+            self.maps.visible = pinned
         busy = frame.state.balancing.running is not None
         if self.button.disabled != busy:
             self.button.disabled = busy

@@ -37,7 +37,7 @@ def status_html(state: State) -> str:
     """Say what came of the last task, in a line or two."""
     balancing = state.balancing
     running = balancing.running
-    if running is not None and running.task is not Task.FRONT:
+    if running is not None and running.task in (Task.PAPER, Task.BEST):
         return block(MUTED, "Looking for the best masses …")
     outcome = balancing.outcome
     if outcome is None:
