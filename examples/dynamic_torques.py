@@ -1,7 +1,7 @@
-"""Actuator torques along a motion, as in the paper's Figs. 8-11, and what they are made of.
+"""Actuator torques along a motion, like the paper's Figs. 6 and 7, and what they are made of.
 
 The motion is ours: a quintic move of all four coordinates with a largest acceleration of 1 m/s^2,
-which is all that the paper's text says of its own.
+which is all that the paper's text says of its own (Figs. 8-11).
 """
 
 from pathlib import Path

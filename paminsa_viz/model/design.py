@@ -199,6 +199,12 @@ class Friction:
 class Design:
     """Everything that defines one robot. Two designs are equal if their numbers are.
 
+    Attributes:
+        geometry, joints, links, inertias, platform, payload, friction: Its numbers, in groups.
+        gravity: [m/s^2].
+        counterweights: Point masses on the bars of every leg; none in the paper.
+        name: What a person calls it.
+
     Raises:
         InvalidDesign: If a value is negative, not finite, or can not belong to a machine.
     """
@@ -212,7 +218,6 @@ class Design:
     friction: Friction = Friction()
     gravity: float = quantity(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
-    """Point masses on the bars of every leg; none in the paper."""
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:

@@ -41,7 +41,14 @@ class InverseDynamics:
 
 @dataclass(frozen=True)
 class TorqueBreakdown:
-    """The parts of an actuator torque, each (..., 4) [N m, N]; they add up to ``total``."""
+    """The parts of an actuator torque, each (..., 4) [N m, N]; they add up to ``total``.
+
+    Attributes:
+        gravity: What holds the robot at rest.
+        inertial: What the accelerations ask for.
+        velocity: What the speeds ask for, squared: centrifugal and Coriolis terms.
+        friction: What friction at the actuators takes.
+    """
 
     gravity: Array
     inertial: Array

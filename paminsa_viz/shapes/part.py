@@ -27,7 +27,11 @@ class Piece:
 
 @dataclass
 class Part:
-    """Pieces that move as one body. Coordinates [m] in the body's own frame, z up."""
+    """Meshes that move as one body. Coordinates [m] in the body's own frame, z up.
+
+    Attributes:
+        pieces: The meshes, each with its material.
+    """
 
     pieces: list[Piece] = field(default_factory=list)
 

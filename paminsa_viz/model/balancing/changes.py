@@ -105,7 +105,12 @@ def along(geometry: Geometry, bar: str, most: float) -> Rail:
 
 @dataclass(frozen=True)
 class Changes:
-    """What may change in a design; everything else stays as it is."""
+    """What may change in a design; everything else stays as it is.
+
+    Attributes:
+        masses: Masses of the design and their bounds.
+        rails: Places for counterweights.
+    """
 
     masses: tuple[MassRange, ...] = ()
     rails: tuple[Rail, ...] = ()

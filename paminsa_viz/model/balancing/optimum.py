@@ -26,7 +26,14 @@ ACTIVE = 1e-6
 
 @dataclass(frozen=True)
 class TermValue:
-    """A term before and after [its unit]; ``limit`` is None for a goal."""
+    """A term before and after.
+
+    Attributes:
+        label: What it is, in words.
+        unit: Its SI unit.
+        before, after: Its values.
+        limit: What it was not to exceed; None for a goal.
+    """
 
     label: str
     unit: str

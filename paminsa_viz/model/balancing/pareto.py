@@ -24,7 +24,12 @@ SLACK = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class FrontPoint:
-    """One distribution of a front: its two values, and the optimum with the design and proof."""
+    """One distribution of a front.
+
+    Attributes:
+        first, second: The values of the two terms [their units].
+        optimum: The optimum behind it, with the design and the proof.
+    """
 
     first: float
     second: float

@@ -92,8 +92,14 @@ class Trial:
 
 @dataclass(frozen=True)
 class Progress:
-    """How far a search is: generations done, trials made, the best cost, and whether it is a robot
-    that meets the requirements."""
+    """How far a search is.
+
+    Attributes:
+        generation: Generations done.
+        trials: Robots tried.
+        cost: The best cost.
+        feasible: Whether the best is a robot that meets the requirements.
+    """
 
     generation: int
     trials: int

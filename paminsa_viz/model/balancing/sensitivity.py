@@ -85,7 +85,14 @@ class TornadoBar:
 
 @dataclass(frozen=True, eq=False)
 class Tornado:
-    """Bars for every value; ``base`` (5,) are the outputs of the design as it is."""
+    """How much each value of a design matters.
+
+    Attributes:
+        design: The design.
+        change: Share by which each value is made smaller and larger.
+        base: (5,) outputs of the design as it is, in the order of `OUTPUTS`.
+        bars: One for each value.
+    """
 
     design: Design
     change: float

@@ -62,7 +62,13 @@ class SpringPlace:
 
 @dataclass(frozen=True)
 class Spring:
-    """A spring on each leg: its points, stiffness [N/m] and free length [m]."""
+    """A spring on each leg.
+
+    Attributes:
+        first, second: The points that it is fixed to.
+        stiffness: [N/m].
+        free_length: Its length without a force [m].
+    """
 
     first: Anchor
     second: Anchor

@@ -177,7 +177,12 @@ def trajectory_rows(
 
 @dataclass(frozen=True, eq=False)
 class TrajectoryPeak:
-    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N]."""
+    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Indices of those that count.
+    """
 
     solved: SolvedTrajectory
     actuators: tuple[int, ...] = ROTARY
@@ -202,7 +207,12 @@ class TrajectoryPeak:
 
 @dataclass(frozen=True, eq=False)
 class TrajectoryRms:
-    """Root mean square over a trajectory's time, over all of some actuators [N m, N]."""
+    """Root mean square over a trajectory's time, over all of some actuators [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Indices of those that count.
+    """
 
     solved: SolvedTrajectory
     actuators: tuple[int, ...] = ROTARY
@@ -232,7 +242,11 @@ class TrajectoryRms:
 
 @dataclass(frozen=True, eq=False)
 class TrajectoryEnergy:
-    """Energy that all four actuators put in while they drive; braking gives none back [J]."""
+    """Energy that all four actuators put in while they drive; braking gives none back [J].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+    """
 
     solved: SolvedTrajectory
     label: str = "driving energy on the trajectory"

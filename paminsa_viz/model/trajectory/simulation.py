@@ -61,6 +61,7 @@ class Simulation:
 
     Attributes:
         design: The robot.
+        assembly: How its pantographs are put together.
         controller: What drove it.
         t: (n,) [s].
         pose: (n, 4) [m, m, rad, m].

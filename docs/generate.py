@@ -1,0 +1,284 @@
+"""Writes the pages that follow from the source: ``python docs/generate.py``.
+
+``design-file.md`` from the design's own list of values, ``command-line.md`` from the commands'
+flags, ``python-api.md`` from the public names and what they say of themselves. A test compares them
+with what is in the folder.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import textwrap
+import types
+import typing
+from collections.abc import Iterator
+from dataclasses import MISSING, fields
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from paminsa_viz import cli
+from paminsa_viz.cli.arguments import PROGRAM
+from paminsa_viz.files.design_schema import SCHEMA_VERSION, TABLES, Key
+from paminsa_viz.files.design_writer import write_design
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.counterweight import BAR_ENDS
+
+FOLDER = Path(__file__).parent
+
+NOTE = "<!-- Written by docs/generate.py; change what it is made from instead. -->\n"
+
+API = {
+    "paminsa_viz.model": "Mechanics: design, kinematics, singularities, statics, dynamics, grids.",
+    "paminsa_viz.model.trajectory": "Motions: planned, timed, checked, analysed, simulated.",
+    "paminsa_viz.model.balancing": "Optimal redistribution of masses, and what goes with it.",
+    "paminsa_viz.studies": "Many designs, each measured over the workspace.",
+    "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
+    "paminsa_viz.shapes": "The robot's shape, for 3D models.",
+}
+
+
+# ---------------------------------------------------------------------------- the design file
+
+
+def design_file() -> str:
+    """Return the reference of the design file."""
+    parts = [
+        "# Design file",
+        NOTE,
+        "A robot as text (TOML), in SI units, each key ending in its unit. "
+        f"`{PROGRAM} design default --out robot.toml` writes one to start from, "
+        f"`{PROGRAM} design check robot.toml` says whether it can be used and, if not, which line "
+        "and key stand in the way.",
+        "A value that is left out is Appendix 4's. An unknown table or key is refused, so that a "
+        "typing error does not pass as the default; so is a number that no machine can have.",
+        "## At the top",
+        _table(
+            ("key", "meaning"),
+            [
+                ("`schema_version`", f"layout of the file, {SCHEMA_VERSION}; needed"),
+                ("`name`", "one line of text"),
+                (
+                    "`value_count`",
+                    "number of values in the file, so that one that was cut short is noticed; "
+                    "may be left out",
+                ),
+                *((f"`{key.name}`", _meaning(key)) for key in TABLES[""].values()),
+            ],
+        ),
+    ]
+    for table, keys in TABLES.items():
+        if table:
+            group = type(getattr(APPENDIX_4, table))
+            parts += [
+                f"## [{table}]",
+                _paragraphs(inspect.getdoc(group) or ""),
+                _table(
+                    ("key", "symbol", "meaning", "Appendix 4", "allowed"),
+                    [_key_row(key) for key in keys.values()],
+                ),
+            ]
+    ends = ", ".join(f"{bar.upper()} ({a}, {b})" for bar, (a, b) in BAR_ENDS.items())
+    parts += [
+        "## [[counterweights]]",
+        "Point masses on the bars of every leg, none in Appendix 4; the table is repeated for "
+        f"each. `bar` and `joint` say where it is measured from: {ends}. `beyond_m` is the "
+        "distance from that joint, away from the bar's other end, negative on the bar itself; "
+        "`mass_kg` is that on each leg.",
+        '```toml\n[[counterweights]]\nbar = "b3"\njoint = 7\nbeyond_m = 0.2\nmass_kg = 1.1\n```',
+        "## The whole of it",
+        f"```toml\n{write_design(APPENDIX_4).strip()}\n```",
+    ]
+    return _page(parts)
+
+
+def _meaning(key: Key) -> str:
+    p = key.parameter
+    return f"{p.label} `{p.symbol}` [{p.unit}], {p.default:g}"
+
+
+def _key_row(key: Key) -> tuple[str, ...]:
+    p = key.parameter
+    default = "as l_B10" if p.path == "geometry.guide_stroke" else f"{p.default:g}"
+    allowed = "above 0" if p.positive else "0 or more"
+    if p.path == "geometry.magnification":
+        allowed = "above 1"
+    return f"`{key.name}`", f"`{p.symbol}`", p.label, default, allowed
+
+
+# --------------------------------------------------------------------------- the command line
+
+
+def command_line() -> str:
+    """Return the reference of the command line."""
+    parts = [
+        "# Command line",
+        NOTE,
+        inspect.cleandoc(cli.__doc__ or "").split("\n\n")[-1],
+        _table(
+            ("command", "what it does"),
+            [(f"[`{name}`](#{name})", text) for name, text in cli.COMMANDS.items()],
+        ),
+    ]
+    for name in cli.COMMANDS:
+        kinds, description = _command(name)
+        parts += [f"## {name}", f"```text\n{description.strip()}\n```"]
+        for word, kind in kinds.items():
+            parts += [f"### {name} {word}", f"{inspect.getdoc(kind)}"] if word else []
+            parts.append(_table(("flag", "default", ""), list(_flags(kind))))
+    return _page(parts)
+
+
+class _Asked(Exception):
+    """Carries what a command asked its words to be parsed into."""
+
+
+def _command(name: str) -> tuple[dict[str, type], str]:
+    """Return a command's flags, by subcommand, and what its help says first."""
+    module = importlib.import_module(f"paminsa_viz.cli.{name}")
+    saved = module.parse
+
+    def asked(kind: Any, _words: Any, _command: str, description: str) -> None:
+        raise _Asked(kind, description)
+
+    module.parse = asked  # type: ignore[attr-defined]
+    try:
+        module.main([])
+    except _Asked as found:
+        kind, description = found.args
+    else:
+        raise AssertionError(f"{name} parses nothing")
+    finally:
+        module.parse = saved  # type: ignore[attr-defined]
+    if not isinstance(kind, types.UnionType) and typing.get_origin(kind) is not typing.Union:
+        return {"": kind}, description
+    found = {}
+    for item in typing.get_args(kind):
+        owner, *marks = typing.get_args(item)
+        found[marks[0].name] = owner
+    return found, description
+
+
+def _flags(kind: type) -> Iterator[tuple[str, str, str]]:
+    """Yield the rows of a table of flags: how it is written, its default, what it does."""
+    said, hints = _said(kind), typing.get_type_hints(kind, include_extras=True)
+    for item in fields(kind):
+        hint = hints[item.name]
+        marks = typing.get_args(hint)[1:] if hasattr(hint, "__metadata__") else ()
+        named = [mark.metavar for mark in marks if getattr(mark, "metavar", None)]
+        flag = "--" + item.name.replace("_", "-")
+        if tyro.conf.Positional in marks:
+            shown = named[0]
+        elif hint is bool:
+            shown = f"{flag}, --no-{flag[2:]}" if item.default is True else flag
+        else:
+            shown = f"{flag} {named[0] if named else _values(hint)}"
+        yield f"`{shown}`", _default(item.default), said[item.name]
+
+
+def _values(hint: Any) -> str:
+    """Return what a flag takes, where its metavar does not say so."""
+    options = [arg for arg in typing.get_args(hint) if arg is not type(None)]
+    if typing.get_origin(hint) is typing.Literal:
+        return "|".join(map(str, options))
+    if options:
+        return _values(options[0])
+    return {"int": "N", "float": "X", "str": "NAME"}[hint.__name__]
+
+
+def _default(value: Any) -> str:
+    if value is MISSING:
+        return "needed"
+    if value is True:
+        return "on"
+    if value is None or value is False or value == ():
+        return ""
+    return f"`{' '.join(map(str, value)) if isinstance(value, tuple) else value}`"
+
+
+def _said(kind: type) -> dict[str, str]:
+    """Return the text below each field of a dataclass."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
+    assert isinstance(body, ast.ClassDef)
+    found = {}
+    for item, after in pairwise(body.body):
+        if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
+            assert isinstance(after, ast.Expr)
+            assert isinstance(after.value, ast.Constant)
+            found[item.target.id] = " ".join(str(after.value.value).split())
+    return found
+
+
+# ----------------------------------------------------------------------------- the Python API
+
+
+def python_api() -> str:
+    """Return the list of public names."""
+    parts = [
+        "# Python API",
+        NOTE,
+        "Everything is batch-first: poses (..., 4) = (x, y, theta, z) [m, m, rad, m] in, results "
+        "(..., n) out, in SI units. Everything is typed; `help(name)` says shapes, units, frames "
+        "and what is raised.",
+    ]
+    for name, what in API.items():
+        module = importlib.import_module(name)
+        rows = [(f"`{public}`", _summary(module, public)) for public in module.__all__]
+        parts += [f"## {name}", what, _table(("name", ""), rows)]
+    return _page(parts)
+
+
+def _summary(module: types.ModuleType, name: str) -> str:
+    """Return the first sentence that a public name says of itself."""
+    value = getattr(module, name)
+    described = inspect.isclass(value) or inspect.isroutine(value)
+    text = (inspect.getdoc(value) or "") if described else _constant(module, name)
+    return _paragraphs(" ".join(text.split("\n\n")[0].split()).rstrip("."))
+
+
+def _constant(module: types.ModuleType, name: str) -> str:
+    """Return the text below a constant, in the module that a package has it from."""
+    body = ast.parse(inspect.getsource(module)).body
+    for item, after in pairwise([*body, ast.Pass()]):
+        if isinstance(item, ast.ImportFrom) and name in {alias.name for alias in item.names}:
+            return _constant(importlib.import_module(item.module or ""), name)
+        targets = item.targets if isinstance(item, ast.Assign) else []
+        targets = [item.target] if isinstance(item, ast.AnnAssign) else targets
+        named = name in {target.id for target in targets if isinstance(target, ast.Name)}
+        if named and isinstance(after, ast.Expr) and isinstance(after.value, ast.Constant):
+            return str(after.value.value)
+    raise AssertionError(f"{name} in {module.__name__} says nothing of itself")
+
+
+# --------------------------------------------------------------------------------- Markdown
+
+
+def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return "\n".join("| " + " | ".join(c.replace("|", "\\|") for c in row) + " |" for row in lines)
+
+
+def _paragraphs(text: str) -> str:
+    """Return a docstring as Markdown: double backticks become single ones."""
+    return text.replace("``", "`")
+
+
+def _page(parts: list[str]) -> str:
+    return "\n\n".join(part.strip() for part in parts if part) + "\n"
+
+
+PAGES = {
+    "design-file.md": design_file,
+    "command-line.md": command_line,
+    "python-api.md": python_api,
+}
+"""Pages by file name, with what makes them."""
+
+if __name__ == "__main__":
+    for file, make in PAGES.items():
+        (FOLDER / file).write_text(make(), encoding="utf-8")
+        print(f"docs/{file}: written")

@@ -1,0 +1,119 @@
+"""The Python API says what it is: every public name, every field, every argument."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import inspect
+import re
+import textwrap
+import types
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass
+from enum import Enum
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import paminsa_viz
+
+PACKAGES = (
+    "paminsa_viz.model",
+    "paminsa_viz.model.trajectory",
+    "paminsa_viz.model.balancing",
+    "paminsa_viz.studies",
+    "paminsa_viz.notebook",
+    "paminsa_viz.shapes",
+)
+
+
+def public() -> Iterator[tuple[str, Any]]:
+    for package in PACKAGES:
+        module = importlib.import_module(package)
+        for name in module.__all__:
+            yield f"{package}.{name}", getattr(module, name)
+
+
+CALLABLES = [
+    pytest.param(value, id=name)
+    for name, value in public()
+    if inspect.isclass(value) or inspect.isroutine(value)
+]
+DATA = [
+    pytest.param(value, id=name)
+    for name, value in public()
+    if inspect.isclass(value) and is_dataclass(value)
+]
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_a_package_says_what_it_is_and_lists_its_names_once(package) -> None:
+    module = importlib.import_module(package)
+    assert module.__doc__
+    assert len(module.__all__) == len(set(module.__all__))
+    assert all(hasattr(module, name) for name in module.__all__)
+
+
+@pytest.mark.parametrize("value", CALLABLES)
+def test_a_public_name_says_what_it_is(value) -> None:
+    own = value.__doc__ or ""
+    generated = f"{value.__name__}("  # what dataclass writes where there is nothing
+    assert own.strip()
+    assert not own.startswith(generated)
+    if not inspect.isclass(value) or getattr(value, "_is_protocol", False):
+        return
+    for name, method in vars(value).items():
+        if not name.startswith("_") and isinstance(method, (types.FunctionType, property)):
+            assert inspect.getdoc(method), f"{value.__name__}.{name}"
+
+
+@pytest.mark.parametrize("value", CALLABLES)
+def test_public_functions_are_typed(value) -> None:
+    function = value.__init__ if inspect.isclass(value) else value
+    if is_dataclass(value) or (inspect.isclass(value) and issubclass(value, Enum)):
+        return
+    if not hasattr(function, "__annotations__"):
+        return
+    for name, parameter in inspect.signature(function).parameters.items():
+        if name not in ("self", "args", "kwds", "kwargs"):
+            assert parameter.annotation is not inspect.Parameter.empty, name
+
+
+@pytest.mark.parametrize("value", DATA)
+def test_every_field_says_what_it_is(value) -> None:
+    """In the class's text, in one of its own below it, or as a design value by its label.
+
+    What a term of an optimisation is called is said where terms are, see `Term`.
+    """
+    text = inspect.getdoc(value) or ""
+    below = _below(value) | ({"label", "unit"} if hasattr(value, "piece") else set())
+    for item in fields(value):
+        if item.name.startswith("_") or "label" in item.metadata or item.name in below:
+            continue
+        assert re.search(rf"\b{item.name}\b", text), f"{value.__name__}.{item.name}"
+
+
+def _below(value: type) -> set[str]:
+    """Return the fields of a class that have a text below them."""
+    body = ast.parse(textwrap.dedent(inspect.getsource(value))).body[0]
+    assert isinstance(body, ast.ClassDef)
+    return {
+        item.target.id
+        for item, after in pairwise(body.body)
+        if isinstance(item, ast.AnnAssign)
+        and isinstance(item.target, ast.Name)
+        and isinstance(after, ast.Expr)
+        and isinstance(after.value, ast.Constant)
+    }
+
+
+def test_the_package_is_typed_and_has_one_version() -> None:
+    root = Path(paminsa_viz.__file__).parent
+    assert (root / "py.typed").exists()
+    wanted = paminsa_viz.__version__
+    assert re.fullmatch(r"\d+\.\d+\.\d+", wanted)
+    project = (root.parent / "pyproject.toml").read_text()
+    assert 'dynamic = ["version"]' in project
+    assert f'"{wanted}"' not in project

@@ -1,0 +1,128 @@
+"""The documentation: pages that follow from the source, links, code that runs, commands in line."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import paminsa_viz
+from paminsa_viz.cli import COMMANDS, main
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+PAGES = sorted(
+    [*DOCS.glob("*.md"), *ROOT.glob("*.md"), ROOT / "examples/README.md", *ROOT.glob("bench*/*.md")]
+)
+GENERATED = runpy.run_path(str(DOCS / "generate.py"))["PAGES"]
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("page", GENERATED)
+def test_pages_made_from_the_source_are_up_to_date(page) -> None:
+    made = GENERATED[page]()
+    assert (DOCS / page).read_text(encoding="utf-8") == made, "run python docs/generate.py"
+
+
+def anchors(path: Path) -> set[str]:
+    """Return the names that links may go to: headings as GitHub and MkDocs write them."""
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.M | re.S)
+    heads = re.findall(r"^#+ (.+)$", text, re.M)
+    plain = (re.sub(r"[^\w\s-]", "", head.lower()).strip() for head in heads)
+    return {re.sub(r"\s", "-", head) for head in plain}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_links_and_pictures_lead_somewhere(page) -> None:
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"https?:|mailto:", target):
+            continue
+        place, _, anchor = target.partition("#")
+        found = (page.parent / place).resolve() if place else page
+        assert found.exists(), f"{name_of(page)} links to {target}"
+        if page.parent == DOCS:
+            assert found.is_relative_to(DOCS), f"{target} is outside the site of {page.name}"
+        if anchor:
+            assert anchor in anchors(found), f"{name_of(page)} links to {target}"
+
+
+def test_every_page_is_in_the_sites_menu() -> None:
+    menu = re.findall(r"([\w-]+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
+    assert sorted(menu) == sorted(page.name for page in DOCS.glob("*.md"))
+
+
+def test_the_site_is_built_without_warnings(tmp_path) -> None:
+    pytest.importorskip("mkdocs")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert "WARNING" not in done.stderr
+    assert (tmp_path / "design-file" / "index.html").exists()
+    assert not (tmp_path / "generate.py").exists()
+
+
+CODE = [
+    pytest.param(code, id=f"{name_of(page)}:{number}")
+    for page in PAGES
+    for number, code in enumerate(
+        re.findall(r"^```python\n(.*?)^```", page.read_text(encoding="utf-8"), re.M | re.S)
+    )
+]
+
+
+@pytest.mark.parametrize("code", CODE)
+def test_python_in_the_documentation_runs(code, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "documentation", "exec"), {})
+
+
+def test_the_readme_tells_of_every_command() -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    told = re.findall(r"^\| `(?:paminsa-viz )?(\w+)`", text, re.M)
+    assert sorted(told) == sorted(COMMANDS)
+
+
+def commands() -> list[str]:
+    """Return the command lines that the pages show, those over two lines as one."""
+    found = set()
+    for page in PAGES:
+        text = re.sub(r"\n +--", " --", page.read_text(encoding="utf-8"))
+        lines = re.findall(r"^ *(?:\.venv/bin/)?(paminsa-viz [a-z].*)$", text, re.M)
+        found.update(line.split("  ")[0].strip() for line in lines)
+    return sorted(found)
+
+
+@pytest.mark.parametrize("words", commands())
+def test_commands_in_the_documentation_can_be_read(words, monkeypatch, tmp_path) -> None:
+    """Their flags are known; what they would do is the business of other tests."""
+    monkeypatch.chdir(tmp_path)
+    name, *rest = shlex.split(words)[1:]
+    assert name in COMMANDS
+    module = __import__(f"paminsa_viz.cli.{name}", fromlist=["main"])
+    read = module.parse
+
+    class Read(Exception):
+        pass
+
+    def only_read(*asked):
+        read(*asked)
+        raise Read
+
+    monkeypatch.setattr(module, "parse", only_read)
+    with pytest.raises(Read):
+        main([name, *rest])
+
+
+def test_the_changelog_begins_with_this_version() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    heads = re.findall(r"^## \[([^\]]+)\]", text, re.M)
+    assert paminsa_viz.__version__ in heads[:2]
