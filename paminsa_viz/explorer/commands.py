@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import requests as balancing
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
@@ -51,6 +52,12 @@ def commands(session: Session) -> list[Command]:
             "P",
             "shift",
             lambda: session.ask("reference", actions.unpin_reference),
+        ),
+        Command(
+            "Balance as in the paper",
+            "B",
+            None,
+            lambda: session.ask("balance", balancing.balance_now),
         ),
         Command(
             "Play or pause the motion",

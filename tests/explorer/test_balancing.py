@@ -73,6 +73,9 @@ def test_the_papers_balance_pins_the_design_before(start: State) -> None:
     # Once balanced there is nothing to change, and the reference stays what it was.
     again = requests.balance_now(after)
     assert again.document == after.document
+    assert "nothing was changed" in status_html(again)
+    taken_back = actions.restore(after, start.document)
+    assert "the one before is shown again" in status_html(taken_back)
 
 
 def test_its_numbers_are_the_models(start: State) -> None:
@@ -335,6 +338,7 @@ def test_counterweights_are_hung_changed_and_taken_off(start: State) -> None:
     assert requests.drop_weight(moved, 0).document.design.counterweights == (
         Counterweight("b3", 7, 0.15, 2.5),
     )
+    assert requests.drop_weight(moved, -1) is moved
     assert requests.hang(moved, ()).document == start.document
     full = requests.hang(start, (HANGING,) * MOST_COUNTERWEIGHTS)
     with pytest.raises(InvalidDesign, match="at most"):

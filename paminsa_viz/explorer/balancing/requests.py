@@ -177,6 +177,8 @@ def set_weight(state: State, number: int, mass: float, beyond: float) -> State:
 
 
 def drop_weight(state: State, number: int) -> State:
-    """Take one of the counterweights off."""
+    """Take one of the counterweights off; nothing if there is none of that number."""
     weights = state.document.design.counterweights
+    if number not in range(len(weights)):
+        return state
     return hang(state, weights[:number] + weights[number + 1 :])

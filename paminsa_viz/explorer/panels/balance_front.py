@@ -6,7 +6,6 @@ import json
 from typing import Any, cast
 
 import numpy as np
-from viser import Icon
 
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Outcome, Task
@@ -35,9 +34,9 @@ class FrontPlot:
         gui = session.client.gui
         self._session, self._gui = session, gui
         self._words = gui.add_html("")
-        self.run = gui.add_button("Compute the front", icon=Icon.CHART_DOTS)
+        self.run = gui.add_button("Compute the front")
         self._bar = gui.add_progress_bar(0.0, visible=False, animated=True)
-        self.stop = gui.add_button("Stop", icon=Icon.PLAYER_STOP, color="gray", visible=False)
+        self.stop = gui.add_button("Stop", color="gray", visible=False)
         self._place = gui.add_folder(None, visible=False)
         self._plot: Any = None
         self._drawn: object = None

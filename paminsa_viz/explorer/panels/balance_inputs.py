@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-from viser import Icon
-
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
 from paminsa_viz.explorer.balancing.wishes import ARMS, LONGEST, MOST, RANGES, Goal, Movable
@@ -72,8 +70,8 @@ class BalanceInputs:
             hint="Largest added mass of the whole robot, for goals on the motion and for the "
             "front; 0: no limit",
         )  # fmt: skip
-        self.find = gui.add_button("Find the best masses", icon=Icon.SEARCH)
-        self.stop = gui.add_button("Stop", icon=Icon.PLAYER_STOP, color="gray", visible=False)
+        self.find = gui.add_button("Find the best masses")
+        self.stop = gui.add_button("Stop", color="gray", visible=False)
         self.find.on_click(
             lambda _: session.ask("balance.find", lambda s: requests.begin(s, Task.BEST))
         )

@@ -6,6 +6,7 @@ from viser import Icon
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing.jobs import Outcome
 from paminsa_viz.explorer.balancing.worker import Balancer
 from paminsa_viz.explorer.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
@@ -51,6 +52,7 @@ class BalancePanel:
         with gui.add_folder("Other masses, other goals", expand_by_default=False):
             self.inputs = BalanceInputs(session)
         self._details = gui.add_html("")
+        self._detailed: Outcome | None = None
         with gui.add_folder("Counterweights of each leg"):
             self.weights = WeightList(session)
         with gui.add_folder("Moving against standing: the front", expand_by_default=False):
@@ -63,10 +65,13 @@ class BalancePanel:
         self._balancer.draw(frame, moving)
         for part in (self.inputs, self.weights, self.front, self.tornado):
             part.draw(frame, moving)
+        outcome = frame.state.balancing.outcome
+        if outcome is not self._detailed:
+            self._detailed = outcome
+            self._details.content = details_html(outcome)
         for handle, html in (
             (self._gauge, balance_html(frame.state, frame.balance)),
             (self._status, status_html(frame.state)),
-            (self._details, details_html(frame.state.balancing.outcome)),
         ):
             if handle.content != html:
                 handle.content = html

@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from typing import Any, cast
 
-from viser import Icon
-
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
 from paminsa_viz.explorer.balancing.wishes import RANGES
@@ -40,7 +38,7 @@ class TornadoPlot:
             "Each by ± [%]", 100 * wishes.change, min=100 * RANGES["change"][0],
             max=100 * RANGES["change"][1], step=0.1, hint="Every mass and length, one at a time",
         )  # fmt: skip
-        self.run = gui.add_button("See what matters", icon=Icon.CHART_BAR)
+        self.run = gui.add_button("See what matters")
         self._place = gui.add_folder(None, visible=False)
         with self._place:
             choice = gui.add_dropdown("Shown", NAMES, initial_value=NAMES[output])

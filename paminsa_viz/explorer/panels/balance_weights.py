@@ -58,7 +58,7 @@ class WeightList:
         chosen = event.target.value
         if chosen == OFF:
             self._session.ask("weights.off", lambda state: requests.hang(state, ()))
-        else:
+        elif chosen in self.off.options:
             number = int(chosen) - 1
             self._session.ask("weights.off", lambda state: requests.drop_weight(state, number))
 

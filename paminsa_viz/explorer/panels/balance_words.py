@@ -119,11 +119,13 @@ def _headline(state: State, outcome: Outcome, after: Design) -> str:
         rest = "what keeps it from zero stands below"
     else:
         head, rest = f"Least {escape(goal.value)}", ""
+    present = state.document.design
     if after == outcome.job.design:
         rest = "the design is the best already; nothing was changed"
-    elif after != state.document.design:
-        colour = WARN
-        rest = "the design has been changed since"
+    elif after != present:
+        colour, head = MUTED, "Not the design that is shown"
+        again = present == outcome.job.design
+        rest = "the one before is shown again" if again else "it has been changed since"
     return block(colour, f"<b>{head}</b><br>{rest}")
 
 
