@@ -29,12 +29,10 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.balancing import (
     AddedMass,
-    Changes,
     Imbalance,
     MassChange,
     Optimum,
     StaticPeak,
-    StaticRms,
     Term,
     TrajectoryPeak,
     TrajectoryRms,
@@ -44,7 +42,7 @@ from paminsa_viz.model.balancing import (
     tornado,
     whole_mass,
 )
-from paminsa_viz.model.balancing.changes import mass_space
+from paminsa_viz.model.balancing.time_weights import time_weights
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 
@@ -89,8 +87,11 @@ def _best(job: Job) -> Optimum:
     if wishes.goal is Goal.RMS:
         return optimise(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
     # Each counts by what it is now, so that the share is one of like with like.
-    parts = ((wishes.share, peak), (1 - wishes.share, StaticPeak(plane(job))))
-    goals = [(share / (value(term, job.design) or 1.0), term) for share, term in parts]
+    parts = (
+        (wishes.share, peak, moving(job, job.design)[0]),
+        (1 - wishes.share, StaticPeak(plane(job)), standing(job, job.design)[0]),
+    )
+    goals = [(share / (now or 1.0), term) for share, term, now in parts]
     return optimise(job.design, changes, goals, limits=limits)
 
 
@@ -150,29 +151,37 @@ def tidied(design: Design) -> Design:
     return replace(design, counterweights=tuple(kept))
 
 
-def value(term: Term, design: Design) -> float:
-    """Return the value of a term for a design [the term's unit]."""
-    space = mass_space(design, Changes())
-    return term.piece(space).value(space.before, space.amounts)
-
-
 def effects(job: Job, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
     before = job.design
-    found = [Effect("M_p2", "N", balance_distance(before), balance_distance(after))]
-    makers: tuple[tuple[str, Callable[[], Term]], ...] = (
-        ("peak torque standing", lambda: StaticPeak(plane(job))),
-        ("RMS torque standing", lambda: StaticRms(plane(job))),
-        ("peak torque in motion", lambda: TrajectoryPeak(motion(job))),
-        ("RMS torque in motion", lambda: TrajectoryRms(motion(job))),
-    )
-    for label, make in makers:
-        try:
-            term = make()
-            found.append(Effect(label, term.unit, value(term, before), value(term, after)))
-        except PaminsaError:  # no motion, or no pose of the plane in reach
-            found.append(Effect(label, "N m", np.nan, np.nan))
-    return (*found, Effect("mass of the robot", "kg", whole_mass(before), whole_mass(after)))
+    pairs = [("M_p2", "N", [balance_distance(before), balance_distance(after)])]
+    for where, measured in (("standing", standing), ("in motion", moving)):
+        peak, mean = zip(measured(job, before), measured(job, after), strict=True)
+        pairs.append((f"peak torque {where}", "N m", list(peak)))
+        pairs.append((f"RMS torque {where}", "N m", list(mean)))
+    pairs.append(("mass of the robot", "kg", [whole_mass(before), whole_mass(after)]))
+    return tuple(Effect(label, unit, *ends) for label, unit, ends in pairs)
+
+
+def standing(job: Job, design: Design) -> tuple[float, float]:
+    """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
+    field = plane(job)
+    gamma = field.gamma[:3, field.status == Limit.OK]
+    if gamma.size == 0:
+        return np.nan, np.nan
+    size = abs(balance_distance(design))
+    return size * float(np.abs(gamma).max()), size * float(np.sqrt(np.mean(gamma**2)))
+
+
+def moving(job: Job, design: Design) -> tuple[float, float]:
+    """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it can not run."""
+    try:
+        solved = motion(job)
+    except PaminsaError:
+        return np.nan, np.nan
+    t, torque = solved.trajectory.t, solved.torques(design)[:, :3]
+    square = time_weights(t) @ torque**2 / (t[-1] - t[0])
+    return float(np.abs(torque).max()), float(np.sqrt(square.mean()))
 
 
 def motion(job: Job) -> SolvedTrajectory:
