@@ -102,10 +102,12 @@ def cluster(address: str) -> Iterator[Workers]:
     """
     try:
         from distributed import Client
+        from distributed.comm.addressing import resolve_address
     except ImportError:
         problem = "Dask is not installed; it comes with pip install 'paminsa-viz[dask]'"
         raise InvalidInput("dask", problem) from None
     try:
+        resolve_address(address)  # a client of a place that can not be leaves slowly and noisily
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InvalidInput("dask", f"no scheduler answers at {address[:60]}: {error}") from None
