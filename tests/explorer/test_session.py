@@ -8,7 +8,6 @@ import threading
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from types import SimpleNamespace
-from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
