@@ -8,8 +8,10 @@ with what is in the folder.
 from __future__ import annotations
 
 import ast
+import html
 import importlib
 import inspect
+import re
 import textwrap
 import types
 import typing
@@ -259,7 +261,16 @@ def _constant(module: types.ModuleType, name: str) -> str:
 
 def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
     lines = [head, ("---",) * len(head), *rows]
-    return "\n".join("| " + " | ".join(c.replace("|", "\\|") for c in row) + " |" for row in lines)
+    return "\n".join("| " + " | ".join(map(_cell, row)) + " |" for row in lines)
+
+
+def _cell(text: str) -> str:
+    """Return a cell whose bars do not end it; GitHub and MkDocs agree on HTML alone."""
+
+    def code(found: re.Match[str]) -> str:
+        return f"<code>{html.escape(found[1])}</code>" if "|" in found[1] else found[0]
+
+    return re.sub(r"`([^`]+)`", code, text).replace("|", "&#124;")
 
 
 def _paragraphs(text: str) -> str:

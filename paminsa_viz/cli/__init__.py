@@ -3,8 +3,9 @@
 Each command is a module with ``main(arguments) -> exit code``, imported only when it is asked for,
 so that a small command does not wait for the page's libraries.
 
-Exit codes: 0 done; 1 a verification that failed, or a motion that can not be run; 2 a wrong
-argument or file, with one line on stderr that names the place; 130 stopped with Ctrl-C.
+Exit codes: 0 done; 1 the answer is no, such as a verification that failed, a motion that can not be
+run, bounds that can not be met; 2 a wrong argument or file, with one line on stderr that names the
+place; 130 stopped with Ctrl-C.
 """
 
 from __future__ import annotations
