@@ -74,7 +74,7 @@ class Measures:
         size: R_b + l_B8 + l_B4 [m].
         margin: Least distance to a limit of reach, negative beyond it [m].
         radius_clearance: Distance from the box to the singular circle, for every theta in it [m].
-        turn_clearance: Turn from the box to the singular rotation [rad].
+        turn_clearance: Turn from the box to the singular rotation; infinite if there is none [rad].
     """
 
     torque: float
@@ -125,7 +125,7 @@ def measure(design: Design, needs: Requirements, assembly: Assembly = Assembly.P
         size=g.base_radius + g.crank_length + g.coupler_length,
         margin=float(np.nan_to_num(margin, nan=-1.0).min()),
         radius_clearance=circle - far,
-        turn_clearance=rotation - turn if np.isfinite(rotation) else -np.pi,
+        turn_clearance=rotation - turn if np.isfinite(rotation) else np.inf,
     )
 
 
