@@ -42,12 +42,18 @@ def browser() -> Iterator[Any]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Keep the tests of a file together, and those in a browser one after the other.
+    """Begin with the browser, which takes longest: everything else can run beside it."""
+    items.sort(key=lambda item: item.get_closest_marker("browser") is None)
 
-    The browser comes first: it takes longest, and everything else can run beside it.
-    """
-    in_browser = {item: item.get_closest_marker("browser") is not None for item in items}
-    items.sort(key=lambda item: not in_browser[item])
-    for item in items:
-        group = "browser" if in_browser[item] else str(item.path)
-        item.add_marker(pytest.mark.xdist_group(group))
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """Share the work by files, those of the page as one: two browsers would slow each other."""
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFile(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            path = nodeid.split("::", 1)[0]
+            return "page" if "/test_page" in path else path
+
+    return ByFile(config, log)
