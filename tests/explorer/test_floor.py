@@ -142,10 +142,11 @@ class TestOnTheGround:
         assert tuple(desk.panel._ring.position[:2]) == (0.05, -0.07)
 
     def test_the_legend_says_what_the_colours_mean(self, desk: Desk) -> None:
-        desk.ask(lambda s: actions.set_map_view(s, range_mode=RangeMode.MANUAL, low=-2.5, high=7.5))
+        view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
+        desk.ask(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_1, **view))
         words = desk.panel._legend._words
         desk.until(lambda: (words["low"].text, words["high"].text) == ("−2.5", "7.5"))
-        assert words["name"].text == "max |τ|  [N·m]"
+        assert words["name"].text == "τ₁  [N·m]"
 
     def test_a_position_draws_no_new_map(self, desk: Desk) -> None:
         before = desk.panel._map.image
