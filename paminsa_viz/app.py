@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import logging
 import sys
 import threading
@@ -70,6 +71,7 @@ def _warm_up(design: Design) -> None:
 
     prepare(design.geometry)
     compile_in_background()
+    importlib.import_module("scipy.optimize")  # or the first balance would wait for it
 
 
 def run(options: AppOptions) -> None:

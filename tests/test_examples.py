@@ -22,6 +22,7 @@ SAID = {
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
     "misprints": r"all of them +0\.\d+",
     "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",
+    "springs": r"zero free length, mast on slider 8 +largest torque 0\.000 N m with 91\.0 N/m",
     "static_maps": r"M_p2 = 9\.100 N",
     "verify_with_mujoco": r"corrected: .* \d\.\de-1[3-9]",
 }
