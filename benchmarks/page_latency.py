@@ -20,19 +20,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measure import heading, number, table
-
-FLAGS = [
-    "--headless=new",
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-]
+from tests.explorer.chromium import FLAGS, NAMES
 
 BARE = """
 import sys, time, viser
@@ -233,8 +221,7 @@ def main() -> None:
     arguments.add_argument("--rounds", type=int, default=4, help="starts of each page")
     arguments.add_argument("--size", type=int, nargs=2, default=(900, 600), help="window [px]")
     chosen = arguments.parse_args()
-    names = ("chromium", "chromium-browser", "google-chrome", "chrome")
-    path = next((found for name in names if (found := shutil.which(name))), None)
+    path = next((found for name in NAMES if (found := shutil.which(name))), None)
     if path is None:
         sys.exit("no Chromium or Chrome is installed")
     with sync_playwright() as driver:

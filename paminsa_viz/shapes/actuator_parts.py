@@ -12,11 +12,11 @@ import numpy as np
 
 from paminsa_viz.shapes import layers as at
 from paminsa_viz.shapes.part import Part
+from paminsa_viz.shapes.shading import is_plain
 from paminsa_viz.shapes.solids import (
     ALONG,
     box,
     circle,
-    is_plain,
     loft,
     moved,
     prism,

@@ -24,15 +24,14 @@ from paminsa_viz.shapes.layout import layout
 from paminsa_viz.shapes.library import fixed_part
 from paminsa_viz.shapes.part import Part
 from paminsa_viz.shapes.placement import BODIES
+from paminsa_viz.shapes.shading import is_plain, plain_shapes
 from paminsa_viz.shapes.solids import (
     ALONG,
     Array,
     beam,
     box,
-    is_plain,
     loft,
     moved,
-    plain_shapes,
     prism,
     rod,
     rounded_polygon,

@@ -20,7 +20,7 @@ from trimesh.exchange.gltf import export_glb
 
 from paminsa_viz.shapes.catalogue import CATALOGUE
 from paminsa_viz.shapes.part import Part, Piece
-from paminsa_viz.shapes.solids import is_plain
+from paminsa_viz.shapes.shading import is_plain
 
 Z_UP = np.array(
     [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]

@@ -21,7 +21,7 @@ from paminsa_viz.shapes.bodies import (
     make_body,
 )
 from paminsa_viz.shapes.placement import BODIES
-from paminsa_viz.shapes.solids import is_plain, plain_shapes
+from paminsa_viz.shapes.shading import is_plain, plain_shapes
 from tests.samples import random_design
 
 GEOMETRY = APPENDIX_4.geometry
