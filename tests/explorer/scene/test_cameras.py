@@ -1,0 +1,47 @@
+"""Views of the robot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.scene.cameras import VIEWS, preset
+from paminsa_viz.model.design import APPENDIX_4, Assembly
+from tests.explorer.scene.seen import solved
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("name", VIEWS)
+@pytest.mark.parametrize("aspect", [0.6, 1.0, 1.6])
+def test_presets_hold_the_robot_in_the_picture(
+    name: str, assembly: Assembly, aspect: float
+) -> None:
+    sign = -assembly.sign
+    posture = solved((0.0, 0.0, 0.1, sign * 0.45), assembly=assembly)
+    view = preset(name, APPENDIX_4.geometry, assembly, posture, aspect)
+    position, look = np.array(view.position), np.array(view.look_at)
+    back = (position - look) / np.linalg.norm(position - look)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    up = np.cross(back, right)
+    legs = [int(name[-1]) - 1] if name.startswith("Leg") else [0, 1, 2]
+    points = np.concatenate([posture.points[j][legs] for j in (2, 3, 4, 5, 7, 8, 9)]) - position
+    depth = -points @ back
+    limit = np.tan(view.fov / 2)
+    assert (depth > 0.05).all()
+    assert (np.abs(points @ up) < limit * depth).all()
+    assert (np.abs(points @ right) < aspect * limit * depth).all()
+
+
+def test_a_leg_is_seen_square_on() -> None:
+    posture = solved()
+    for leg in range(3):
+        view = preset(f"Leg {leg + 1}", APPENDIX_4.geometry, posture=posture)
+        sight = np.subtract(view.look_at, view.position)
+        heading = [np.cos(posture.beta[leg]), np.sin(posture.beta[leg]), 0.0]
+        assert sight @ heading == pytest.approx(0.0, abs=1e-9)
+
+
+def test_unknown_preset() -> None:
+    with pytest.raises(KeyError):
+        preset("Leg 4", APPENDIX_4.geometry)

@@ -1,0 +1,115 @@
+"""Masses in a scene: payload, counterweights, centres of mass and their weight."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+
+from paminsa_viz.explorer.scene.bodies import node_name
+from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centres
+from paminsa_viz.explorer.scene.robot import Layer, RobotScene
+from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.leg_points import counterweight_point
+from paminsa_viz.model.lumped import lumped_coefficients
+from tests.explorer.scene.seen import nodes, recorded, solved
+from tests.samples import random_poses
+
+
+def test_the_payload_shows_its_mass(server: viser.ViserServer, robot: RobotScene) -> None:
+    assert "/robot/platform/payload" not in nodes(server)
+    robot.change(APPENDIX_4.vary({"payload.mass": 1.0}))
+    one = nodes(server)["/robot/platform/payload"].scale
+    robot.change(APPENDIX_4.vary({"payload.mass": 8.0}))
+    load = nodes(server)["/robot/platform/payload"]
+    assert load.scale == pytest.approx(2 * one)
+    assert load.visible
+    robot.change(APPENDIX_4)
+    assert not load.visible
+
+
+def test_counterweights_hang_from_their_bars_and_no_pose_moves_them(
+    server: viser.ViserServer, robot: RobotScene
+) -> None:
+    robot.pose(solved())
+    bare = set(nodes(server))
+    weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b3", 7, 0.1, 1.0))
+    design = replace(APPENDIX_4, counterweights=weights)
+    assert robot.change(design) == ()
+    added = set(nodes(server)) - bare
+    assert added == {
+        f"{node_name(f'leg{leg}/{bar}')}/weight{number}"
+        for leg in (1, 2, 3)
+        for number, bar in ((1, "b8"), (2, "b3"))
+    }
+    with recorded(server) as messages:
+        robot.pose(solved((0.0, 0.02, 0.1, -0.55)))
+    assert not {m.name for m in messages} & added
+    with recorded(server) as messages:
+        heavier = (replace(weights[0], mass=3.0), weights[1])
+        robot.change(replace(design, counterweights=heavier))
+    assert {m.name for m in messages} == {name for name in added if name.endswith("1")}
+    robot.change(replace(design, counterweights=weights[1:]))
+    assert set(nodes(server)) - bare == {
+        f"{node_name(f'leg{leg}/b3')}/weight1" for leg in (1, 2, 3)
+    }
+    robot.change(APPENDIX_4)
+    assert set(nodes(server)) == bare
+
+
+def test_mass_centres_weigh_what_the_design_does() -> None:
+    design = APPENDIX_4.vary({"payload.mass": 3.0})
+    posture = solved(design=design)
+    points = mass_centres(design, posture)
+    joints = sum(getattr(design.joints, f"j{i}") for i in (2, 3, 4, 5, 7, 8, 9))
+    links = sum(getattr(design.links, f"b{i}") for i in (1, 2, 3, 4, 7, 8, 10))
+    total = 3 * (joints + links) + design.platform.mass + 3.0
+    assert points.mass.sum() == pytest.approx(total)
+    # Together they have the potential energy of Eq. 11.
+    c = lumped_coefficients(design)
+    other = solved((0.0, 0.0, 0.2, -0.5), design)
+    change = points.mass @ (mass_centres(design, other).centre - points.centre)[:, 2]
+    legs = sum(
+        c[i] * (b - a).sum()
+        for i, a, b in (
+            (0, posture.points[5][:, 2], other.points[5][:, 2]),
+            (1, posture.points[9][:, 2], other.points[9][:, 2]),
+            (2, posture.points[2][:, 2], other.points[2][:, 2]),
+        )
+    )
+    platform = (design.platform.mass + 3.0) * 0.1
+    assert change == pytest.approx(legs / design.gravity + platform, abs=1e-9)
+
+
+def test_mass_centres_know_counterweights(server: viser.ViserServer, robot: RobotScene) -> None:
+    weight = Counterweight("b8", 8, 0.2, 2.0)
+    design = replace(APPENDIX_4, counterweights=(weight,))
+    at = counterweight_point(design.geometry, weight)
+    for pose in random_poses(np.random.default_rng(5), n=3):
+        posture = solved(pose)
+        bare, loaded = mass_centres(APPENDIX_4, posture), mass_centres(design, posture)
+        assert loaded.mass[-3:] == pytest.approx(2.0)
+        assert len(loaded.mass) == len(bare.mass) + 3 == len(loaded.colour)
+        z5, z9 = (posture.points[joint][:, 2] for joint in (5, 9))
+        assert loaded.centre[-3:, 2] == pytest.approx(at.z5 * z5 + at.r9 * z9 + at.z0)
+    robot.pose(posture)
+    robot.show(Layer.MASSES)
+    robot.change(design)  # more spheres than before: the node is made anew
+    assert len(server.scene._handle_from_node_name["/masses/centres"].batched_positions) == len(
+        loaded.mass
+    )
+
+
+def test_gravity_arrows_point_down_by_the_weight() -> None:
+    points = mass_centres(APPENDIX_4, solved())
+    arrows = gravity_arrows(points, 9.81)
+    drop = arrows[:, 0] - arrows[:, 1]
+    assert drop[:, :2] == pytest.approx(np.zeros((len(drop), 2)))
+    heavy = points.mass > 0.25
+    ratio = drop[heavy, 2] / points.mass[heavy]
+    assert ratio == pytest.approx(np.full(heavy.sum(), ratio[0]))
+    assert drop[points.mass == 0, 2] == pytest.approx(0.0)
+    assert gravity_arrows(points, 0.0)[:, 0] == pytest.approx(gravity_arrows(points, 0.0)[:, 1])
