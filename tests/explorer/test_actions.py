@@ -1,0 +1,148 @@
+"""Actions: pure functions from a state to the next."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS, largest, require_workable
+from paminsa_viz.explorer.frame import Health, compute
+from paminsa_viz.explorer.state import Document, initial_state
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    PARAMETERS,
+    Assembly,
+    InvalidDesign,
+    InvalidInput,
+)
+from paminsa_viz.model.counterweight import Counterweight
+from tests.explorer.documents import assert_same, standing_state
+from tests.samples import random_design
+
+
+@given(seed=st.integers(0, 10**6))
+def test_mirroring_the_assembly_twice_changes_nothing_and_once_turns_the_torques_round(
+    seed: int,
+) -> None:
+    state = standing_state(seed)
+    once = actions.assemble(state, Assembly.MIRROR)
+    twice = actions.assemble(once, Assembly.PRINTED)
+    assert twice.document.assembly is state.document.assembly
+    assert twice.document.pose == pytest.approx(state.document.pose, abs=1e-15)
+    assert once.standing.pose == once.document.pose  # the mirrored pose is within reach as well
+    np.testing.assert_allclose(
+        compute(once).torques[:3], -compute(state).torques[:3], rtol=1e-9, atol=1e-9
+    )
+    assert actions.assemble(state, Assembly.PRINTED) is state
+
+
+def test_home_is_within_reach_in_both_assemblies() -> None:
+    for assembly in Assembly:
+        home = actions.go_home(actions.assemble(initial_state(), assembly))
+        assert home.standing.pose == home.document.pose
+        assert compute(home).health is Health.FINE
+
+
+def test_another_design_keeps_the_pose_if_it_can_and_goes_home_if_not() -> None:
+    state = actions.move(initial_state(), x=0.1)
+    heavier = APPENDIX_4.vary({"payload.mass": 2.0})
+    assert actions.load_design(state, heavier).document.pose == state.document.pose
+    rng = np.random.default_rng(4)
+    small = random_design(rng).vary({"geometry.guide_stroke": 0.09, "geometry.base_radius": 0.2})
+    moved = actions.load_design(actions.move(state, x=0.15, y=0.1), small)
+    assert moved.document.pose[:3] == (0, 0, 0)
+    assert moved.standing.geometry == small.geometry
+
+
+def test_values_reset_to_appendix_4_and_the_stroke_follows_its_guide_again() -> None:
+    state = actions.vary(initial_state(), {"links.b3": 2.0, "geometry.guide_stroke": 0.3})
+    partly = actions.reset_values(state, ("geometry.guide_stroke",))
+    assert partly.document.design.geometry.guide_stroke is None
+    assert partly.document.design.links.b3 == 2.0
+    assert actions.reset_values(partly, ("links.b3",)).document.design == APPENDIX_4
+
+
+def test_a_changed_design_is_not_called_appendix_4() -> None:
+    changed = actions.vary(initial_state(), {"links.b3": 2.0})
+    assert changed.document.design.name == actions.CHANGED_NAME != APPENDIX_4.name
+    assert actions.vary(changed, {"links.b4": 2.0}).document.design.name == actions.CHANGED_NAME
+    back = actions.reset_values(changed, ("links.b3",))
+    assert back.document.design.name == APPENDIX_4.name
+    mine = actions.vary(actions.rename(initial_state(), "mine"), {"links.b3": 2.0})
+    assert mine.document.design.name == "mine"
+
+
+def test_a_name_that_no_file_can_hold_is_refused() -> None:
+    for name in ("two\nlines", "bell\a", "x" * 201):
+        with pytest.raises(InvalidInput, match="name"):
+            actions.rename(initial_state(), name)
+
+
+@given(path=st.sampled_from([p.path for p in PARAMETERS]), factor=st.floats(1.0001, 1e300))
+def test_no_number_beyond_any_machine_is_taken(path: str, factor: float) -> None:
+    state = initial_state()
+    huge = min(largest(path) * factor, 1e308)
+    with pytest.raises(InvalidDesign):
+        actions.vary(state, {path: huge})
+    if PARAMETER[path].unit == "kg":
+        design = APPENDIX_4.vary({path: huge})
+        with pytest.raises(InvalidDesign):
+            actions.load_design(state, design)
+        for document in (Document(design), Document(reference=design)):
+            with pytest.raises(InvalidDesign):
+                actions.restore(state, document)
+
+
+@given(
+    changes=st.dictionaries(
+        st.sampled_from([p.path for p in PARAMETERS]), st.floats(0, 1e4), max_size=8
+    ),
+    pose=st.tuples(*[st.floats(-1e6, 1e6)] * 4),
+)
+def test_every_size_that_is_taken_can_be_drawn(
+    changes: dict[str, float | None], pose: tuple[float, float, float, float]
+) -> None:
+    state = initial_state()
+    try:
+        state = actions.vary(state, changes)
+    except InvalidDesign:
+        return
+    x, y, theta, z = pose
+    for asked in (state, actions.go_home(state), actions.move(state, x=x, y=y, theta=theta, z=z)):
+        frame = compute(asked)
+        assert np.isfinite(frame.torques).all()
+        assert frame.explanation
+
+
+def test_the_page_refuses_counterweights_out_of_its_range() -> None:
+    for weights in (
+        (Counterweight("b8", 8, 0.1, 1e5),),
+        (Counterweight("b8", 8, -1e3, 1.0),),
+        (Counterweight("b8", 8, 0.1, 1.0),) * (MOST_COUNTERWEIGHTS + 1),
+    ):
+        with pytest.raises(InvalidDesign, match="counterweights"):
+            require_workable(replace(APPENDIX_4, counterweights=weights))
+
+
+def test_swapping_with_the_reference_twice_changes_nothing() -> None:
+    state = actions.pin_reference(initial_state())
+    state = actions.vary(state, {"links.b3": 2.0})
+    once = actions.swap_reference(state)
+    assert once.document.design == APPENDIX_4
+    assert once.document.reference == state.document.design
+    assert_same(actions.swap_reference(once).document, state.document)
+    plain = initial_state()
+    assert actions.swap_reference(plain) is plain
+
+
+def test_without_a_reference_maps_show_no_difference() -> None:
+    state = actions.set_map_view(actions.pin_reference(initial_state()), difference=True)
+    assert not actions.unpin_reference(state).map_view.difference
+    assert not actions.restore(state, Document()).map_view.difference
+    assert actions.restore(state, Document(reference=APPENDIX_4)).map_view.difference
