@@ -1,4 +1,4 @@
-"""The panel of the design's numbers."""
+"""The panel of the design's numbers on a session, and what it says of the balance."""
 
 from __future__ import annotations
 
@@ -8,150 +8,25 @@ from typing import Any
 
 import pytest
 import viser
-from hypothesis import given
-from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bounds import largest
 from paminsa_viz.explorer.panels import patient
-from paminsa_viz.explorer.panels.design_layout import GROUPS
 from paminsa_viz.explorer.panels.design_panel import (
     WHOLE_GROUP,
     DesignPanel,
     balance_hint,
     balance_html,
 )
-from paminsa_viz.explorer.panels.number_row import Row, fitted_range, round_up
 from paminsa_viz.explorer.server import open_server
 from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.explorer.symbols import change_text, edge, html, number, plain, unit_text
+from paminsa_viz.explorer.symbols import number
 from paminsa_viz.model import APPENDIX_4, PARAMETERS, balance_distance, static_torques
+from tests.explorer.design_rows import ROWS
 from tests.samples import random_design
 
-from .chromium import Tab, until
 from .panel_desk import Desk, desk_with
 
-ROWS = {row.path: row for group in GROUPS for row in group.rows}
 MASSES = [p.path for p in PARAMETERS if p.unit == "kg"]
-
-
-# What stands where
-
-
-def test_every_number_of_a_design_is_offered_once() -> None:
-    offered = [row.path for group in GROUPS for row in group.rows]
-    assert sorted(offered) == sorted(p.path for p in PARAMETERS)
-
-
-def test_labels_tell_the_numbers_apart_and_are_short_enough_for_their_column() -> None:
-    labels = [row.label for row in ROWS.values()]
-    assert len(set(labels)) == len(labels)
-    assert max(map(len, labels)) <= 18  # 97 px hold about that many
-    for parameter in PARAMETERS:
-        assert ROWS[parameter.path].label.startswith(plain(parameter.symbol))
-
-
-@pytest.mark.parametrize("row", ROWS.values(), ids=lambda row: row.path)
-def test_a_slider_reaches_appendix_4_and_only_what_is_possible(row: Row) -> None:
-    shown = edge(row.path)
-    default = shown.shown(APPENDIX_4.value(row.path))
-    assert row.low <= default <= row.high
-    steps = (default - row.low) / row.step if row.low == 0 else default / row.step
-    assert steps == pytest.approx(round(steps), abs=1e-6)  # it can be dragged back to it
-    for end in (row.low, row.high):
-        value = shown.inside(end)
-        design = actions.vary(initial_state(), {row.path: value}).document.design
-        assert design.value(row.path) == value
-
-
-@given(path=st.sampled_from(sorted(ROWS)), fraction=st.floats(0, 1))
-def test_a_range_grows_to_what_is_typed_and_leaves_room(path: str, fraction: float) -> None:
-    row, most = ROWS[path], edge(path).shown(largest(path))
-    value = row.low + fraction * (most - row.low)
-    low, high = fitted_range(row, row.low, row.high, value)
-    assert low <= value <= high <= most
-    assert (low, high) == (row.low, row.high) or value > row.high
-    assert fitted_range(row, low, high, value) == (low, high)
-    if row.high < value < most / 1.6:
-        assert 1.2 < high / value < 2.1
-
-
-@given(value=st.floats(1e-9, 1e9))
-def test_rounding_up_gives_a_number_that_reads_well(value: float) -> None:
-    up = round_up(value)
-    assert value * (1 - 1e-9) <= up <= 1.51 * value
-    assert len(f"{up:.10g}".split("e")[0].replace(".", "").strip("0")) <= 2
-
-
-# Symbols, units and numbers as text
-
-
-@pytest.mark.parametrize(
-    ("symbol", "label", "markup"),
-    [
-        ("m_5", "m₅", "<i>m</i><sub>5</sub>"),
-        ("m_B10", "m_B10", "<i>m</i><sub>B10</sub>"),
-        ("I_XX^(B3)", "I_XX(B3)", "<i>I</i><sub>XX</sub><sup>(B3)</sup>"),
-        (
-            "l_B4 = k l_B7",
-            "l_B4 = k·l_B7",
-            "<i>l</i><sub>B4</sub> = <i>k</i>·<i>l</i><sub>B7</sub>",
-        ),
-        ("|X_4| max", "|X₄| max", "|<i>X</i><sub>4</sub>| max"),
-        ("g", "g", "<i>g</i>"),
-    ],
-)
-def test_symbols_read_like_the_paper(symbol: str, label: str, markup: str) -> None:
-    assert plain(symbol) == label
-    assert html(symbol) == markup
-
-
-def test_units_read_like_units() -> None:
-    assert unit_text("kg m^2") == "kg·m²"
-    assert unit_text("N m s/rad") == "N·m·s/rad"
-    assert unit_text("m/s^2") == "m/s²"
-    assert unit_text("rad/s, m/s") == "rad/s, m/s"
-
-
-@given(path=st.sampled_from(sorted(ROWS)), value=st.floats(1e-6, 100))
-def test_a_value_is_the_same_after_a_visit_to_the_page(path: str, value: float) -> None:
-    shown = edge(path)
-    assert shown.inside(shown.shown(value)) == pytest.approx(value, abs=1e-9)
-    assert shown.inside(round(shown.shown(value), 3)) == pytest.approx(value, abs=1e-3)
-
-
-def test_appendix_4_is_the_same_to_the_last_digit_after_a_visit_to_the_page() -> None:
-    for path in ROWS:
-        value = APPENDIX_4.value(path)
-        assert edge(path).inside(edge(path).shown(value)) == value
-
-
-def test_lengths_are_in_millimetres() -> None:
-    assert edge("geometry.guide_link_length").text(0.3635) == "363.5 mm"
-    assert edge("links.b3").text(0.406) == "0.406 kg"
-    assert edge("geometry.magnification").text(3.0) == "3"
-
-
-@given(value=st.floats(-1e12, 1e12))
-def test_a_number_can_be_read_back(value: float) -> None:
-    text = number(value)
-    plain_text = text.translate(str.maketrans("−⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "-0123456789-")).replace("·10", "e")
-    assert float(plain_text) == pytest.approx(value, rel=1e-5, abs=1e-300)
-    assert "-" not in text
-    assert text != "−0"
-
-
-def test_changes_are_percentages_of_where_they_started() -> None:
-    assert change_text(2.0, 3.0) == "+50.0 %"
-    assert change_text(2.0, 1.0) == "−50.0 %"
-    assert change_text(-2.0, -1.0) == "−50.0 %"
-    assert change_text(1.0, 5.0) == "+400 %"
-    assert change_text(1.0, 50.0) == "×50"
-    assert change_text(1.0, 1.0 + 1e-9) == "≈ 0 %"
-    assert change_text(0.0, 5.0) == "new"
-
-
-# What the masses come to
 
 
 @pytest.mark.parametrize("path", MASSES)
@@ -186,9 +61,6 @@ def test_the_balance_shows_zero_at_the_middle_and_minus_to_its_left() -> None:
     assert places(6.0)[2] < 50
     for m7 in (0.0, 0.28, 50.0):
         assert all(0 <= place <= 100 for place in places(m7))
-
-
-# On a session
 
 
 @pytest.fixture(scope="module")
@@ -349,77 +221,3 @@ def test_hints_follow_the_geometry(desk: Desk) -> None:
     assert "Appendix 4: 0.28 kg" in handle.hint
     desk.set(slider(desk, "geometry.magnification"), 4.0)
     desk.until(lambda: f"lowers M_p2 by {number(9.81 / 4, 4)} N" in (handle.hint or ""))
-
-
-# In a browser
-
-
-def box(tab: Tab, label: str) -> Any:
-    """Return the number box of a slider."""
-    track = tab.page.locator(f'[id="{tab.handle(label)._impl.uuid}"]')
-    return track.locator("xpath=..").locator("input:not([type=hidden])")
-
-
-@pytest.mark.browser
-def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
-    tab.open_tab("Design")
-    for label, text, path in (
-        ("m_B3 bar 4–3–7", "12.5", "links.b3"),  # beyond the slider
-        ("m_pl platform", "0.75", "platform.mass"),  # through an impossible 0
-        ("m₅ B4, platform", "0.0625", "joints.j5"),  # finer than the slider
-    ):
-        field = box(tab, label)
-        field.click()
-        field.press("Control+a")
-        field.press_sequentially(text, delay=120)
-        until(
-            lambda path=path, text=text: tab.state.document.design.value(path) == float(text), path
-        )
-        # Leaving the box limits its number to the slider's range; by then the slider has to have
-        # grown on the page, which takes a moment.
-        thumb = tab.slider(label)
-        until(
-            lambda thumb=thumb, text=text: (
-                float(thumb.get_attribute("aria-valuemax")) >= float(text)
-            ),
-            "the slider grows",
-        )
-        field.press("Tab")
-        tab.page.wait_for_timeout(200)
-        assert field.input_value() == text
-        assert tab.state.document.design.value(path) == float(text)
-
-
-MEASURE = """uuids => uuids.map(uuid => {
-  const label = document.querySelector(`label[for="${uuid}"]`);
-  const row = document.getElementById(uuid).parentElement;
-  const field = row.querySelector("input:not([type=hidden])");
-  const [text, box] = [label.getBoundingClientRect(), field.getBoundingClientRect()];
-  return {height: text.height, right: text.right, left: box.left, end: box.right,
-          room: field.clientWidth - field.scrollWidth};
-})"""
-
-
-@pytest.mark.browser
-def test_nothing_is_cut_off(open_tab: Any) -> None:
-    width = 1280
-    tab = open_tab(width, 720)
-    tab.open_tab("Design")
-    for name in dict.fromkeys(group.tab for group in GROUPS):
-        tab.open_tab(name)
-        groups = [group for group in GROUPS if group.tab == name]
-        for group in groups:
-            if not group.open:
-                tab.page.get_by_text(group.title, exact=True).last.click()
-        labels = [row.label for group in groups for row in group.rows]
-        uuids = [tab.handle(label)._impl.uuid for label in labels]
-
-        def unfolded(uuids: list[str] = uuids) -> list[dict[str, float]] | None:
-            found = tab.page.evaluate(MEASURE, uuids)
-            return found if all(seen["height"] > 12 for seen in found) else None
-
-        for label, seen in zip(labels, until(unfolded, name), strict=True):
-            assert seen["height"] < 24, f"{label} takes two lines"
-            assert seen["right"] < seen["left"], f"{label} runs into its number"
-            assert seen["room"] >= 0, f"the number of {label} is cut off"
-            assert seen["end"] <= width, f"the number of {label} is off the page"
