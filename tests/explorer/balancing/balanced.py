@@ -1,0 +1,25 @@
+"""Balancing tasks done at once, for tests of their outcomes."""
+
+from __future__ import annotations
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing.jobs import Task
+from paminsa_viz.explorer.balancing.solving import run
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import Design
+from paminsa_viz.model.counterweight import Counterweight
+
+HANGING = Counterweight("b8", 8, 0.1, 1.0)
+
+
+def solved(state: State, task: Task = Task.BEST) -> State:
+    """Return the state after a task, done at once."""
+    begun = requests.begin(state, task)
+    assert begun.balancing.running is not None
+    return requests.taken(begun, run(begun.balancing.running))
+
+
+def with_design(state: State, design: Design) -> State:
+    """Return the state with another design."""
+    return actions.load_design(state, design)

@@ -1,0 +1,65 @@
+"""What can not be balanced, or not as wished, and how it is told."""
+
+from __future__ import annotations
+
+import pytest
+
+from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing.wishes import Arm, Goal
+from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.panels.balance_words import details_html, status_html
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import InvalidInput, balance_distance
+from paminsa_viz.model.balancing import InfeasibleBounds
+from tests.explorer.balancing.balanced import solved
+
+
+def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:
+    wished = requests.wish(start, arm_b3=Arm(0.1, 0.0), arm_b8=Arm(0.1, 0.5))
+    after = solved(wished)
+    assert after.document == start.document
+    outcome = after.balancing.outcome
+    assert outcome is not None
+    assert isinstance(outcome.problem, InfeasibleBounds)
+    text = status_html(after)
+    assert "The bounds do not allow it" in text
+    assert "<b>raise</b> weight on B8 past 8 from 0.5 to 3.896 kg" in text
+    assert details_html(outcome) == ""
+    # What it says would do does, and the refusal goes as soon as something is changed.
+    relaxed = requests.wish(after, arm_b8=Arm(0.1, 3.897))
+    assert relaxed.balancing.outcome is None
+    assert balance_distance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
+    near = solved(requests.wish(after, exact=False))
+    assert balance_distance(near.document.design) == pytest.approx(7.93255, abs=1e-5)
+    assert "As near to balance" in status_html(near)
+
+
+def test_without_a_motion_it_says_so(start: State) -> None:
+    table = motions.choose_kind(start, motions.Kind.TABLE)
+    after = solved(requests.choose_goal(table, Goal.PEAK))
+    assert "CSV" in status_html(after)
+    # The balance itself needs none.
+    assert "Balanced" in status_html(requests.balance_now(table))
+    assert "–" in details_html(requests.balance_now(table).balancing.outcome)
+
+
+def test_nothing_that_may_change_is_refused(start: State) -> None:
+    none = requests.wish(start, arm_b3=Arm(), arm_b8=Arm())
+    assert "give counterweights a mass" in status_html(solved(none))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"heavier": -1.0},
+        {"heavier": float("nan")},
+        {"lighter": 1.5},
+        {"share": 2.0},
+        {"arm_b8": Arm(2.0, 1.0)},
+        {"arm_b3": Arm(0.1, -1.0)},
+        {"added": 1e6},
+    ],
+)
+def test_numbers_out_of_range_are_refused(start: State, change: dict[str, object]) -> None:
+    with pytest.raises(InvalidInput, match="is possible"):
+        requests.wish(start, **change)

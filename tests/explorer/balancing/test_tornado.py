@@ -1,0 +1,66 @@
+"""The tornado: what each number of the design does."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing.jobs import Task
+from paminsa_viz.explorer.balancing.solving import middle
+from paminsa_viz.explorer.frame import near_singularity
+from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.panels.balance_tornado import TornadoFigure, words
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidInput,
+    balance_distance,
+    check_reach,
+    measure_singularity,
+)
+from paminsa_viz.model.balancing import OUTPUTS
+from tests.explorer.balancing.balanced import solved
+
+
+def test_the_tornado_has_the_longest_bar_on_top(start: State) -> None:
+    loaded = requests.add_weight(requests.add_weight(start, "b8", 8), "b3", 7)
+    after = solved(loaded, Task.TORNADO)
+    outcome = after.balancing.tornado
+    assert outcome is not None
+    assert outcome.tornado is not None
+    for output in range(len(OUTPUTS)):
+        tree = json.loads(TornadoFigure(outcome.tornado, output).to_json())
+        lengths = np.abs([trace["x"] for trace in tree["data"]]).max(axis=0)
+        assert len(lengths) > 5
+        assert (np.diff(lengths) <= 1e-12).all()
+        names = tree["data"][0]["y"]
+        assert len(names) == len(set(names))
+    assert "counterweight 2" in json.dumps(TornadoFigure(outcome.tornado, 0).to_json())
+    # What it says of m_7 is what a design with another m_7 has.
+    bar = next(bar for bar in outcome.tornado.bars if bar.path == "joints.j7")
+    more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
+    assert bar.plus[0] == pytest.approx(balance_distance(more))
+    assert "Of an earlier design" in words(requests.hang(after, ()))
+    with pytest.raises(InvalidInput):
+        requests.show_output(after, 9)
+
+
+def test_the_tornado_looks_at_clear_poses(start: State) -> None:
+    job = requests.make_job(start, Task.TORNADO)
+    poses = middle(job).poses()
+    geometry = APPENDIX_4.geometry
+    assert check_reach(geometry, poses).ok.all()
+    assert not near_singularity(measure_singularity(geometry, poses)).any()
+    far = solved(actions.move(start, z=-3.0), Task.TORNADO)
+    assert "no pose around the middle is clear" in words(far)
+
+
+def test_without_a_motion_the_tornado_says_what_it_can(start: State) -> None:
+    table = motions.choose_kind(start, motions.Kind.TABLE)
+    after = solved(table, Task.TORNADO)
+    assert "Nothing to show" not in words(after)
+    assert "Nothing to show" in words(requests.show_output(after, 3))
