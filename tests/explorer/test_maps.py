@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions, maps
-from paminsa_viz.explorer.maps import (
-    COARSE,
-    FULL,
-    MapStore,
-    cell_centres,
-    choose,
-    go_to,
-    half_width,
-)
-from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
-from paminsa_viz.figures.maps import MapData
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.model import (
     APPENDIX_4,
     Assembly,
@@ -31,8 +18,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
-
-CELLS = 31
+from tests.explorer.map_poses import CELLS, at, poses_of
 
 
 @pytest.fixture
@@ -47,15 +33,6 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     monkeypatch.setattr(maps, "solve_field", counted)
     return calls
-
-
-def at(**pose: float) -> State:
-    return actions.move(initial_state(), **({"theta": 0.7, "z": -0.5} | pose))
-
-
-def poses_of(data: MapData) -> np.ndarray:
-    x, y = np.meshgrid(data.x, data.y)
-    return np.stack([x, y, np.full_like(x, data.theta), np.full_like(x, data.z)], axis=-1)
 
 
 class TestNumbers:
@@ -212,125 +189,3 @@ class TestDifference:
         state = actions.set_map_view(actions.pin_reference(at()), difference=True)
         assert np.nanmax(np.abs(store.data(state, CELLS).values)) == 0
         assert np.nanmax(np.abs(store.present(state, CELLS).values)) > 1
-
-
-class TestExtent:
-    @settings(max_examples=60, deadline=None)
-    @given(
-        theta=st.floats(-math.pi, math.pi),
-        z=st.floats(-1.0, 1.0),
-        crank=st.floats(0.3, 0.6),
-        base=st.floats(0.15, 0.5),
-    )
-    def test_nothing_within_reach_lies_outside(
-        self, theta: float, z: float, crank: float, base: float
-    ) -> None:
-        geometry = replace(APPENDIX_4.geometry, crank_length=crank, base_radius=base)
-        half = half_width(geometry)
-        angle = np.linspace(0, 2 * np.pi, 61)
-        edge = half * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-        outside = np.concatenate([edge * factor for factor in (1.0, 1.01, 1.2, 2.0)])
-        poses = np.column_stack([outside, np.tile([theta, z], (len(outside), 1))])
-        assert not check_reach(geometry, poses).ok.any()
-
-    def test_it_stays_while_pose_and_masses_change(self) -> None:
-        store, state = MapStore(), at()
-        extents = {
-            store.data(s, cells).extent
-            for s in (
-                state,
-                actions.move(state, theta=-2.0, z=-0.9, x=0.1),
-                actions.vary(state, {"links.b3": 2.0}),
-            )
-            for cells in (COARSE, FULL)
-        }
-        half = half_width(APPENDIX_4.geometry)
-        np.testing.assert_allclose(list(extents), [(-half, half, -half, half)] * len(extents))
-
-    def test_it_is_not_much_larger_than_the_workspace(self) -> None:
-        state = actions.move(initial_state(), theta=0.0, z=-0.0275)
-        data = MapStore().data(state, FULL)
-        radius = np.hypot(*np.meshgrid(data.x, data.y))[data.status == 0].max()
-        assert radius > 0.9 * half_width(APPENDIX_4.geometry)
-
-    def test_cells_are_equal_and_symmetric(self) -> None:
-        centres = cell_centres(0.3, 7)
-        np.testing.assert_allclose(np.diff(centres), 0.6 / 7)
-        np.testing.assert_allclose(centres, -centres[::-1], atol=1e-16)
-
-
-class TestColours:
-    def scales(self, view: MapView, quantities=(Quantity.TAU_1, Quantity.TAU_2)):  # type: ignore[no-untyped-def]
-        store = MapStore()
-        state = replace(at(), map_view=view)
-        data = store.data(state, FULL, quantities)
-        return data, store.scales(state, data, quantities)
-
-    def test_the_robust_range_is_the_same_coarse_and_full(self) -> None:
-        store, state = MapStore(), at(theta=1.0)
-        scales = [store.scales(state, store.data(state, cells)) for cells in (COARSE, FULL)]
-        assert scales[0] == scales[1]
-
-    def test_a_manual_range_holds_in_its_unit_only(self) -> None:
-        view = MapView(range_mode=RangeMode.MANUAL, low=-3.0, high=4.5)
-        _, scales = self.scales(view)
-        assert {(s.low, s.high) for s in scales} == {(-3.0, 4.5)}
-        _, forces = self.scales(view, (Quantity.F_4,))
-        assert (forces[0].low, forces[0].high) != (-3.0, 4.5)
-
-    @pytest.mark.parametrize("ends", [(2.0, 2.0), (0.0, 0.0), (1e300, 2e300), (math.nan, 1.0)])
-    def test_an_impossible_manual_range_is_not_used(self, ends: tuple[float, float]) -> None:
-        _, robust = self.scales(MapView())
-        _, scales = self.scales(MapView(range_mode=RangeMode.MANUAL, low=ends[0], high=ends[1]))
-        assert scales == robust
-
-    def test_a_manual_range_may_be_given_backwards(self) -> None:
-        _, scales = self.scales(MapView(range_mode=RangeMode.MANUAL, low=5.0, high=-2.0))
-        assert (scales[0].low, scales[0].high) == (-2.0, 5.0)
-
-    @pytest.mark.parametrize("shared", [True, False])
-    def test_the_full_range_holds_every_value(self, shared: bool) -> None:
-        data, scales = self.scales(MapView(range_mode=RangeMode.FULL, shared=shared))
-        for values, scale in zip(data.values, scales, strict=True):
-            assert scale.low <= np.nanmin(values)
-            assert np.nanmax(values) <= scale.high
-            assert scale.low == -scale.high
-        if shared:
-            assert scales[0] == scales[1]
-
-    def test_the_full_range_of_a_magnitude_is_tight(self) -> None:
-        data, (scale,) = self.scales(MapView(range_mode=RangeMode.FULL), (Quantity.F_4,))
-        low, high = np.nanmin(data.values), np.nanmax(data.values)
-        assert scale.low <= low
-        assert high <= scale.high
-        assert scale.high - scale.low < 1.2 * (high - low)
-
-    def test_log_and_own_ranges(self) -> None:
-        _, scales = self.scales(MapView(logarithmic=True, shared=False))
-        assert {s.kind for s in scales} == {"symlog"}
-
-    def test_nothing_in_reach_still_has_a_scale(self) -> None:
-        store = MapStore()
-        state = at(z=-5.0)
-        for mode in RangeMode:
-            view = MapView(range_mode=mode)
-            data = store.data(state, CELLS)
-            assert np.isnan(data.values).all()
-            assert len(choose(data, data, view)) == 3
-
-
-class TestGoTo:
-    @given(
-        x=st.floats(allow_nan=False, allow_infinity=False),
-        y=st.floats(allow_nan=False, allow_infinity=False),
-    )
-    def test_it_stays_on_the_map(self, x: float, y: float) -> None:
-        half = half_width(APPENDIX_4.geometry)
-        state = go_to(at(), x, y)
-        assert max(map(abs, state.document.pose[:2])) <= half
-        assert state.document.pose[2:] == at().document.pose[2:]
-
-    def test_a_reachable_place_is_taken(self) -> None:
-        state = go_to(at(), 0.0512349, -0.03)
-        assert state.document.pose[:2] == (0.0512, -0.03)
-        assert state.standing.pose == state.document.pose
