@@ -3,39 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import (
-    APPENDIX_4,
-    BAR_ENDS,
-    Counterweight,
-    Design,
-    Friction,
-    InvalidDesign,
-    InvalidInput,
-    Misprint,
-    lumped_coefficients,
-    solve_field,
-    static_torques,
-)
+from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Counterweight, Friction, lumped_coefficients
 from paminsa_viz.model.balancing import (
     LIFT,
-    Active,
     AddedMass,
     Changes,
     Imbalance,
-    InfeasibleBounds,
     MassChange,
     MassRange,
     Rail,
-    StaticLift,
     StaticPeak,
-    StaticRms,
     Term,
     TrajectoryEnergy,
     TrajectoryPeak,
@@ -45,79 +28,9 @@ from paminsa_viz.model.balancing import (
     whole_mass,
 )
 from paminsa_viz.model.trajectory import Trajectory, analyse, solve_trajectory
-from tests.model.balancing.robots import (
-    PATHS,
-    changes,
-    field,
-    random_choices,
-    solved,
-    trajectory,
-    workspace,
-)
+from tests.model.balancing.measuring import RANDOM, measured, of_random, terms
+from tests.model.balancing.robots import PATHS, changes, field, random_choices, solved, trajectory
 from tests.model.cases import Case, cases
-
-RANDOM = 10_000
-
-
-def measured(design: Design) -> dict[str, float]:
-    """Every term of a design, from the functions that analyse designs."""
-    poses = workspace().poses()
-    held = static_torques(design, poses).reshape(-1, 4)
-    motion = analyse(design, trajectory())
-    t = trajectory().t
-    square = np.trapezoid(motion.torque**2, t, axis=0) / (t[-1] - t[0])
-    return {
-        "peak static torque": float(np.abs(held[:, :3]).max()),
-        "RMS static torque": float(np.sqrt(np.mean(held[:, :3] ** 2))),
-        "peak static force of M4": float(np.abs(held[:, 3]).max()),
-        "peak torque of M1-M3 on the trajectory": max(abs(s.peak) for s in motion.summary[:3]),
-        "RMS torque of M1-M3 on the trajectory": float(
-            np.sqrt(np.mean([s.rms**2 for s in motion.summary[:3]]))
-        ),
-        "peak force of M4 on the trajectory": abs(motion.summary[3].peak),
-        "RMS force of M4 on the trajectory": float(np.sqrt(square[3])),
-        "driving energy on the trajectory": sum(s.driven for s in motion.summary),
-        "added mass": whole_mass(design) - whole_mass(APPENDIX_4),
-    }
-
-
-def terms() -> list[Term]:
-    return [
-        StaticPeak(field()), StaticRms(field()), StaticLift(field()),
-        TrajectoryPeak(solved()), TrajectoryRms(solved()),
-        TrajectoryPeak(solved(), LIFT), TrajectoryRms(solved(), LIFT),
-        TrajectoryEnergy(solved()), AddedMass(),
-    ]  # fmt: skip
-
-
-def of_random(term: Term, c: Any, mass: Any) -> Any:
-    """A term of many designs at once, (count,), from c and the torques Y c themselves."""
-    s, f = solved(), field()
-    if isinstance(term, AddedMass):
-        return mass - whole_mass(APPENDIX_4)
-    if isinstance(term, (StaticPeak, StaticRms)):
-        gamma = f.gamma[:3][np.isfinite(f.gamma[:3])]
-        size = np.abs(gamma).max() if isinstance(term, StaticPeak) else np.sqrt(np.mean(gamma**2))
-        return np.abs(c[1]) * size
-    if isinstance(term, StaticLift):
-        constant = 3.0 * (c[16] * 9.81 + 3 * c[0]) + 3 * c[2]
-        lift = f.gamma[3][np.isfinite(f.gamma[3])]
-        return np.abs(np.outer(lift, c[1]) + constant).max(axis=0)
-    everything = isinstance(term, TrajectoryEnergy)
-    actuators = list(range(4)) if everything else list(term.actuators)  # type: ignore[attr-defined]
-    found = []
-    for part in np.array_split(np.arange(c.shape[1]), 20):
-        torque = np.einsum("nji,ik->njk", s.y[:, actuators], c[:, part])
-        t = s.trajectory.t
-        if everything:
-            power = torque * s.speed[:, :, None]
-            found.append(np.trapezoid(np.maximum(power, 0), t, axis=0).sum(axis=0))
-        elif isinstance(term, TrajectoryPeak):
-            found.append(np.abs(torque).max(axis=(0, 1)))
-        else:
-            square = np.trapezoid(torque**2, t, axis=0).mean(axis=0) / (t[-1] - t[0])
-            found.append(np.sqrt(square))
-    return np.concatenate(found)
 
 
 @pytest.mark.parametrize("term", terms(), ids=lambda term: term.label)
@@ -181,89 +94,6 @@ def test_weighted_sums_and_limits() -> None:
     total = sum(w * of_random(term, c[:, allowed], mass[allowed]) for w, term in goals)
     assert allowed.sum() > 20
     assert total.min() > result.lower_bound
-
-
-@pytest.mark.parametrize("term", [TrajectoryPeak(solved()), TrajectoryRms(solved())])
-def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
-    # no two of the same place, or what is taken away from the one could be had from the other
-    masses = tuple(mass for mass in changes().masses if mass.path != "joints.j7")
-    what = Changes(masses, changes().rails[:2])
-    limit = (StaticPeak(field()), 0.5)
-    result = optimise(APPENDIX_4, what, term, limits=[limit])
-    h = 1e-4
-
-    def gain(item: Active, step: float) -> float:
-        """By how much the optimum falls for a bound moved outward by a step."""
-        below, other = 0.5, what
-        outward = -step if item.side in ("low", "nearest") else step
-        if item.side == "limit":
-            below += outward
-        elif any(mass.path == item.name for mass in what.masses):
-            other = replace(what, masses=tuple(
-                replace(mass, **{item.side: item.bound + outward})
-                if mass.path == item.name else mass for mass in what.masses
-            ))  # fmt: skip
-        else:
-            other = replace(what, rails=tuple(
-                replace(rail, **{item.side: item.bound + outward})
-                if rail.name == item.name else rail for rail in what.rails
-            ))  # fmt: skip
-        return (
-            result.objective
-            - optimise(APPENDIX_4, other, term, limits=[(limit[0], below)]).objective
-        )
-
-    seen = set()
-    for item in result.active:
-        if item.price > 1e-3 and not (item.side == "low" and item.bound == 0):
-            seen.add(item.side)
-            # a convex optimum: relaxing buys no more than the multiplier says, tightening costs
-            # no less, and in so small a step both are near to it
-            assert gain(item, h) == pytest.approx(item.price * h, rel=0.02)
-            assert gain(item, -h) == pytest.approx(-item.price * h, rel=0.02)
-    assert {"low", "limit"} <= seen
-
-
-def test_limits_that_can_not_be_met_say_what_can() -> None:
-    what = changes(0.2)
-    with pytest.raises(InfeasibleBounds) as caught:
-        optimise(APPENDIX_4, what, AddedMass(), limits=[(TrajectoryRms(solved()), 0.5)])
-    (short,) = caught.value.limits
-    least = optimise(APPENDIX_4, what, TrajectoryRms(solved())).objective
-    assert short.attainable == pytest.approx(least, rel=1e-7)
-    assert "RMS torque of M1-M3" in str(caught.value)
-    assert caught.value.relax
-    wider = {item.name: item for item in caught.value.relax}
-
-    def relaxed(name: str, low: float, high: float) -> tuple[float, float]:
-        item = wider.get(name)
-        if item is None:
-            return low, high
-        return (
-            (max(item.needed - 1e-7, 0), high) if item.side == "low" else (low, item.needed + 1e-7)
-        )
-
-    ranges = []
-    for mass in what.masses:
-        low, high = relaxed(mass.path, mass.low, mass.high)
-        ranges.append(replace(mass, low=low, high=high))
-    rails = []
-    for rail in what.rails:
-        low, high = relaxed(rail.name, rail.low, rail.high)
-        rails.append(replace(rail, low=low, high=high))
-    result = optimise(
-        APPENDIX_4, Changes(tuple(ranges), tuple(rails)), AddedMass(),
-        limits=[(TrajectoryRms(solved()), 0.5)],
-    )  # fmt: skip
-    assert measured(result.after)["RMS torque of M1-M3 on the trajectory"] < 0.5 + 1e-6
-
-
-def test_several_limits_at_odds() -> None:
-    limits = [(AddedMass(), -4.0), (StaticPeak(field()), 0.0)]
-    with pytest.raises(InfeasibleBounds) as caught:
-        optimise(APPENDIX_4, changes(0.2), MassChange(), limits=limits)
-    assert len(caught.value.limits) == 2
-    assert all(item.attainable > item.limit for item in caught.value.limits)
 
 
 @given(case=cases(), seed=st.integers(0, 1000))
@@ -363,54 +193,3 @@ def test_inertia_follows_a_link_only_if_asked() -> None:
         after = optimise(APPENDIX_4, what, AddedMass()).after
         share = 0.5 if follows else 1.0
         assert after.inertias.b4_transverse == pytest.approx(share * 0.048)
-
-
-@pytest.mark.parametrize(
-    ("make", "named"),
-    [
-        (lambda: MassRange("joints.j7", 2.0, 1.0), "joints.j7"),
-        (lambda: MassRange("joints.j7", -1.0, 1.0), "joints.j7"),
-        (lambda: MassRange("joints.j7", 0.0, np.inf), "joints.j7"),
-        (lambda: beyond("b8", 8, -0.1, 1.0), "B8"),
-        (lambda: Rail("b8", 8, 0.0, 0.1, 1.0, 2.0), "B8"),
-        (lambda: Changes((MassRange("joints.j7", 0, 1), MassRange("joints.j7", 0, 2))), "j7"),
-        (
-            lambda: optimise(APPENDIX_4, Changes((MassRange("inertias.b3_axial", 0, 1),)),
-                             AddedMass()),
-            "inertias.b3_axial",
-        ),
-        (
-            lambda: optimise(APPENDIX_4, Changes((MassRange("counterweights.0.mass", 0, 1),)),
-                             AddedMass()),
-            "counterweights.0.mass",
-        ),
-        (lambda: optimise(APPENDIX_4, Changes(), [(-1.0, AddedMass())]), "added mass"),
-        (
-            lambda: optimise(APPENDIX_4.vary({"geometry.base_radius": 0.36}), Changes(),
-                             StaticPeak(field())),
-            "field",
-        ),
-        (
-            lambda: optimise(APPENDIX_4, Changes(), TrajectoryPeak(solve_trajectory(
-                APPENDIX_4.geometry, trajectory(), misprints=Misprint.APP3_MC4))),
-            "trajectory",
-        ),
-        (
-            lambda: optimise(
-                APPENDIX_4.vary({"geometry.guide_stroke": 0.05}), Changes(),
-                StaticPeak(solve_field(APPENDIX_4.vary(
-                    {"geometry.guide_stroke": 0.05}).geometry, workspace())),
-            ),
-            "field",
-        ),
-    ],
-)  # fmt: skip
-def test_impossible_requests_are_refused(make, named: str) -> None:
-    with pytest.raises((InvalidInput, InvalidDesign), match=named):
-        make()
-
-
-def test_a_trajectory_that_fails_is_refused() -> None:
-    short = APPENDIX_4.vary({"geometry.guide_stroke": 0.1})
-    with pytest.raises(InvalidInput, match="whole trajectory"):
-        optimise(short, Changes(), TrajectoryPeak(solve_trajectory(short.geometry, trajectory())))

@@ -16,6 +16,7 @@ from paminsa_viz.model.balancing import (
     pareto_front,
 )
 from paminsa_viz.model.trajectory import analyse
+from tests.model.balancing.measuring import of_random
 from tests.model.balancing.robots import (
     changes,
     field,
@@ -24,7 +25,6 @@ from tests.model.balancing.robots import (
     trajectory,
     workspace,
 )
-from tests.model.balancing.test_optimum import of_random
 
 TERMS = (TrajectoryPeak(solved()), StaticPeak(field()))
 
