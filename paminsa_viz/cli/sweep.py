@@ -1,4 +1,4 @@
-"""``paminsa-viz sweep``: many designs, measured over the workspace, into a table that survives."""
+"""``paminsa-viz sweep``: many designs, each measured, into a table that survives a kill."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ import math
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 import tyro
 
-from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import PROGRAM, UsageError, complain, parse
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.output import print_json
+from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.explorer.bounds import largest, require_workable
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
@@ -44,10 +44,16 @@ Measure many designs over the workspace: torques, masses, distances to every lim
   paminsa-viz sweep --vary links.b3=0.2,0.406,0.9 --radius 120 --theta 0 --theta 60 --out three.csv
   paminsa-viz sweep --random 10000 --vary geometry.base_radius --vary geometry.crank_length
       --spread 0.2 --seed 1 --scale-bars --out random.csv
+  paminsa-viz sweep --vary joints.j7=0:1:11 --preset arch --out arch.csv
 
 A grid is every combination of LOW:HIGH:COUNT or of values between commas. Random designs are drawn
 evenly from LOW:HIGH or, for a path alone, from --spread around the design's own value. Names are
 those of the model, values in SI units; `paminsa-viz design show` lists both.
+
+With --preset or --file, each design is also measured on that motion: torques, forces and energy as
+`paminsa-viz trajectory` has them. A preset is sized for the design that the others are made from,
+so that all of them run the same motion. A design that can not run it has no such numbers; the
+columns motion and motion_fails_s say why not and when.
 
 Rows are written as they come. After Ctrl-C, a kill or a power cut the same command goes on where
 the table ends; no row is lost or written twice. --jobs and --dask change nothing in the table.
@@ -97,6 +103,11 @@ class Sweep:
     max_condition: float = 10.0
     """Largest condition number at which torques count; beyond it they grow without bound."""
 
+    preset: PresetName | None = None
+    """A ready-made motion to measure the designs on as well."""
+    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """A motion as a table, instead of a preset."""
+
     restart: bool = False
     """Begin anew, whatever the table holds."""
     jobs: int | None = None
@@ -112,17 +123,19 @@ def main(words: list[str]) -> int:
     flags = parse(Sweep, words, "sweep", DESCRIPTION)
     if flags.dask is not None and flags.jobs is not None:
         raise UsageError("--dask and --jobs exclude each other")
+    if flags.preset is not None and flags.file is not None:
+        raise UsageError("--preset and --file exclude each other")
     design = APPENDIX_4 if flags.design is None else load_design(flags.design)
     study = study_of(flags, require_workable(design))
     begun = time.monotonic()
-    latest = StudySummary()
+    latest = StudySummary(study)
 
     def note(summary: StudySummary) -> None:
         nonlocal latest
         latest = summary
         show(summary)
 
-    with _progress(study.size) as show:
+    with progress_bar(study.size) as show:
         try:
             with _workers(flags, study) as workers:
                 run_study(
@@ -141,9 +154,9 @@ def main(words: list[str]) -> int:
             raise
     seconds = time.monotonic() - begun
     if flags.json:
-        print_json(report(flags, study, latest, seconds))
+        print_json(report(flags.out, latest, seconds))
     else:
-        _print(flags, study, latest, seconds)
+        print_report(flags.out, latest, seconds)
     return 0
 
 
@@ -152,6 +165,7 @@ def study_of(flags: Sweep, design: Design) -> Study:
 
     Raises:
         UsageError, InvalidInput: Which value is not possible, and what is.
+        TableFileError: If the motion's file can not be read.
     """
     if not flags.vary:
         raise UsageError("--vary is needed, such as --vary links.b3=0.2:0.6:5")
@@ -168,7 +182,10 @@ def study_of(flags: Sweep, design: Design) -> Study:
     variation = _random(flags, design) if flags.random is not None else _grid(flags)
     if variation.size > MOST:
         raise UsageError(f"{variation.size} designs are too many; {MOST} are possible")
-    return Study(design, variation, region, assembly, flags.scale_bars)
+    motion = None
+    if flags.preset is not None or flags.file is not None:
+        motion = motion_of(flags.preset or "paper-like", flags.file, design.geometry, assembly)
+    return Study(design, variation, region, assembly, flags.scale_bars, motion)
 
 
 def _grid(flags: Sweep) -> DesignGrid:
@@ -228,70 +245,3 @@ def _workers(flags: Sweep, study: Study) -> AbstractContextManager[Workers]:
         return cluster(flags.dask)
     small = flags.jobs is None and study.work < WORTH_PROCESSES
     return processes(1 if small else flags.jobs)
-
-
-@contextmanager
-def _progress(total: int) -> Iterator[Callable[[StudySummary], None]]:
-    """Show a bar while the work goes on, to people: not to files and other programs."""
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True)
-    columns = (
-        TextColumn("{task.description}"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeElapsedColumn(),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
-        task = bar.add_task("designs", total=total)
-
-        def show(summary: StudySummary) -> None:
-            bar.update(task, completed=summary.rows)
-            if summary.rows == summary.found:
-                bar.reset(task, completed=summary.rows)  # what was there says nothing of the speed
-
-        yield show
-
-
-def report(flags: Sweep, study: Study, summary: StudySummary, seconds: float) -> dict[str, Any]:
-    """Return what the table holds as data for JSON, in SI units."""
-    return {
-        "made_by": f"paminsa_viz {__version__}",
-        "file": str(flags.out),
-        "design": study.design.name,
-        "assembly": study.assembly.value,
-        "rows": summary.rows,
-        "found": summary.found,
-        "seconds": round(seconds, 3),
-        "status": summary.status,
-        "metrics": {name: vars(found) for name, found in summary.extremes.items()},
-    }
-
-
-def _print(flags: Sweep, study: Study, summary: StudySummary, seconds: float) -> None:
-    rows = [("", "least", "in row", "largest", "in row")]
-    for name, found in summary.extremes.items():
-        least, least_row = _told(found.least, found.least_row)
-        most, most_row = _told(found.largest, found.largest_row)
-        rows.append((name, least, least_row, most, most_row))
-    print_table(rows, right=True)
-    others = ", ".join(f"{count} {word}" for word, count in summary.status.items() if word != "ok")
-    before = f", {summary.found} of them found there" if summary.found else ""
-    print(
-        f"{flags.out}: {summary.rows} designs{before}"
-        + (f", {others}" if others else "")
-        + f", {seconds:.1f} s"
-    )
-
-
-def _told(value: float, row: int) -> tuple[str, str]:
-    return ("-", "-") if row < 0 else (f"{value:.4g}", str(row))

@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import BinaryIO
 
 from paminsa_viz.files.atomic import as_file_error
-from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.errors import TableFileError, printable
 
 LONGEST_LINE = 1_000_000
 """Longest line [bytes]; a file of something else must not fill the memory."""
@@ -43,7 +43,8 @@ class GrowingTable:
             head: Key and value of the ``#`` lines at the top of a new table, each on one line. A
                 table begins with the first of them.
             columns: Names of the columns; the first one is the row's number.
-            identity: Key of the head that tells this table from others.
+            identity: Key of the head that tells this table from others. The lines below it are
+                what it follows from: where it differs, the first of them that does is named.
             restart: Throw away what the file holds.
 
         Raises:
@@ -142,7 +143,7 @@ class GrowingTable:
         """
         wanted = f"# {identity}: {head[identity]}"
         first = _first(head).encode()
-        found = False
+        found: list[str] = []
         for number in range(1, 10_000):
             line = self._file.readline(LONGEST_LINE)
             if number == 1 and not (line.startswith(first) or first.startswith(line)):
@@ -151,13 +152,14 @@ class GrowingTable:
                 return False
             text = line.decode("utf-8", "replace").rstrip("\n")
             if text.startswith("#"):
-                found = found or text == wanted
-            elif found and text == ",".join(self._columns):
+                found.append(text)
+            elif wanted in found and text == ",".join(self._columns):
                 self._head_lines, self._start = number, self._file.tell()
                 return True
             else:
                 break
-        problem = "holds something else; take another name, or begin anew"
+        other = _difference(found, head, identity)
+        problem = f"holds {other}; take another name, or begin anew"
         raise TableFileError(self._source, problem)
 
     def _begin(self, head: Mapping[str, str]) -> None:
@@ -184,3 +186,20 @@ class GrowingTable:
 def _first(head: Mapping[str, str]) -> str:
     key, value = next(iter(head.items()))
     return f"# {key}: {value}\n"
+
+
+def _difference(found: Sequence[str], head: Mapping[str, str], identity: str) -> str:
+    """Return what a table holds instead, by the first value below the identity that differs."""
+    theirs = {key: value for key, _, value in (line[2:].partition(": ") for line in found)}
+    if identity not in theirs:
+        return "something else"
+    for key in (*_below(head, identity), *_below(theirs, identity)):
+        there, here = (printable(said.get(key, "none")[:80]) for said in (theirs, head))
+        if there != here:
+            return f'another {identity}, whose {key} is "{there}", not "{here}"'
+    return "something else" if theirs[identity] == head[identity] else f"another {identity}"
+
+
+def _below(head: Mapping[str, str], identity: str) -> list[str]:
+    keys = list(head)
+    return keys[keys.index(identity) + 1 :]

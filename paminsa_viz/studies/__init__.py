@@ -1,19 +1,22 @@
-"""Studies: many designs, each measured over the workspace, into a table that survives a kill.
+"""Studies: many designs, each measured over the workspace, and on a motion if one is given.
 
-`Study` says which designs and what is measured; `run_study` streams its rows to a file and goes on
-where an earlier run was stopped; `processes` and `cluster` are where the work is done.
+`Study` says which designs and what is measured; `run_study` streams its rows to a table that
+survives a kill, and goes on where an earlier run was stopped; `processes` and `cluster` are where
+the work is done.
 """
 
 from __future__ import annotations
 
 from paminsa_viz.studies.executors import Workers, cluster, here, processes
 from paminsa_viz.studies.metrics import METRICS, Metric, Region, default_region, measure_design
+from paminsa_viz.studies.motion_metrics import MOTION_METRICS, measure_motion
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
 from paminsa_viz.studies.variations import DesignAxis, DesignGrid, DesignRange, RandomDesigns
 
 __all__ = [
     "METRICS",
+    "MOTION_METRICS",
     "DesignAxis",
     "DesignGrid",
     "DesignRange",
@@ -28,6 +31,7 @@ __all__ = [
     "default_region",
     "here",
     "measure_design",
+    "measure_motion",
     "processes",
     "run_study",
 ]

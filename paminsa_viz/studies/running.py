@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, field
 
 from paminsa_viz.files.growing_table import GrowingTable
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.metrics import METRICS
+from paminsa_viz.studies.metrics import METRICS, Metric
+from paminsa_viz.studies.motion_metrics import MOTION_METRICS, RUNS
 from paminsa_viz.studies.study import OK, Study
 
 PART = 8
@@ -49,29 +50,46 @@ class StudySummary:
     """What a study's table holds.
 
     Attributes:
+        study: The study.
         rows: Number of rows in the file.
         found: How many of them were there before this run.
         status: How many rows have which status; an impossible design's counts as ``impossible``.
-        extremes: By column of `METRICS`, over the rows whose status is ok.
+        motion: How many rows have which word for the motion, without the leg.
+        extremes: By column of the study's metrics. Of those over the region, rows count whose
+            status is ok; of those on the motion, rows whose design can run it.
     """
 
+    study: Study
     rows: int = 0
     found: int = 0
     status: dict[str, int] = field(default_factory=dict)
-    extremes: dict[str, Extremes] = field(
-        default_factory=lambda: {metric.column: Extremes() for metric in METRICS}
-    )
+    motion: dict[str, int] = field(default_factory=dict)
+    extremes: dict[str, Extremes] = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.extremes = {metric.column: Extremes() for metric in self.study.metrics}
 
     def take_in(self, cells: Sequence[str]) -> None:
         """Count one more row of the table."""
-        word = cells[-len(METRICS) - 1].partition(":")[0]
         self.rows += 1
-        self.status[word] = self.status.get(word, 0) + 1
-        if word != OK:
-            return
-        for metric, cell in zip(METRICS, cells[-len(METRICS) :], strict=True):
+        row = dict(zip(self.study.columns, cells, strict=True))
+        if _count(self.status, row["status"]) == OK:
+            self._take_in(row, METRICS)
+        if row.get("motion") and _count(self.motion, row["motion"]) == RUNS:
+            self._take_in(row, MOTION_METRICS)
+
+    def _take_in(self, row: Mapping[str, str], metrics: tuple[Metric, ...]) -> None:
+        for metric in metrics:
+            cell = row[metric.column]
             if cell:
-                self.extremes[metric.column].take_in(int(cells[0]), float(cell))
+                self.extremes[metric.column].take_in(int(row["row"]), float(cell))
+
+
+def _count(counts: dict[str, int], said: str) -> str:
+    """Count a word, and return it without what it adds after a colon."""
+    word = said.partition(":")[0]
+    counts[word] = counts.get(word, 0) + 1
+    return word
 
 
 def run_study(
@@ -101,7 +119,7 @@ def run_study(
         WorkersLost: If worker processes died; what is written can be gone on with.
     """
     head = study.provenance(command)
-    summary = StudySummary()
+    summary = StudySummary(study)
     with GrowingTable(path, head, study.columns, identity="study", restart=restart) as table:
         for cells in table.read():
             summary.take_in(cells)

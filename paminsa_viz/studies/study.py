@@ -1,4 +1,4 @@
-"""A study: which designs, measured over which poses; every row of its table by its number."""
+"""A study: which designs, over which poses, on which motion; every row by its number."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ from paminsa_viz.model.balancing.requirements import resized
 from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
-from paminsa_viz.studies.metrics import METRICS, Region, measure_design
+from paminsa_viz.model.trajectory import Trajectory
+from paminsa_viz.studies.metrics import METRICS, Metric, Region, measure_design
+from paminsa_viz.studies.motion_metrics import MOTION_METRICS, measure_motion, samples_hash
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 
 FORMAT = "paminsa_viz sweep 1"
@@ -25,10 +27,15 @@ FORMAT = "paminsa_viz sweep 1"
 
 OK = "ok"
 
+SAMPLE_WORK = 4
+"""Poses of a region that take as long as a sample of a motion."""
+
 
 @dataclass(frozen=True)
 class Study:
-    """Many designs, each measured over a region of the workspace; can be sent to other processes.
+    """Many designs, each measured over a region of the workspace, and on a motion if there is one.
+
+    It can be sent to other processes.
 
     Attributes:
         design: Where the values come from that do not vary.
@@ -36,6 +43,7 @@ class Study:
         region: The poses that are looked at.
         assembly: Root of the knee.
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
+        trajectory: A motion, the same one for all designs, or None.
     """
 
     design: Design
@@ -43,6 +51,7 @@ class Study:
     region: Region
     assembly: Assembly = Assembly.PRINTED
     scale_bars: bool = False
+    trajectory: Trajectory | None = None
 
     @property
     def size(self) -> int:
@@ -51,14 +60,24 @@ class Study:
 
     @property
     def work(self) -> int:
-        """Number of poses to be solved in all."""
-        region = self.region
-        return self.size * len(region.theta) * len(region.z) * region.cells**2
+        """Number of poses to be solved in all, or of what takes as long."""
+        region, motion = self.region, self.trajectory
+        poses = len(region.theta) * len(region.z) * region.cells**2
+        return self.size * (poses + (0 if motion is None else SAMPLE_WORK * motion.size))
+
+    @property
+    def metrics(self) -> tuple[Metric, ...]:
+        """What is measured, in the order of the table's columns."""
+        return METRICS if self.trajectory is None else METRICS + MOTION_METRICS
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the table's columns."""
-        return ("row", *map(column, self.variation.paths), "status", *(m.column for m in METRICS))
+        first = ("row", *map(column, self.variation.paths), "status")
+        columns = first + tuple(metric.column for metric in METRICS)
+        if self.trajectory is None:
+            return columns
+        return (*columns, "motion", "motion_fails_s", *(m.column for m in MOTION_METRICS))
 
     def vary(self, values: tuple[float, ...]) -> Design:
         """Return the design with these values at the paths that vary.
@@ -76,8 +95,9 @@ class Study:
         """Return the cells of one row: its number, the values, the status, the metrics.
 
         The status is ``ok``, ``not-reached`` or ``not-usable`` if no pose of the region is, or
-        ``impossible`` with the design value that stands in the way. A number is written so that it
-        reads back as the same one; where there is none the cell is empty.
+        ``impossible`` with the design value that stands in the way. The motion has a word of its
+        own and a time, see `measure_motion`. A number is written so that it reads back as the same
+        one; where there is none the cell is empty.
         """
         # Compiled formulae differ from those on arrays in the last digit, and a row has to be the
         # same in every process.
@@ -86,14 +106,15 @@ class Study:
         try:
             design = self.vary(values)
         except InvalidDesign as error:
-            status, found = f"impossible:{error.field}", (np.nan,) * len(METRICS)
-        else:
-            with np.errstate(all="ignore"):
-                found = measure_design(
-                    design, self.region, self.assembly, base_mass=self._base_mass
-                )
-            status = self._status(found)
-        return (str(index), *map(repr, values), status, *map(_cell, found))
+            cells = (str(index), *map(repr, values), f"impossible:{error.field}")
+            return cells + ("",) * (len(self.columns) - len(cells))
+        with np.errstate(all="ignore"):
+            found = measure_design(design, self.region, self.assembly, base_mass=self._base_mass)
+            cells = (str(index), *map(repr, values), self._status(found), *map(_cell, found))
+            if self.trajectory is None:
+                return cells
+            word, time, loads = measure_motion(design, self.trajectory, self.assembly)
+        return (*cells, word, *map(_cell, (time, *loads)))
 
     def rows(self, part: range) -> list[tuple[str, ...]]:
         """Return some rows, see `row`."""
@@ -113,21 +134,25 @@ class Study:
             "assembly": self.assembly.value,
             "scale_bars": self.scale_bars,
             "columns": self.columns,
+            "motion": None if self.trajectory is None else samples_hash(self.trajectory),
         }
         return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:32]
 
     def provenance(self, command: str = "") -> dict[str, str]:
-        """Return what the head of the table says: key and value, both on one line."""
+        """Return what the head of the table says: key and value, both on one line.
+
+        What stands below the fingerprint is what the rows follow from.
+        """
         region, variation = self.region, self.variation
         seed = variation.seed if isinstance(variation, RandomDesigns) else None
         said = {
             "format": FORMAT,
-            "made by": f"paminsa_viz {__version__}",
             "command": command,
+            "design": self.design.name,
             "study": self.fingerprint,
+            "made by": f"paminsa_viz {__version__}",
             "rows": str(self.size),
             "designs": "grid" if seed is None else f"random, seed {seed}",
-            "design": self.design.name,
             "assembly": self.assembly.value,
             "scale bars": "yes" if self.scale_bars else "no",
             "region radius [m]": repr(region.radius),
@@ -136,7 +161,13 @@ class Study:
             "region cells": str(region.cells),
             "largest condition number": repr(region.max_condition),
         }
-        said |= {m.column: m.meaning for m in METRICS}
+        for path, words in zip(variation.paths, variation.words, strict=True):
+            said[f"vary {column(path)}"] = words
+        if self.trajectory is not None:
+            motion = self.trajectory
+            said["motion"] = f"{motion.name}, {motion.size} samples in {motion.duration:g} s"
+            said["hash of the motion's samples"] = samples_hash(motion)
+        said |= {m.column: m.meaning for m in self.metrics}
         said |= {f"design {p.path}": repr(self.design.value(p.path)) for p in PARAMETERS}
         for number, weight in enumerate(self.design.counterweights):
             said[f"design counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"

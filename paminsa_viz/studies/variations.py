@@ -35,6 +35,11 @@ class DesignAxis:
         if not self.values or not np.isfinite(self.values).all():
             raise InvalidInput(self.path, "one finite number at least is needed")
 
+    @property
+    def words(self) -> str:
+        """What it takes, in short, for the head of a table."""
+        return f"{len(self.values)} values, {min(self.values)!r} to {max(self.values)!r}"
+
 
 @dataclass(frozen=True)
 class DesignRange:
@@ -57,6 +62,11 @@ class DesignRange:
         if not (np.isfinite([self.low, self.high]).all() and self.low < self.high):
             problem = f"a range with low < high is needed, not {self.low!r} to {self.high!r}"
             raise InvalidInput(self.path, problem)
+
+    @property
+    def words(self) -> str:
+        """What it takes, in short, for the head of a table."""
+        return f"{self.low!r} to {self.high!r}"
 
     @classmethod
     def around(cls, design: Design, path: str, spread: float) -> DesignRange:
@@ -89,6 +99,11 @@ class DesignGrid:
     def paths(self) -> tuple[str, ...]:
         """Paths of the values that vary."""
         return tuple(axis.path for axis in self.axes)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What each of them takes, in short."""
+        return tuple(axis.words for axis in self.axes)
 
     @property
     def size(self) -> int:
@@ -126,6 +141,11 @@ class RandomDesigns:
     def paths(self) -> tuple[str, ...]:
         """Paths of the values that vary."""
         return tuple(item.path for item in self.ranges)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What each of them takes, in short."""
+        return tuple(item.words for item in self.ranges)
 
     def values(self, index: int) -> tuple[float, ...]:
         """Return the values of one design, in the order of `paths`."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import os
 import signal
@@ -15,13 +16,19 @@ import pytest
 from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.cli.sweep import Sweep, study_of
 from paminsa_viz.model import APPENDIX_4, Assembly
-from paminsa_viz.studies import DesignAxis, DesignGrid, DesignRange, RandomDesigns
+from paminsa_viz.studies import (
+    MOTION_METRICS,
+    DesignAxis,
+    DesignGrid,
+    DesignRange,
+    RandomDesigns,
+)
 from paminsa_viz.studies.running import PART, run_study
 from paminsa_viz.studies.study import Study
 
 GRID = ("--vary", "links.b3=0.2:0.6:3", "--vary", "joints.j7=0.1,0.3", "--cells", "8")
 LONG = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geometry.base_radius",
-        "--cells", "100", "--jobs", "2", "--out", "a.csv")  # fmt: skip
+        "--cells", "100", "--preset", "arch", "--jobs", "2", "--out", "a.csv")  # fmt: skip
 """More than a second of work."""
 
 
@@ -62,8 +69,8 @@ def test_a_grid_becomes_a_table_and_a_summary(capsys, folder) -> None:
     assert (code, err) == (0, "")
     assert "a.csv: 6 designs, " in out
     text = (folder / "a.csv").read_text()
-    assert text.startswith("# format: paminsa_viz sweep 1\n# made by: paminsa_viz ")
-    assert "# command: paminsa-viz sweep --vary links.b3=0.2:0.6:3 " in text
+    assert text.startswith("# format: paminsa_viz sweep 1\n# command: paminsa-viz sweep --vary ")
+    assert "\n# vary links.b3 [kg]: 3 values, 0.2 to 0.6\n" in text
     assert [line.split(",")[:3] for line in text.splitlines()[-6:-4]] == [
         ["0", "0.2", "0.1"],
         ["1", "0.2", "0.3"],
@@ -82,10 +89,72 @@ def test_another_study_does_not_overwrite_a_table(capsys, folder) -> None:
     before = (folder / "a.csv").read_bytes()
     code, out, err = run(capsys, *GRID, "--radius", "50", "--out", "a.csv")
     assert (code, out) == (2, "")
-    assert err == "paminsa-viz: a.csv: holds something else; take another name, or begin anew\n"
+    assert err == (
+        'paminsa-viz: a.csv: holds another study, whose region radius [m] is "0.175", not "0.05"; '
+        "take another name, or begin anew\n"
+    )
     assert (folder / "a.csv").read_bytes() == before
     assert run(capsys, *GRID, "--radius", "50", "--out", "a.csv", "--restart")[0] == 0
     assert (folder / "a.csv").read_bytes() != before
+
+
+MOTION = ("--vary", "geometry.base_radius=0.2,0.35,0.5", "--cells", "8", "--out", "a.csv")
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    lines = [line for line in path.read_text().splitlines() if not line.startswith("#")]
+    return list(csv.DictReader(lines))
+
+
+def test_a_motion_adds_what_the_trajectory_command_says_of_it(capsys, folder) -> None:
+    code, out, err = run(capsys, *MOTION, "--preset", "circle")
+    assert (code, err) == (0, "")
+    assert out.endswith("circle: 2 designs can run it, 1 singular\n")
+    singular, ours, wide = rows(folder / "a.csv")
+    assert (singular["motion"], singular["motion_fails_s"]) == ("singular", "0.0")
+    assert {singular[metric.column] for metric in MOTION_METRICS} == {""}
+    assert (ours["motion"], ours["motion_fails_s"], wide["motion"]) == ("ok", "", "ok")
+
+    assert main(["trajectory", "--preset", "circle", "--json"]) == 0
+    motors = json.loads(capsys.readouterr().out)["actuators"]
+    assert float(ours["motion_peak_torque_Nm"]) == max(abs(m["peak"]) for m in motors[:3])
+    assert float(ours["motion_peak_force_N"]) == abs(motors[3]["peak"])
+
+    code, out, _ = run(capsys, *MOTION, "--preset", "circle", "--json")
+    told = json.loads(out)
+    assert (told["found"], told["motion"]["status"]) == (3, {"singular": 1, "ok": 2})
+    assert told["metrics"]["motion_energy_J"]["least_row"] in (1, 2)
+
+
+def test_a_table_of_another_motion_is_refused_and_kept(capsys, folder) -> None:
+    assert main(["trajectory", "--preset", "arch", "--out", "motion.csv"]) == 0
+    capsys.readouterr()
+    assert run(capsys, *MOTION, "--file", "motion.csv")[0] == 0
+    whole = (folder / "a.csv").read_bytes()
+    # a kill in the middle of the last row
+    (folder / "a.csv").write_bytes(whole[:-9])
+    left = (folder / "a.csv").read_bytes()
+    text = (folder / "motion.csv").read_text().splitlines()
+    columns = next(i for i, line in enumerate(text) if not line.startswith("#"))
+    cells = text[columns + 5].split(",")
+    cells[text[columns].split(",").index("z_m")] += "1"
+    changed = [*text[: columns + 5], ",".join(cells), *text[columns + 6 :]]
+    for motion, place in (
+        (("--preset", "line"), 'motion is "motion, 1201 samples in 1.2 s", not "line, '),
+        ((), 'not "none"'),
+        (changed, "whose hash of the motion's samples is"),
+    ):
+        if motion is changed:
+            (folder / "motion.csv").write_text("\n".join(changed) + "\n")
+            motion = ("--file", "motion.csv")
+        code, out, err = run(capsys, *MOTION, *motion)
+        assert (code, out, err.count("\n")) == (2, "", 1)
+        assert "a.csv: holds another study, whose " in err
+        assert place in err
+        assert (folder / "a.csv").read_bytes() == left
+    (folder / "motion.csv").write_text("\n".join(text) + "\n")
+    assert run(capsys, *MOTION, "--file", "motion.csv")[0] == 0
+    assert (folder / "a.csv").read_bytes() == whole
 
 
 def start(folder: Path) -> subprocess.Popen[str]:
@@ -108,7 +177,7 @@ def start(folder: Path) -> subprocess.Popen[str]:
 def whole(tmp_path_factory) -> bytes:
     """The table of the same command without a stop, from a single process."""
     path = tmp_path_factory.mktemp("sweep") / "a.csv"
-    flags = Sweep(path, ("links.b3", "geometry.base_radius"), 120, 2, cells=100)
+    flags = Sweep(path, ("links.b3", "geometry.base_radius"), 120, 2, cells=100, preset="arch")
     command = " ".join(["paminsa-viz sweep", *LONG])
     run_study(study_of(flags, APPENDIX_4), path, command=command)
     return path.read_bytes()
@@ -215,6 +284,9 @@ def test_a_worker_that_dies_is_exit_code_1(capsys, folder, monkeypatch) -> None:
         ((*GRID, "--jobs", "1", "--dask", "a"), "exclude"),
         ((*GRID, "--design", "missing.toml"), "missing.toml"),
         ((*GRID, "--assembly", "other"), "other"),
+        ((*GRID, "--preset", "spiral"), "spiral"),
+        ((*GRID, "--preset", "arch", "--file", "a.csv"), "exclude"),
+        ((*GRID, "--file", "missing.csv"), "missing.csv"),
     ],
 )
 def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, folder, words, place) -> None:

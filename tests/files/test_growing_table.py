@@ -63,7 +63,6 @@ def test_the_command_of_a_table_is_that_of_its_beginning(whole, tmp_path) -> Non
         b"something else",
         b"a,b\n1,2\n",
         b"# format: test 2\n",
-        b"# format: test 1\n# study: abcd\nrow,value\n",
         b"# format: test 1\n# study: abc\nrow,other\n",
         b"# format: test 1\nrow,value\n",
         b"# format: test 1\r\n# study: abc\r\nrow,value\r\n",
@@ -80,6 +79,26 @@ def test_something_else_is_refused_and_kept_unless_it_is_to_be_replaced(
     assert path.read_bytes() == content
     assert grow(path, restart=True) == 0
     assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"# study: abcd\n", "; take"),
+        (b"# study: abcd\n# motion: line\n# z: 1\n", 'whose z is "1", not "0"'),
+        (b"# study: abcd\n# motion: ring\n# z: 1\n", 'whose motion is "ring", not "line"'),
+        (b"# study: abcd\n# z: 0\n", 'whose motion is "none", not "line"'),
+        (b"# study: abcd\n# motion: line\n# z: 0\n# w: 2\n", 'whose w is "2", not "none"'),
+        (b"# study: abcd\n# motion: \x1b[2J" + b"x" * 200 + b"\n", r"is \"\?\[2Jx{76}\", not"),
+        (b"# w: 2\n# study: abcd\n# motion: line\n# z: 0\n", "; take"),
+    ],
+)
+def test_another_table_is_told_by_what_it_follows_from(content, said, tmp_path) -> None:
+    path = tmp_path / "other.csv"
+    path.write_bytes(b"# format: test 1\n# command: two\n" + content + b"row,value\n")
+    head = HEAD if content.count(b"\n") == 1 else HEAD | {"motion": "line", "z": "0"}
+    with pytest.raises(TableFileError, match=rf"other\.csv: holds another study.*{said}"):
+        grow(path, head=head)
 
 
 @pytest.mark.parametrize("line", [b"2,1,1\n", b"3,1\n", b"2\n", b"\n", b"x,1\n", b"02,1\n"])

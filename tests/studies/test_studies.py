@@ -20,8 +20,10 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.model.trajectory import PRESET, Trajectory, analyse, check_path
 from paminsa_viz.studies import (
     METRICS,
+    MOTION_METRICS,
     DesignAxis,
     DesignGrid,
     DesignRange,
@@ -32,9 +34,11 @@ from paminsa_viz.studies import (
     cluster,
     default_region,
     measure_design,
+    measure_motion,
     processes,
     run_study,
 )
+from paminsa_viz.studies.motion_metrics import samples_hash
 from tests.samples import random_design
 
 NAMES = [metric.column for metric in METRICS]
@@ -51,6 +55,22 @@ RANDOM = replace(
         ),
         40,
         seed=3,
+    ),
+)
+
+
+MOTION = PRESET["arch"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample(200.0)
+MOVED = replace(
+    RANDOM,
+    trajectory=MOTION,
+    variation=RandomDesigns(
+        (
+            DesignRange("joints.j7", 0.1, 0.5),
+            DesignRange("friction.coulomb_rotary", 0.0, 0.5),
+            DesignRange("geometry.base_radius", 0.15, 0.7),
+        ),
+        40,
+        seed=1,
     ),
 )
 
@@ -121,6 +141,53 @@ def test_metrics_are_those_of_the_poses(seed, assembly) -> None:
         assert found["peak_force_N"] == pytest.approx(np.abs(torque[usable, 3]).max())
 
 
+@pytest.mark.parametrize("variation", [MOVED.variation, GRID], ids=["random", "grid"])
+def test_a_row_has_what_the_design_needs_on_the_motion(variation) -> None:
+    study = replace(MOVED, variation=variation)
+    words = set()
+    for index in range(study.size):
+        row = dict(zip(study.columns, study.row(index), strict=True))
+        words.add(row["motion"].partition(":")[0])
+        analysis = analyse(study.vary(variation.values(index)), MOTION)
+        cells = [row[metric.column] for metric in MOTION_METRICS]
+        if not analysis.check.ok:
+            event = analysis.check.first
+            assert event is not None
+            assert row["motion"].partition(":")[0] == event.limit.word
+            assert row["motion_fails_s"] == repr(event.t)
+            assert cells == [""] * len(MOTION_METRICS)
+            continue
+        torque, t = analysis.torque, MOTION.t
+        square = np.trapezoid((torque[:, :3] ** 2).mean(axis=1), t) / MOTION.duration
+        driven = np.trapezoid(np.maximum(analysis.power, 0).sum(axis=1), t)
+        peak, rms, force, energy = map(float, cells)
+        assert (row["motion"], row["motion_fails_s"]) == ("ok", "")
+        assert (peak, force) == (np.abs(torque[:, :3]).max(), np.abs(torque[:, 3]).max())
+        assert rms == pytest.approx(np.sqrt(square), rel=1e-3)
+        assert energy == pytest.approx(driven, rel=5e-3)
+    assert "ok" in words
+    assert len(words) > 1
+
+
+def test_a_motion_fails_where_the_path_s_check_says() -> None:
+    low = Trajectory(MOTION.t, MOTION.pose - [0, 0, 0, 0.4], MOTION.velocity, MOTION.acceleration)
+    word, time, loads = measure_motion(APPENDIX_4, low)
+    event = check_path(APPENDIX_4.geometry, low).first
+    assert event is not None
+    assert (word, time) == (f"{event.limit.word}:leg{event.leg + 1}", event.t)
+    assert np.isnan(loads).all()
+
+
+def test_without_a_motion_there_are_no_columns_of_one(tmp_path) -> None:
+    assert not [name for name in SMALL.columns if "motion" in name]
+    assert MOVED.columns[-len(MOTION_METRICS) - 2 :][:2] == ("motion", "motion_fails_s")
+    impossible = replace(
+        MOVED, variation=DesignGrid((DesignAxis("geometry.magnification", (0.5,)),))
+    )
+    summary = run_study(impossible, tmp_path / "a.csv")
+    assert (summary.status, summary.motion) == ({"impossible": 1}, {})
+
+
 def test_a_region_beyond_reach_has_no_loads() -> None:
     study = replace(SMALL, region=replace(SMALL.region, z=(5.0,)))
     cells = dict(zip(study.columns, study.row(0), strict=True))
@@ -169,17 +236,17 @@ def test_a_row_reads_back_as_the_numbers_it_was_made_of(tmp_path) -> None:
 @pytest.fixture(scope="module")
 def expected(tmp_path_factory) -> bytes:
     path = tmp_path_factory.mktemp("study") / "a.csv"
-    summary = run_study(RANDOM, path, command="test")
+    summary = run_study(MOVED, path, command="test")
     assert (summary.rows, summary.found) == (40, 0)
     return path.read_bytes()
 
 
 def test_the_table_is_the_same_from_threads_and_processes(expected, tmp_path) -> None:
     with ThreadPoolExecutor(3) as pool:
-        run_study(RANDOM, tmp_path / "threads.csv", Workers(pool, 3), command="test")
+        run_study(MOVED, tmp_path / "threads.csv", Workers(pool, 3), command="test")
     assert (tmp_path / "threads.csv").read_bytes() == expected
     with processes(2) as workers:
-        run_study(RANDOM, tmp_path / "processes.csv", workers, command="test")
+        run_study(MOVED, tmp_path / "processes.csv", workers, command="test")
     assert (tmp_path / "processes.csv").read_bytes() == expected
 
 
@@ -193,7 +260,7 @@ def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
         cluster(local.scheduler_address) as workers,
     ):
         assert workers.count == 2
-        run_study(RANDOM, path, workers, command="test")
+        run_study(MOVED, path, workers, command="test")
     assert path.read_bytes() == expected
 
 
@@ -216,21 +283,25 @@ def test_an_error_in_the_middle_leaves_a_table_to_go_on_with(expected, tmp_path)
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run_study(RANDOM, path, command="test", progress=give_up)
+        run_study(MOVED, path, command="test", progress=give_up)
     assert len(read(path)) == 16
-    assert run_study(RANDOM, path).found == 16
+    assert run_study(MOVED, path).found == 16
     assert path.read_bytes() == expected
 
 
 def test_the_summary_of_a_finished_table_is_that_of_its_rows(expected, tmp_path) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(expected)
-    summary = run_study(RANDOM, path)
-    rows = [row for row in read(path) if row["status"] == "ok"]
+    summary = run_study(MOVED, path)
+    static = [row for row in read(path) if row["status"] == "ok"]
+    moving = [row for row in read(path) if row["motion"] == "ok"]
     assert summary.found == 40
-    assert summary.status["ok"] == len(rows) > 5
-    assert sum(summary.status.values()) == 40
+    assert summary.status["ok"] == len(static) > 5
+    assert summary.motion["ok"] == len(moving) > 5
+    assert len(static) != len(moving) < 40
+    assert sum(summary.status.values()) == sum(summary.motion.values()) == 40
     for name, found in summary.extremes.items():
+        rows = moving if name.startswith("motion") else static
         values = {int(row["row"]): float(row[name]) for row in rows if row[name]}
         assert found.least == min(values.values()) == values[found.least_row]
         assert found.largest == max(values.values()) == values[found.largest_row]
@@ -246,11 +317,23 @@ def test_every_difference_makes_another_table() -> None:
         replace(SMALL, variation=DesignGrid(GRID.axes[:1])),
         RANDOM,
         replace(RANDOM, variation=replace(RANDOM.variation, seed=4)),
+        replace(SMALL, trajectory=MOTION),
+        replace(SMALL, trajectory=replace(MOTION, velocity=2 * MOTION.velocity)),
     ]
     marks = {study.fingerprint for study in (SMALL, *others)}
     assert len(marks) == 1 + len(others)
     same = replace(SMALL, design=replace(APPENDIX_4, name="other"))
     assert same.fingerprint == SMALL.fingerprint
+
+
+@given(row=st.integers(0, MOTION.size - 2), column=st.integers(0, 12))
+def test_the_last_bit_of_any_sample_makes_another_motion(row, column) -> None:
+    samples = np.column_stack([MOTION.t, MOTION.pose, MOTION.velocity, MOTION.acceleration])
+    samples[row, column] = np.nextafter(samples[row, column], np.inf)
+    t, *states = np.split(samples, [1, 5, 9], axis=1)
+    changed = Trajectory(t[:, 0], *states, name=MOTION.name)
+    assert samples_hash(changed) != samples_hash(MOTION)
+    assert samples_hash(replace(MOTION, name="other")) == samples_hash(MOTION)
 
 
 @pytest.mark.parametrize(

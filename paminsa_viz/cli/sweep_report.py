@@ -1,0 +1,97 @@
+"""What ``paminsa-viz sweep`` says, while it works and at its end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.output import print_table
+from paminsa_viz.studies import StudySummary
+from paminsa_viz.studies.motion_metrics import RUNS
+from paminsa_viz.studies.study import OK
+
+
+@contextmanager
+def progress_bar(total: int) -> Iterator[Callable[[StudySummary], None]]:
+    """Show a bar while the work goes on, to people: not to files and other programs."""
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task("designs", total=total)
+
+        def show(summary: StudySummary) -> None:
+            bar.update(task, completed=summary.rows)
+            if summary.rows == summary.found:
+                bar.reset(task, completed=summary.rows)  # what was there says nothing of the speed
+
+        yield show
+
+
+def report(path: Path, summary: StudySummary, seconds: float) -> dict[str, Any]:
+    """Return what the table holds as data for JSON, in SI units."""
+    study, motion = summary.study, summary.study.trajectory
+    return {
+        "made_by": f"paminsa_viz {__version__}",
+        "file": str(path),
+        "design": study.design.name,
+        "assembly": study.assembly.value,
+        "rows": summary.rows,
+        "found": summary.found,
+        "seconds": round(seconds, 3),
+        "status": summary.status,
+        "motion": motion
+        and {
+            "name": motion.name,
+            "samples": motion.size,
+            "duration_s": motion.duration,
+            "notes": motion.notes,
+            "status": summary.motion,
+        },
+        "metrics": {name: vars(found) for name, found in summary.extremes.items()},
+    }
+
+
+def print_report(path: Path, summary: StudySummary, seconds: float) -> None:
+    """Print what the table holds, for people."""
+    rows = [("", "least", "in row", "largest", "in row")]
+    for name, found in summary.extremes.items():
+        least, least_row = _told(found.least, found.least_row)
+        most, most_row = _told(found.largest, found.largest_row)
+        rows.append((name, least, least_row, most, most_row))
+    print_table(rows, right=True)
+    before = f", {summary.found} of them found there" if summary.found else ""
+    others = _others(summary.status, OK)
+    print(f"{path}: {summary.rows} designs{before}{others}, {seconds:.1f} s")
+    motion = summary.study.trajectory
+    if motion is not None:
+        run = summary.motion.get(RUNS, 0)
+        print(f"{motion.name}: {run} designs can run it{_others(summary.motion, RUNS)}")
+        for note in motion.notes:
+            print(f"  {note}")
+
+
+def _others(counts: Mapping[str, int], good: str) -> str:
+    return "".join(f", {count} {word}" for word, count in counts.items() if word != good)
+
+
+def _told(value: float, row: int) -> tuple[str, str]:
+    return ("-", "-") if row < 0 else (f"{value:.4g}", str(row))
