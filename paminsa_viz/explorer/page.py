@@ -40,15 +40,19 @@ BRAND = "#0b6e99"
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
 
-LATER_TABS = {
-    "Design": viser.Icon.WEIGHT,
-    "Balance": viser.Icon.SCALE,
-    "Motion": viser.Icon.ROUTE,
-    "Compare": viser.Icon.PIN,
-    "View": viser.Icon.EYE,
-    "File": viser.Icon.FILE,
+LATER_TABS = ("Design", "Balance", "Motion", "Compare", "View", "File")
+"""Tabs beside the first one; they are filled when the page stands."""
+
+# viser gives every tab the same margins, with which seven names take two rows of the panel. Here
+# they share one row instead.
+TAB_STYLE = """
+<style>
+[role="tablist"]:has(> [title="Pose"]) {
+  padding-right: 8px;  /* where a long tab has its scroll bar */
+  & > [role="tab"] { flex: 1 1 auto; justify-content: center; padding: 0 0.3em !important; }
 }
-"""Tabs beside the first one, with their icons; they are filled when the page stands."""
+</style>
+"""
 
 
 class TabStore:
@@ -92,10 +96,11 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     look(session, "3D")
 
     tabs = gui.add_tab_group()
-    with tabs.add_tab("Pose", viser.Icon.ARROWS_MOVE):
+    with tabs.add_tab("Pose"):
         readout = Readout(session)
         pose = PosePanel(session)
-    places = {name: tabs.add_tab(name, icon) for name, icon in LATER_TABS.items()}
+        gui.add_html(TAB_STYLE)
+    places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.first += [readout, pose, RobotView(session)]
 
     def build_rest() -> None:

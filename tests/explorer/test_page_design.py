@@ -1,4 +1,4 @@
-"""The panel of the design's numbers in a browser."""
+"""The control panel in a browser: its row of tabs, and the numbers of the design."""
 
 from __future__ import annotations
 
@@ -15,6 +15,24 @@ def box(tab: Tab, label: str) -> Any:
     """Return the number box of a slider."""
     track = tab.page.locator(f'[id="{tab.handle(label)._impl.uuid}"]')
     return track.locator("xpath=..").locator("input:not([type=hidden])")
+
+
+@pytest.mark.browser
+def test_the_tabs_share_one_row(tab: Tab) -> None:
+    names = ["Pose", "Design", "Balance", "Motion", "Compare", "View", "File"]
+    for name in names:  # the name of the present one is bold and so takes more room
+        tab.open_tab(name)
+        strip = tab.page.locator('[role="tablist"]:has(> [title="Pose"]) > [role="tab"]')
+        seen = strip.evaluate_all(
+            """tabs => tabs.map(tab => {
+                const text = tab.querySelector("span");
+                return {name: tab.title, top: tab.offsetTop,
+                        cut: text.scrollWidth > text.clientWidth};
+            })"""
+        )
+        assert [one["name"] for one in seen] == names
+        assert len({one["top"] for one in seen}) == 1
+        assert not any(one["cut"] for one in seen)
 
 
 @pytest.mark.browser
