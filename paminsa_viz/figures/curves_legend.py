@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from paminsa_viz.figures.curves_data import CurveData, Dash
 from paminsa_viz.figures.curves_panel import DASHES, FAILED, FAILED_EDGE
-from paminsa_viz.figures.lettering import Lettering
+from paminsa_viz.figures.lettering import Lettering, in_rows
 from paminsa_viz.figures.page import Page
 from paminsa_viz.palette import INK, MUTED
 
@@ -47,17 +47,7 @@ def keys(data: CurveData) -> list[Key]:
 
 def rows_of(entries: list[Key], width: float, letters: Lettering) -> list[list[Key]]:
     """Break entries into rows no wider than ``width`` [mm]."""
-    rows: list[list[Key]] = []
-    used = 0.0
-    for entry in entries:
-        wide = _width(entry, letters)
-        if rows and used + _BETWEEN + wide <= width:
-            rows[-1].append(entry)
-            used += _BETWEEN + wide
-        else:
-            rows.append([entry])
-            used = wide
-    return rows
+    return in_rows(entries, [_width(entry, letters) for entry in entries], _BETWEEN, width)
 
 
 def draw_keys(page: Page, entries: list[Key], y: float, letters: Lettering) -> None:

@@ -3,11 +3,31 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterable
+from typing import TypeVar
 
 from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.textpath import text_to_path
 
 _POINT = 25.4 / 72  # mm
+
+Item = TypeVar("Item")
+
+
+def in_rows(
+    items: Iterable[Item], widths: Iterable[float], gap: float, width: float
+) -> list[list[Item]]:
+    """Break items of some widths, with gaps between them, into rows no wider than ``width``."""
+    rows: list[list[Item]] = []
+    used = 0.0
+    for item, wide in zip(items, widths, strict=True):
+        if rows and used + gap + wide <= width:
+            rows[-1].append(item)
+            used += gap + wide
+        else:
+            rows.append([item])
+            used = wide
+    return rows
 
 
 class Lettering:
@@ -35,17 +55,8 @@ class Lettering:
 
     def wrapped(self, words: str, width: float) -> list[str]:
         """Break words into lines no wider than ``width`` [mm]; a longer word is cut."""
-        space = self.width(" ")
-        rows: list[list[str]] = []
-        used = 0.0
-        for word in (piece for w in self.plain(words).split(" ") for piece in self._cut(w, width)):
-            wide = self.width(word)
-            if rows and used + space + wide <= width:
-                rows[-1].append(word)
-                used += space + wide
-            else:
-                rows.append([word])
-                used = wide
+        pieces = [piece for w in self.plain(words).split(" ") for piece in self._cut(w, width)]
+        rows = in_rows(pieces, map(self.width, pieces), self.width(" "), width)
         return [" ".join(row) for row in rows]
 
     def _cut(self, word: str, width: float) -> list[str]:

@@ -80,7 +80,11 @@ class PoseTable:
         Raises:
             TableFileError: At a row that is blank or a cell that is missing or no finite number.
         """
-        first_row = 2
+        for cells, first_row in self._pieces(rows_at_once, 2):
+            yield self._rows(cells, first_row)
+
+    def _pieces(self, rows_at_once: int, first_row: int) -> Iterator[tuple[list[list[str]], int]]:
+        """Yield the records without blank ones at the end, each piece with the row it begins at."""
         blank_row = 0
         while cells := self._read(rows_at_once, first_row):
             next_row = first_row + len(cells)
@@ -89,7 +93,7 @@ class PoseTable:
             if cells and blank_row:
                 raise self._blank(blank_row)
             if cells:
-                yield self._rows(cells, first_row)
+                yield cells, first_row
             if first_row + len(cells) < next_row:
                 blank_row = blank_row or first_row + len(cells)
             first_row = next_row
@@ -138,20 +142,24 @@ class PoseTable:
 
     def _refusal(self, cells: list[list[str]], first_row: int) -> TableFileError:
         """Return the error of the first row that `_fast_numbers` would not take."""
-        width = len(self.columns)
         for row, record in enumerate(cells, first_row):
             if _is_blank(record):
                 return self._blank(row)
             for column, cell in zip(self.columns, record, strict=False):
                 if problem := _cell_problem(cell):
                     return TableFileError(self._source, problem, row=row, column=column, value=cell)
-            if len(record) < width:
-                column = self.columns[len(record)]
-                return TableFileError(self._source, MISSING, row=row, column=column)
-            if len(record) > width:
-                problem = f"there are {len(record)} values for {width} columns"
-                return TableFileError(self._source, problem, row=row)
+            if len(record) != len(self.columns):
+                return self._wrong_length(record, row, self.columns)
         raise AssertionError("every cell is a finite number")
+
+    def _wrong_length(
+        self, record: list[str], row: int, columns: tuple[str, ...]
+    ) -> TableFileError:
+        if len(record) < len(columns):
+            column = columns[len(record)]
+            return TableFileError(self._source, MISSING, row=row, column=column)
+        problem = f"there are {len(record)} values for {len(columns)} columns"
+        return TableFileError(self._source, problem, row=row)
 
     def _blank(self, row: int) -> TableFileError:
         return TableFileError(self._source, "the row is empty, but others follow it", row=row)

@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.pose_columns import ACCELERATION, POSE, VELOCITY
 from paminsa_viz.files.pose_table import (
-    MISSING,
     ROWS_AT_ONCE,
     PoseTable,
     _bounded,
@@ -72,22 +71,13 @@ class TrajectoryTable(PoseTable):
                 or no finite number; or if there are more rows than `MOST_SAMPLES`.
         """
         found: list[NDArray[np.float64]] = []
-        first_row, blank_row, count = self._first_row, 0, 0
-        while cells := self._read(ROWS_AT_ONCE, first_row):
-            next_row = first_row + len(cells)
-            while cells and _is_blank(cells[-1]):
-                cells.pop()
-            if cells and blank_row:
-                raise self._blank(blank_row)
-            if cells:
-                found.append(self._numbers(cells, first_row))
-                count += len(cells)
+        count = 0
+        for cells, first_row in self._pieces(ROWS_AT_ONCE, self._first_row):
+            found.append(self._numbers(cells, first_row))
+            count += len(cells)
             if count > MOST_SAMPLES:
                 problem = f"there are more than {MOST_SAMPLES:,} rows; thin them out"
                 raise TableFileError(self._source, problem)
-            if first_row + len(cells) < next_row:
-                blank_row = blank_row or first_row + len(cells)
-            first_row = next_row
         factors = np.array([column.factor for column in self.read_columns])
         none = np.empty((0, len(self.columns)))
         rows = np.arange(self._first_row, self._first_row + count)
@@ -97,7 +87,8 @@ class TrajectoryTable(PoseTable):
         """Return the columns that are read of some rows."""
         for row, record in enumerate(cells, first_row):
             if len(record) != len(self.header):
-                raise self._wrong_length(record, row)
+                blank = _is_blank(record)
+                raise self._blank(row) if blank else self._wrong_length(record, row, self.header)
         places = [column.place for column in self.read_columns]
         kept = [[record[place] for place in places] for record in cells]
         numbers = self._fast_numbers(kept)
@@ -110,15 +101,6 @@ class TrajectoryTable(PoseTable):
                 if problem := _cell_problem(cell):
                     raise TableFileError(self._source, problem, row=row, column=name, value=cell)
         raise AssertionError("every cell is a finite number")
-
-    def _wrong_length(self, record: list[str], row: int) -> TableFileError:
-        if _is_blank(record):
-            return self._blank(row)
-        if len(record) < len(self.header):
-            column = self.header[len(record)]
-            return TableFileError(self._source, MISSING, row=row, column=column)
-        problem = f"there are {len(record)} values for {len(self.header)} columns"
-        return TableFileError(self._source, problem, row=row)
 
 
 def parse_trajectory(

@@ -144,7 +144,10 @@ class Study:
         What stands below the fingerprint is what the rows follow from.
         """
         region, variation = self.region, self.variation
-        seed = variation.seed if isinstance(variation, RandomDesigns) else None
+        if isinstance(variation, RandomDesigns):
+            designs, varied = f"random, seed {variation.seed}", variation.ranges
+        else:
+            designs, varied = "grid", variation.axes
         said = {
             "format": FORMAT,
             "command": command,
@@ -152,7 +155,7 @@ class Study:
             "study": self.fingerprint,
             "made by": f"paminsa_viz {__version__}",
             "rows": str(self.size),
-            "designs": "grid" if seed is None else f"random, seed {seed}",
+            "designs": designs,
             "assembly": self.assembly.value,
             "scale bars": "yes" if self.scale_bars else "no",
             "region radius [m]": repr(region.radius),
@@ -161,8 +164,7 @@ class Study:
             "region cells": str(region.cells),
             "largest condition number": repr(region.max_condition),
         }
-        for path, words in zip(variation.paths, variation.words, strict=True):
-            said[f"vary {column(path)}"] = words
+        said |= {f"vary {column(item.path)}": item.words for item in varied}
         if self.trajectory is not None:
             motion = self.trajectory
             said["motion"] = f"{motion.name}, {motion.size} samples in {motion.duration:g} s"

@@ -101,11 +101,6 @@ class DesignGrid:
         return tuple(axis.path for axis in self.axes)
 
     @property
-    def words(self) -> tuple[str, ...]:
-        """What each of them takes, in short."""
-        return tuple(axis.words for axis in self.axes)
-
-    @property
     def size(self) -> int:
         """Number of designs."""
         return int(np.prod([len(axis.values) for axis in self.axes], dtype=object))
@@ -141,11 +136,6 @@ class RandomDesigns:
     def paths(self) -> tuple[str, ...]:
         """Paths of the values that vary."""
         return tuple(item.path for item in self.ranges)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """What each of them takes, in short."""
-        return tuple(item.words for item in self.ranges)
 
     def values(self, index: int) -> tuple[float, ...]:
         """Return the values of one design, in the order of `paths`."""

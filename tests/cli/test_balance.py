@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import pytest
 
@@ -11,20 +12,11 @@ from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Assembly, balance_distance
 from paminsa_viz.model.balancing import balance, whole_mass
 from paminsa_viz.model.trajectory import PRESET, analyse
+from tests.cli import running
+
+run = partial(running.run, "balance")
 
 RAIL = ("--rail", "b3", "7", "0", "200", "5")
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run(capsys, *words: str) -> tuple[int, str, str]:
-    code = main(["balance", *words])
-    out = capsys.readouterr()
-    return code, out.out, out.err
 
 
 def test_the_papers_balance_is_the_default(capsys) -> None:

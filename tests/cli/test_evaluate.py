@@ -21,12 +21,6 @@ from tests.samples import random_design, random_states
 GOOD = "x_m,y_m,theta_rad,z_m\n0.05,-0.03,0.4,-0.6\n0,0,0,-0.5\n"
 
 
-@pytest.fixture
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def write(path, columns, rows) -> None:
     lines = [",".join(columns), *(",".join(map(repr, row)) for row in np.asarray(rows).tolist())]
     path.write_text("\n".join(lines) + "\n")

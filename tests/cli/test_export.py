@@ -18,12 +18,6 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Assembly
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
 def glb_pose(path: str) -> dict[str, float]:
     data = Path(path).read_bytes()
     (length,) = struct.unpack("<I", data[12:16])

@@ -5,43 +5,30 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from functools import partial
 from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 
-from paminsa_viz.cli import COMMANDS, main
+from paminsa_viz.cli import COMMANDS
 from paminsa_viz.cli.map import Map, state_of
 from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Assembly, Quantity, backend, static_torques
+from tests.cli import running
+
+run = partial(running.run, "map")
+told = partial(running.told, "map")
 
 LIGHT = replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light")
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run(capsys, *words: str) -> tuple[int, str, str]:
-    code = main(["map", *words])
-    out = capsys.readouterr()
-    return code, out.out, out.err
 
 
 @pytest.fixture(scope="module", autouse=True)
 def one_backend() -> None:
     """The compiled formulae from the start, so that equal maps are equal to the last bit."""
     backend.compile_now()
-
-
-def told(capsys, *words: str) -> dict:
-    code, out, err = run(capsys, *words, "--json")
-    assert (code, err) == (0, "")
-    return json.loads(out)
 
 
 def test_every_quantity_can_be_mapped() -> None:
@@ -128,9 +115,5 @@ def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
         (("--design", "missing.toml"), "missing.toml"),
     ],
 )
-def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, folder, words, place) -> None:
-    code, out, err = run(capsys, *words)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert place in err
-    assert list(folder.iterdir()) == []
+def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
+    running.check_refused("map", capsys, *words, place=place)

@@ -7,12 +7,7 @@ from pathlib import Path
 import pytest
 
 from paminsa_viz.cli import main
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+from tests.cli import running
 
 
 def test_one_command_makes_it(folder, capsys) -> None:
@@ -37,12 +32,5 @@ def test_one_command_makes_it(folder, capsys) -> None:
         ("--out r.html --file no.csv", "no.csv: can not be read: no such file"),
     ],
 )
-def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(
-    folder, capsys, words, complaint
-) -> None:
-    assert main(["report", *words.split()]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert complaint in said.err
-    assert said.err.count("\n") == 1
-    assert not list(folder.iterdir())
+def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(capsys, words, complaint) -> None:
+    running.check_refused("report", capsys, *words.split(), place=complaint)

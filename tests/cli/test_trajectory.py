@@ -6,39 +6,26 @@ import csv
 import io
 import json
 from dataclasses import replace
+from functools import partial
 from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 from PIL import Image
 
-from paminsa_viz.cli import COMMANDS, main
+from paminsa_viz.cli import COMMANDS
 from paminsa_viz.cli.trajectory import Flags
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.pose_columns import POSE, TORQUES
 from paminsa_viz.model import APPENDIX_4, Assembly, Friction, Misprint
 from paminsa_viz.model.trajectory import PRESET, analyse, compare, home, move
+from tests.cli import running
 from tests.samples import random_design
 
+run = partial(running.run, "trajectory")
+told = partial(running.told, "trajectory")
+
 TOO_FAR = "t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,0.45,0,0,-0.5\n2,0.9,0,0,-0.5\n"
-
-
-@pytest.fixture(autouse=True)
-def folder(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-def run(capsys, *words: str) -> tuple[int, str, str]:
-    code = main(["trajectory", *words])
-    out = capsys.readouterr()
-    return code, out.out, out.err
-
-
-def told(capsys, *words: str) -> dict:
-    code, out, err = run(capsys, *words, "--json")
-    assert (code, err) == (0, "")
-    return json.loads(out)
 
 
 def read(path) -> dict[str, np.ndarray]:
@@ -256,9 +243,5 @@ def test_an_engine_is_compared_with_friction_on_both_sides(capsys, folder) -> No
         (("--design", "missing.toml"), "missing.toml"),
     ],
 )
-def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, folder, words, place) -> None:
-    code, out, err = run(capsys, *words)
-    assert (code, out) == (2, "")
-    assert err.count("\n") == 1
-    assert place in err
-    assert list(folder.iterdir()) == []
+def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
+    running.check_refused("trajectory", capsys, *words, place=place)

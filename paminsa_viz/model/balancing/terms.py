@@ -7,7 +7,7 @@ peak is a maximum of linear functions, their RMS a norm, the energy that drives 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -176,8 +176,8 @@ def trajectory_rows(
 
 
 @dataclass(frozen=True, eq=False)
-class TrajectoryPeak:
-    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N].
+class _Effort:
+    """Something of the torques of some actuators over a trajectory [N m, N].
 
     Attributes:
         solved: The trajectory, solved for the geometry.
@@ -186,16 +186,26 @@ class TrajectoryPeak:
 
     solved: SolvedTrajectory
     actuators: tuple[int, ...] = ROTARY
+    measure: ClassVar[str]
 
     @property
     def label(self) -> str:
         """See `Term`."""
-        return f"peak {_of(self.actuators)} on the trajectory"
+        of = {ROTARY: "torque of M1-M3", LIFT: "force of M4"}.get(
+            self.actuators, "effort of " + ", ".join(f"M{j + 1}" for j in self.actuators)
+        )
+        return f"{self.measure} {of} on the trajectory"
 
     @property
     def unit(self) -> str:
         """See `Term`."""
-        return _unit(self.actuators)
+        return "N" if self.actuators == LIFT else "N m"
+
+
+class TrajectoryPeak(_Effort):
+    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N]."""
+
+    measure = "peak"
 
     def piece(self, space: MassSpace) -> Piece:
         """See `Term`."""
@@ -205,27 +215,10 @@ class TrajectoryPeak:
         return Largest(np.ascontiguousarray(matrix), offset.T.ravel())
 
 
-@dataclass(frozen=True, eq=False)
-class TrajectoryRms:
-    """Root mean square over a trajectory's time, over all of some actuators [N m, N].
+class TrajectoryRms(_Effort):
+    """Root mean square over a trajectory's time, over all of some actuators [N m, N]."""
 
-    Attributes:
-        solved: The trajectory, solved for the geometry.
-        actuators: Indices of those that count.
-    """
-
-    solved: SolvedTrajectory
-    actuators: tuple[int, ...] = ROTARY
-
-    @property
-    def label(self) -> str:
-        """See `Term`."""
-        return f"RMS {_of(self.actuators)} on the trajectory"
-
-    @property
-    def unit(self) -> str:
-        """See `Term`."""
-        return _unit(self.actuators)
+    measure = "RMS"
 
     def piece(self, space: MassSpace) -> Piece:
         """See `Term`."""
@@ -289,13 +282,3 @@ class MassChange:
         reach = [max(c.high - a, a) for c, a in zip(space.carriers, space.amounts, strict=True)]
         most = float(space.counts @ np.array(reach)) if reach else 0.0
         return Deviations(space.amounts, space.amounts, space.counts, most)
-
-
-def _of(actuators: tuple[int, ...]) -> str:
-    return {ROTARY: "torque of M1-M3", LIFT: "force of M4"}.get(
-        actuators, "effort of " + ", ".join(f"M{j + 1}" for j in actuators)
-    )
-
-
-def _unit(actuators: tuple[int, ...]) -> str:
-    return "N" if actuators == LIFT else "N m"
