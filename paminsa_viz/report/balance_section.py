@@ -92,7 +92,7 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
     ]  # fmt: skip
     old, new = whole_mass(before), whole_mass(after)
     whole = (measured(old, "kg"), measured(new, "kg"), change(new, old))
-    rows.append(Row(("", "all that moves, three legs", *whole)))
+    rows.append(Row(("", "all that moves: three legs and the platform", *whole)))
     rows.append(
         Row(("M_p2", "", measured(balance_distance(before), "N"), measured(left, "N")), "total")
     )

@@ -130,7 +130,6 @@ def _facts(
     else:
         kind = "ok" if found.passed else "bad"
         word = "passed" if found.passed else "failed"
-        facts.append(
-            Fact("Verification", word, f"largest difference {written(found.worst, 2)}", kind)
-        )
+        note = f"largest difference {written(found.worst, 2)} of the largest torque"
+        facts.append(Fact("Verification", word, note, kind))
     return facts

@@ -44,13 +44,16 @@ def verification_section(found: Verification | str) -> Section:
         "of the trajectory, without joint friction."
     )
     blocks: list[Block] = [verdict, method]
-    head = ("", "Largest torque", "Largest difference", "RMS", "Relative, largest", "RMS")
+    head = ("", "Largest torque", "Largest difference", "RMS", "Relative, largest", "Relative, RMS")
     for check in found.engines:
         rows = [
             *_rows("at rest", check.static),
             *_rows("moving", check.dynamic),
         ]
-        caption = f"Formulae and {check.engine} {check.version}."
+        caption = (
+            f"Formulae and {check.engine} {check.version}. Relative: over the largest torque of "
+            "the same actuator."
+        )
         blocks.append(Table(head, tuple(rows), caption))
     if found.missing:
         blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
@@ -91,7 +94,8 @@ def _misprints(found: Verification) -> Table:
     ]
     caption = (
         "The formulae as the paper prints them beside the engine, moving: largest difference over "
-        "the largest torque. Each misprint stands out by many orders of magnitude."
+        "the largest torque. Where a misprint has a part, it stands out by many orders of "
+        "magnitude."
     )
     return Table(("Taken as printed", "τ₁", "τ₂", "τ₃", "F₄"), tuple(rows), caption)
 

@@ -98,13 +98,15 @@ def _rounding(t: Array, pose: Array) -> list[str]:
         return []
     step = float(np.median(np.diff(t)))
     for column, (word, unit) in enumerate(zip(COORDINATES, UNITS, strict=True)):
+        if np.ptp(pose[:, column]) == 0:
+            continue  # a coordinate that rests says nothing of how it is written
         digit = _last_digit(pose[:, column])
         # Second differences of numbers that are wrong by up to half a digit each.
         noise = 2.0 * digit / step**2
         if noise > 0.1:
             return [
                 f"{word} is written in steps of {digit:.3g} {unit}; at this rate of samples the "
-                f"acceleration may be wrong by {noise:.2g} {unit}/s^2."
+                f"acceleration may be wrong by {noise:.2g} {unit}/s²."
             ]
     return []
 
