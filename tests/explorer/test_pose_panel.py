@@ -1,0 +1,126 @@
+"""The sliders of the pose: which poses they offer, and how they show others."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.panels.pose_panel import ASSEMBLY_LABELS, PosePanel
+from paminsa_viz.explorer.panels.pose_slider import GRAIN, heights, holding, pose_limits
+from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.state import home_pose
+from paminsa_viz.model import APPENDIX_4, Assembly, check_reach
+from paminsa_viz.shapes.layout import layout
+from tests.samples import random_design
+
+from .panel_desk import Desk, desk_with
+
+HOME = -552.0
+
+
+@given(seed=st.integers(0, 10**6), assembly=st.sampled_from(Assembly))
+def test_heights_are_clear_of_the_frame_or_on_the_way_to_home(
+    seed: int, assembly: Assembly
+) -> None:
+    geometry = random_design(np.random.default_rng(seed)).geometry
+    low, high = heights(geometry, assembly)
+    place, home = layout(geometry, assembly), 1e3 * home_pose(geometry, assembly)[3]
+    assert low <= home <= high
+    assert high - low >= GRAIN
+    assert low > min(1e3 * place.platform_low, home) - 2 * GRAIN
+    assert high < max(1e3 * place.platform_high, home) + 2 * GRAIN
+    clear = 1e3 * place.platform_low, 1e3 * place.platform_high
+    if clear[0] + 2 * GRAIN < home < clear[1] - 2 * GRAIN:
+        assert clear[0] <= low < high <= clear[1]
+
+
+@pytest.mark.parametrize("assembly", list(Assembly))
+def test_the_ends_of_the_sliders_are_in_reach_at_the_centre(assembly: Assembly) -> None:
+    limits = pose_limits(APPENDIX_4.geometry, assembly)
+    for z in limits[3]:
+        for theta in limits[2]:
+            pose = (0.0, 0.0, np.radians(theta), 1e-3 * z)
+            assert check_reach(APPENDIX_4.geometry, pose).ok.all()
+
+
+@given(value=st.floats(-1e9, 1e9))
+def test_a_range_grows_to_what_it_has_to_hold_and_no_further(value: float) -> None:
+    low, high = holding((-830.0, -230.0), value)
+    assert low <= value <= high
+    assert low == -830.0 or value - GRAIN <= low < -830.0
+    assert high == -230.0 or -230.0 < high <= value + GRAIN
+    assert holding((low, high), value) == (low, high)
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    running = open_server(port=0)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def desk(server: viser.ViserServer) -> Iterator[Desk]:
+    with desk_with(server, PosePanel) as desk:
+        yield desk
+
+
+def ends(desk: Desk) -> tuple[float, float]:
+    """Return what the slider of z offers [mm]."""
+    slider = desk.panel.sliders[3].slider
+    return slider.min, slider.max
+
+
+def test_a_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
+    slider = desk.panel.sliders[3].slider
+    assert ends(desk) == (-830.0, -230.0)
+    desk.set(slider, -904.5)
+    desk.until(lambda: desk.state.standing.pose[3] == pytest.approx(-0.9045))
+    desk.until(lambda: ends(desk) == (-910.0, -230.0))
+    # The hand is still on it: nothing slips from under it.
+    desk.set(slider, -600.0)
+    desk.until(lambda: desk.state.standing.pose[3] == pytest.approx(-0.6))
+    assert ends(desk) == (-910.0, -230.0)
+    desk.ask(actions.go_home)
+    desk.until(lambda: (slider.value, ends(desk)) == (HOME, (-830.0, -230.0)))
+
+
+def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
+    sliders = [row.slider for row in desk.panel.sliders]
+    far = replace(desk.state.document, pose=(2.0, -3.0, 4.0, 5.0))
+    desk.ask(lambda s: actions.restore(s, far))
+    desk.until(lambda: sliders[3].max >= sliders[3].value == 5000.0)
+    for slider in sliders:
+        assert slider.min <= slider.value <= slider.max
+    desk.session.undo()
+    desk.until(lambda: (sliders[3].value, ends(desk)) == (HOME, (-830.0, -230.0)))
+    assert (sliders[0].min, sliders[0].max) == (-550.0, 550.0)
+
+
+def test_the_range_follows_assembly_and_lengths(desk: Desk) -> None:
+    slider = desk.panel.sliders[3].slider
+    desk.set(desk.panel.assembly, ASSEMBLY_LABELS[Assembly.MIRROR])
+    mirrored = heights(APPENDIX_4.geometry, Assembly.MIRROR)
+    desk.until(lambda: ends(desk) == mirrored)
+    assert mirrored[0] <= slider.value <= mirrored[1]
+    desk.ask(lambda s: actions.vary(s, {"geometry.crank_length": 0.5}))
+    longer = heights(desk.design.geometry, Assembly.MIRROR)
+    assert longer != mirrored
+    desk.until(lambda: ends(desk) == longer)
+
+
+def test_a_pose_that_other_lengths_put_out_of_the_range_keeps_its_place(desk: Desk) -> None:
+    slider = desk.panel.sliders[3].slider
+    desk.ask(lambda s: actions.move(s, z=-0.82))
+    desk.ask(lambda s: actions.vary(s, {"geometry.shaft_length": 0.4}))
+    low, high = heights(desk.design.geometry, Assembly.PRINTED)
+    assert low > -820.0
+    desk.until(lambda: ends(desk) == (-820.0, high))
+    assert slider.value == -820.0
