@@ -34,6 +34,7 @@ from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.trajectory import ImpossibleTrajectory, solve_trajectory
+from paminsa_viz.shapes.weights import room_words
 
 DESCRIPTION = """\
 Find the masses that balance the robot best, within bounds, and prove that none are better.
@@ -86,7 +87,8 @@ class Flags:
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
     """A motion as a table, instead of a preset."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode, for goals on a motion; a static balance holds in both."""
+    """Assembly mode, for goals on a motion and the room of counterweights; a static balance holds
+    in both."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Write the design here."""
     json: bool = False
@@ -97,7 +99,7 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Flags, words, "balance", DESCRIPTION)
     design = APPENDIX_4 if flags.design is None else load_design(flags.design)
-    changes = _changes(flags, design)
+    changes, assembly = _changes(flags, design), Assembly(flags.assembly)
     on_motion = flags.max_imbalance is not None or flags.max_added is not None
     if flags.goal == "static" and on_motion:
         raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
@@ -114,9 +116,9 @@ def main(words: list[str]) -> int:
         comment = f"Balanced by paminsa_viz {__version__}."
         save_design(replace(found.after, name=flags.out.stem[:100]), flags.out, comment=comment)
     if flags.json:
-        print_json(_report(found))
+        print_json(_report(found, assembly))
     else:
-        _print(found)
+        _print(found, assembly)
         if flags.out is not None:
             print(f"{flags.out}: written")
     return 0
@@ -168,11 +170,15 @@ def _changed(found: Optimum) -> list[tuple[str, float, float]]:
     return [item for item in pairs if item[1] != item[2]]
 
 
-def _report(found: Optimum) -> dict[str, Any]:
+def _report(found: Optimum, assembly: Assembly) -> dict[str, Any]:
+    after = found.after
     return {
         "values": [vars(value) for value in found.values],
         "changes": {path: {"before": a, "after": b} for path, a, b in _changed(found)},
-        "counterweights": [vars(weight) for weight in found.after.counterweights],
+        "counterweights": [
+            vars(weight) | {"room": room_words(after.geometry, weight, assembly)}
+            for weight in after.counterweights
+        ],
         "active_bounds": [vars(item) for item in found.active],
         "objective": found.objective,
         "lower_bound": found.lower_bound,
@@ -181,7 +187,7 @@ def _report(found: Optimum) -> dict[str, Any]:
     }
 
 
-def _print(found: Optimum) -> None:
+def _print(found: Optimum, assembly: Assembly) -> None:
     rows = [("", "before", "after", "unit")]
     for value in found.values:
         limit = "" if value.limit is None else f", at most {value.limit:.6g}"
@@ -205,6 +211,8 @@ def _print(found: Optimum) -> None:
             ],
             indent=2,
         )
+    for weight in found.after.counterweights:
+        print(f"\n{weight.place}: {room_words(found.after.geometry, weight, assembly)}")
     print(
         f"\nNo masses within the bounds do better than {found.lower_bound:.10g}; "
         f"these reach {found.objective:.10g}."

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Final
 
 import numpy as np
 
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.leg_points import bar_length
+from paminsa_viz.model.weight_room import weight_room
 from paminsa_viz.shapes import layers as at
 from paminsa_viz.shapes.part import Part
 from paminsa_viz.shapes.solids import ACROSS, ALONG, moved, rod
@@ -66,3 +68,32 @@ def counterweight(geometry: Geometry, weight: Counterweight) -> Part:
 def counterweight_glb(geometry: Geometry, weight: Counterweight, colour: str) -> bytes:
     """Return a counterweight as a GLB in its bar's frame, its hub in ``colour`` (``#rrggbb``)."""
     return counterweight(geometry, weight).glb(colour)
+
+
+def room_words(geometry: Geometry, weight: Counterweight, assembly: Assembly) -> str:
+    """Say what room a counterweight needs as a disc of steel, and what it may run into.
+
+    See `weight_room`: what is said to be free is so in every pose.
+    """
+    radius = disc_radius(weight.mass)
+    room = weight_room(geometry, weight, assembly, radius)
+    if room is None:
+        return "The robot can take no pose."
+    said = (
+        f"A steel disc of {_mm(radius)} radius there reaches at most {_mm(room.inward)} inward and "
+        f"{_mm(room.outward)} outward of its leg axis, {_mm(-room.low)} below and "
+        f"{_mm(room.high)} above the guides."
+    )
+    meet = "can meet neither the platform nor the robot's axis, where M4 stands"
+    if room.clear_depth == 0:
+        return f"{said} It {meet}."
+    if not np.isfinite(room.clear_depth):
+        return f"{said} It may run into the platform, or M4, at any height."
+    z = -assembly.sign * room.clear_depth - geometry.platform_joint_height
+    side, bound = ("below", np.floor) if assembly is Assembly.PRINTED else ("above", np.ceil)
+    return f"{said} It {meet}, while the platform is {side} z = {_mm(z, bound)}."
+
+
+def _mm(length: float, rounded: Callable[[float], float] = np.ceil) -> str:
+    """Return a length in whole mm, rounded to the safe side."""
+    return f"{rounded(round(1e3 * length, 6)):.0f} mm".replace("-", "\N{MINUS SIGN}")

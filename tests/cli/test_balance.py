@@ -33,6 +33,7 @@ def test_the_design_is_written_with_its_counterweights(capsys) -> None:
     assert code == 0
     assert "balanced.toml: written" in out
     assert "B3, 200 mm beyond joint 7" in out
+    assert "B3, 200 mm beyond joint 7: A steel disc of 43 mm radius there reaches at most" in out
     design = load_design("balanced.toml")
     assert design.name == "balanced"
     assert abs(balance_distance(design)) < 1e-14

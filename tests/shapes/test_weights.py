@@ -12,13 +12,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.design import APPENDIX_4, Assembly
 from paminsa_viz.model.kinematics import solve_posture
 from paminsa_viz.shapes import assemble_glb
 from paminsa_viz.shapes import layers as at
 from paminsa_viz.shapes.placement import place_parts
 from paminsa_viz.shapes.posed import transform
-from paminsa_viz.shapes.weights import DENSITY, counterweight, disc_radius, place_along
+from paminsa_viz.shapes.weights import (
+    DENSITY,
+    counterweight,
+    disc_radius,
+    place_along,
+    room_words,
+)
 from tests.samples import random_design, random_poses
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
@@ -62,3 +68,18 @@ def test_the_file_holds_those_with_mass() -> None:
     scene = trimesh.load_scene(io.BytesIO(assemble_glb(design, posture)), file_type="glb")
     names = {name.partition(".")[0] for name in scene.graph.nodes if "weight" in name}
     assert names == {f"leg{leg}_b8_weight1" for leg in (1, 2, 3)}
+
+
+def test_the_room_is_told_with_the_disc_s_own_radius() -> None:
+    light, heavy = (
+        room_words(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass), Assembly.PRINTED)
+        for mass in (1.0, 5.0)
+    )
+    assert light.startswith("A steel disc of 40 mm radius")
+    assert heavy.startswith("A steel disc of 89 mm radius")
+    assert "while the platform is below z = \N{MINUS SIGN}" in light
+    past_knee = Counterweight("b8", 8, 0.05, 0.1)
+    standing = room_words(APPENDIX_4.geometry, past_knee, Assembly.MIRROR)
+    assert "above z = " in standing or "It can meet neither" in standing
+    on_5 = Counterweight("b4", 5, 0.1, 1.0)
+    assert room_words(APPENDIX_4.geometry, on_5, Assembly.PRINTED).endswith("at any height.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from html import escape
 from typing import Any
 
 from paminsa_viz.explorer.balancing import requests
@@ -12,6 +13,7 @@ from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.shapes.weights import room_words
 
 PLACES = {
     f"{bar.upper()} past {joint}": (bar, joint) for bar, ends in BAR_ENDS.items() for joint in ends
@@ -86,8 +88,9 @@ class WeightList:
         for handle, visible in ((self.off, bool(weights)), (self._rows_place, bool(weights))):
             if handle.visible != visible:
                 handle.visible = visible
-        text = "Distance past the joint [mm], mass on each leg [kg]"
-        text = note(text if weights else "The design has no counterweights.", muted=True)
+        if moving:
+            return  # the room takes some 10 ms for each of them
+        text = _words(frame.state)
         if self._words.content != text:
             self._words.content = text
 
@@ -111,6 +114,19 @@ class WeightList:
 
         self.rows.append(row)
         self._controls.append(PatientControl(self._session, row, f"weights.{number}", apply, show))
+
+
+def _words(state: State) -> str:
+    """Return what stands above the rows: what they hold, and the room that the discs need."""
+    document = state.document
+    weights = document.design.counterweights
+    if not weights:
+        return note("The design has no counterweights.", muted=True)
+    said = ["Distance past the joint [mm], mass on each leg [kg]"]
+    for number, weight in enumerate(weights, 1):
+        words = room_words(document.design.geometry, weight, document.assembly)
+        said.append(f"<b>{number}</b> {escape(words)}")
+    return note("<br>".join(said), "weights-room", muted=True)
 
 
 def row_label(number: int, weight: Counterweight) -> str:
