@@ -54,25 +54,27 @@ _SETUP = """
   requestAnimationFrame(() => setTimeout(shown, 0));
   setTimeout(shown, 2000); // a tab in the background draws nothing
   if (window.__paminsaClicks)
-    for (const kind of ["mousedown", "click"])
+    for (const kind of ["pointerdown", "pointerup"])
       document.removeEventListener(kind, window.__paminsaClicks, true);
-  let down = [0, 0];
+  let down = null;
+  // Not the page's own click: while a figure is pressed, Plotly lays a cover over the window.
   window.__paminsaClicks = (event) => {
-    if (event.type === "mousedown") { down = [event.clientX, event.clientY]; return; }
-    const plot = event.target.closest && event.target.closest(".js-plotly-plot");
-    if (!plot || !plot._fullLayout || !event.target.closest(".draglayer, .nsewdrag")) return;
-    if (Math.hypot(event.clientX - down[0], event.clientY - down[1]) > 4) return;
+    const place = [event.clientX, event.clientY];
+    const figures = document.elementsFromPoint(...place).map((e) => e.closest(".js-plotly-plot"));
+    const plot = figures.find((figure) => figure && figure._fullLayout);
+    if (event.type === "pointerdown") { down = event.button === 0 && plot ? place : null; return; }
+    if (!plot || !down || Math.hypot(place[0] - down[0], place[1] - down[1]) > 4) return;
     const box = plot.getBoundingClientRect();
     for (const part of Object.values(plot._fullLayout._plots || {})) {
-      const x = event.clientX - box.left - part.xaxis._offset;
-      const y = event.clientY - box.top - part.yaxis._offset;
+      const x = place[0] - box.left - part.xaxis._offset;
+      const y = place[1] - box.top - part.yaxis._offset;
       if (x < 0 || y < 0 || x > part.xaxis._length || y > part.yaxis._length) continue;
       send("click", {title: String(plot._fullLayout.meta || ""),
         x: part.xaxis.p2d(x), y: part.yaxis.p2d(y)});
       return;
     }
   };
-  for (const kind of ["mousedown", "click"])
+  for (const kind of ["pointerdown", "pointerup"])
     document.addEventListener(kind, window.__paminsaClicks, true);
 })();
 """

@@ -10,6 +10,9 @@ from typing import Any
 
 import pytest
 
+from paminsa_viz.explorer import saving
+from paminsa_viz.explorer.bridge import STORE_KEY
+
 FLAGS = [
     "--headless=new",
     "--no-sandbox",
@@ -90,6 +93,32 @@ class Tab:
         field.fill(str(value))
         field.press("Enter")
         self.page.wait_for_timeout(80)
+
+    def settle(self, milliseconds: float) -> None:
+        """Wait for a time and then for some frames, which may take long on a busy machine."""
+        self.page.wait_for_timeout(milliseconds)
+        for _ in range(3):
+            self.page.evaluate("() => new Promise(done => requestAnimationFrame(done))")
+
+    def wait_saved(self) -> None:
+        """Wait until the browser keeps what a reload of the tab has to find."""
+        until(
+            lambda: (
+                self.page.evaluate(f"sessionStorage.getItem('{STORE_KEY}')")
+                == saving.dump(self.state.document)
+            ),
+            "the tab's state is kept",
+        )
+
+    def steady_box(self, place: Any) -> Any:
+        """Return where an element is, once it stays there: what comes above moves it."""
+
+        def resting() -> Any:
+            before = place.bounding_box()
+            self.settle(300)
+            return before if before == place.bounding_box() else None
+
+        return until(resting, "the element stays where it is")
 
     def open_tab(self, name: str) -> None:
         """Open a tab of a panel."""

@@ -139,7 +139,7 @@ def test_a_reload_finds_its_state_and_another_tab_its_own(open_tab: Callable[...
         tab.type_number(SLIDERS[0], x)
         tab.wait_pose(0, 1e-3 * x)
         settled(tab)
-        tab.page.wait_for_timeout(900)
+        tab.wait_saved()
     for tab, x in ((first, 40), (second, -70)):
         known = set(tab.app.sessions)
         tab.page.reload()

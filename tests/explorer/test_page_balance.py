@@ -81,7 +81,7 @@ def test_a_click_on_the_front_works_on_that_design(balance: Tab) -> None:
     points = page.locator(".js-plotly-plot .scatterlayer .trace").first.locator("path.point")
     until(lambda: points.count() == len(designs), "its points are drawn")
     points.nth(3).scroll_into_view_if_needed()
-    box = until(points.nth(3).bounding_box, "a place to click")
+    box = balance.steady_box(points.nth(3))
     page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     until(lambda: balance.state.document.design == designs[3], "the design of that point")
     assert balance.state.document.reference == APPENDIX_4

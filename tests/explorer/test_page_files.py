@@ -142,8 +142,7 @@ def test_a_click_on_a_map_goes_there(tab: Tab) -> None:
     tab.open_tab("Torque maps")
     plot = tab.page.locator(".js-plotly-plot:visible .nsewdrag").first
     plot.wait_for(state="attached")
-    box = until(plot.bounding_box, "the map has a place")
-    tab.page.wait_for_timeout(2000)  # while the page draws the map anew, a click can be lost
+    box = tab.steady_box(plot)
     tab.page.mouse.click(box["x"] + 0.56 * box["width"], box["y"] + 0.45 * box["height"])
     until(lambda: tab.state.standing.pose[0] > 0.02, "the robot goes to the right")
     assert tab.state.standing.pose[1] > 0.01

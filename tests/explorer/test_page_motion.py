@@ -79,7 +79,7 @@ def test_the_robot_stands_at_the_plotted_instant(motion: Tab) -> None:
 
 def test_a_click_on_a_curve_goes_there(motion: Tab) -> None:
     over = motion.page.locator(".u-over").first
-    box = until(over.bounding_box, "the chart has a place")
+    box = motion.steady_box(over)
     motion.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
     until(lambda: abs(motion.state.playback.time - 1.5) < 0.02, "the middle of the motion")
     wanted = planned(motion).at(motion.state.playback.time).pose
@@ -125,7 +125,7 @@ def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
     motion.press("m_B4 bar 9–4–5", "End")
     until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
     until(lambda: np.abs(torques()).max() > 1.2 * np.abs(before).max(), "the curves move")
-    motion.page.wait_for_timeout(300)
+    motion.settle(300)
     design = motion.state.document.design
 
     def as_the_model() -> bool:
@@ -225,7 +225,7 @@ def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
     motion.session.ask("test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=2.5))
     until(lambda: planned(motion).duration == 2.5, "another duration")
     wanted = motion.state.document.motion
-    motion.page.wait_for_timeout(900)
+    motion.wait_saved()
     known = set(motion.app.sessions)
     motion.page.reload()
     number = until(lambda: set(motion.app.sessions) - known, "a new session").pop()

@@ -31,19 +31,19 @@ def on_screen(tab: Tab, node: str, place: tuple[float, float, float]) -> list[fl
 def test_the_handle_drags_the_platform(tab: Tab) -> None:
     tab.session.ask("test", lambda s: actions.set_layers(s, gizmo=True))
     until(lambda: tab.place("/gizmo"), "the handle is there")
-    tab.page.wait_for_timeout(600)
+    tab.settle(600)
     start = np.array(tab.state.standing.pose)
     # Along the arrow of x, by its own length on the screen.
     (x0, y0), (x1, y1) = (on_screen(tab, "/gizmo", (way, 0.0, 0.0)) for way in (0.13, 0.19))
     tab.page.mouse.move(x0, y0)
-    tab.page.wait_for_timeout(200)
+    tab.settle(200)
     tab.page.mouse.down()
     for part in np.linspace(0.2, 1.0, 5):
         tab.page.mouse.move(x0 + part * (x1 - x0), y0 + part * (y1 - y0))
-        tab.page.wait_for_timeout(80)
+        tab.settle(80)
     tab.page.mouse.up()
     until(lambda: tab.state.standing.pose[0] > start[0] + 0.04, "the platform follows the handle")
-    tab.page.wait_for_timeout(400)
+    tab.settle(400)
     pose = np.array(tab.state.standing.pose)
     assert pose[0] == pytest.approx(start[0] + 0.06, abs=0.015)
     np.testing.assert_allclose(pose[1:], start[1:], atol=1e-4)
@@ -61,7 +61,7 @@ def test_a_click_on_the_floor_map_goes_there(tab: Tab) -> None:
     geometry = tab.state.document.design.geometry
     ground = layout(geometry).ground
     goal = (0.12, -0.16)
-    tab.page.wait_for_timeout(600)
+    tab.settle(600)
     x, y = on_screen(tab, "/robot/base", (*goal, ground))
     tab.page.mouse.click(x, y)
     until(
