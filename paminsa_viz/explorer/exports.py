@@ -12,6 +12,7 @@ import numpy as np
 import viser
 
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
+from paminsa_viz.explorer.scene.backdrop import before_backdrop
 from paminsa_viz.explorer.state import State
 from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.model import (
@@ -201,9 +202,9 @@ def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None)
     width, height = (int(min(max(side, low), high)) for side in (width, height))
     try:
         pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
-        if pixels.dtype != np.uint8 or pixels.shape[:2] != (height, width):
+        if pixels.dtype != np.uint8 or pixels.shape != (height, width, 4):
             raise ValueError(f"a picture of shape {pixels.shape}")
-        image = Image.fromarray(pixels)
+        image = Image.fromarray(before_backdrop(pixels))
     except Exception as error:  # what a page sends may break any decoder in any way
         raise NoView(
             "the page did not give a picture of the 3D view; keep its tab in front and try again"

@@ -21,6 +21,7 @@ from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
 from paminsa_viz.explorer.panels.readout import Readout
 from paminsa_viz.explorer.panels.view_panel import ViewPanel
+from paminsa_viz.explorer.scene import backdrop
 from paminsa_viz.explorer.scene.floor import FloorMap
 from paminsa_viz.explorer.scene.gizmo import Gizmo
 from paminsa_viz.explorer.scene.path import MotionPath
@@ -93,6 +94,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
+    bridge.run(backdrop.SCRIPT)
     look(session, "3D")
 
     tabs = gui.add_tab_group()

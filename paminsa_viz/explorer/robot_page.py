@@ -14,6 +14,7 @@ import numpy as np
 import viser
 from numpy.typing import ArrayLike
 
+from paminsa_viz.explorer.scene import backdrop
 from paminsa_viz.explorer.scene.cameras import preset
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.view import raised
@@ -86,7 +87,7 @@ def standing_robot(
 
 
 def titled(page: str, title: str) -> str:
-    """Return viser's page with a title of ours."""
+    """Return viser's page with a title and a backdrop of ours."""
     head, _, rest = page.partition("</head>")
     head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
-    return f"{head}</head>{rest}"
+    return f"{head}<script>{backdrop.SCRIPT}</script></head>{rest}"

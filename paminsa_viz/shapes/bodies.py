@@ -255,13 +255,14 @@ def body_glb(
 ) -> bytes:
     """Return a body as a coloured GLB in its own frame, z up; the last ones made are kept.
 
-    One that is not ``fine`` has a fifth of the triangles: no bolts and pins, and round sides of few
-    faces.
+    One that is not ``fine`` has a quarter of the triangles, no bolts and pins, round sides of few
+    faces, and its colours at its points instead of a mesh for each.
     """
     if fine:
         return make_body(body, geometry, assembly).glb(colour_of(body))
     with plain_shapes():
-        return make_body(body, geometry, assembly).without_small(SMALL).glb(colour_of(body))
+        part = make_body(body, geometry, assembly).without_small(SMALL)
+        return part.glb(colour_of(body), plain=True)
 
 
 def prepare(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> None:

@@ -17,6 +17,7 @@ from paminsa_viz.shapes.solids import (
     arc_beam,
     beam,
     box,
+    flat_ring,
     loft,
     moved,
     prism,
@@ -25,6 +26,9 @@ from paminsa_viz.shapes.solids import (
     tube,
     turn,
 )
+
+_ROUND = 2 * np.pi * np.arange(72) / 72
+"""Corners of the plinth, fine or plain: nothing else is so large [rad]."""
 
 CYLINDER_RADIUS = 0.034
 RAM_RADIUS = 0.016
@@ -47,11 +51,12 @@ def ground(geometry: Geometry, assembly: Assembly) -> Part:
     """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
     radius = plinth_radius(geometry, assembly)
     top = layout(geometry, assembly).ground
-    part = Part().add("floor", rod(radius - 0.002, top - 0.004, top, 0.0, 72))
-    part.add("rim", rod(radius, top - 0.020, top - 0.0015, 0.0, 64))
+    part = Part().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
+    rim = [np.array([polar(radius, a, h) for a in _ROUND]) for h in (top - 0.020, top - 0.0015)]
+    part.add("rim", loft(rim))
     # Circles every 0.2 m for scale; they stand out by less than the pictures laid on the floor.
     for line in np.arange(0.2, radius - 0.05, 0.2):
-        part.add("line", tube(line - 0.0012, line + 0.0012, top, top + 0.0005, 0.0, 44))
+        part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
     return part
 
 

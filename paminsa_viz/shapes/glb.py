@@ -10,11 +10,12 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 import trimesh
 
-from paminsa_viz.shapes.materials import SURFACES, linear
+from paminsa_viz.shapes.materials import COMMON, SURFACES, Surface, linear
 
 _UNLIT = "KHR_materials_unlit"
 _FLOAT, _UINT16, _UINT32 = 5126, 5123, 5125
@@ -46,49 +47,30 @@ class _Chunk:
         return len(self.accessors) - 1
 
 
-def compact_glb(meshes: Mapping[str, trimesh.Trimesh], colours: Mapping[str, str]) -> bytes:
+def compact_glb(
+    meshes: Mapping[str, trimesh.Trimesh], colours: Mapping[str, str], *, plain: bool = False
+) -> bytes:
     """Return a GLB with one mesh for each material.
 
     Args:
         meshes: By material name (see `paminsa_viz.shapes.materials`).
         colours: Colours (``#rrggbb``) that replace those of named materials.
+        plain: Make one mesh of all lit materials and one of all others, coloured by their points
+            and with `COMMON` for a surface: every mesh of every picture has its price.
     """
     chunk = _Chunk()
-    primitives, materials = [], []
-    for name, mesh in meshes.items():
-        points = np.asarray(mesh.vertices, dtype="<f4")
-        normals = np.asarray(mesh.vertex_normals, dtype="<f4")
-        faces = np.asarray(mesh.faces).reshape(-1)
-        small = len(points) <= 65535
-        primitives.append(
-            {
-                "attributes": {
-                    "POSITION": chunk.add(
-                        points, _FLOAT, "VEC3", 34962,
-                        min=points.min(axis=0).tolist(), max=points.max(axis=0).tolist(),
-                    ),
-                    "NORMAL": chunk.add(normals, _FLOAT, "VEC3", 34962),
-                },
-                "indices": chunk.add(
-                    faces.astype("<u2" if small else "<u4"),
-                    _UINT16 if small else _UINT32, "SCALAR", 34963,
-                ),
-                "material": len(materials),
-            }
-        )  # fmt: skip
-        surface = SURFACES[name]
-        red, green, blue = linear(colours.get(name, surface.colour))
-        materials.append(
-            {
-                "name": name,
-                "pbrMetallicRoughness": {
-                    "baseColorFactor": [round(red, 4), round(green, 4), round(blue, 4), 1.0],
-                    "metallicFactor": surface.metallic,
-                    "roughnessFactor": surface.roughness,
-                },
-                **({} if surface.lit else {"extensions": {_UNLIT: {}}}),
-            }
-        )
+    primitives: list[dict[str, object]] = []
+    materials: list[dict[str, object]] = []
+    if plain:
+        for lit in (True, False):
+            group = {name: mesh for name, mesh in meshes.items() if SURFACES[name].lit is lit}
+            if group:
+                primitives.append(_primitive(chunk, group, colours, len(materials), by_point=True))
+                materials.append(_material("plain", replace(COMMON, lit=lit), "#ffffff"))
+    else:
+        for name, mesh in meshes.items():
+            primitives.append(_primitive(chunk, {name: mesh}, colours, len(materials)))
+            materials.append(_material(name, SURFACES[name], _colour(name, colours)))
     tree = {
         "asset": {"version": "2.0"},
         "extensionsUsed": [_UNLIT],
@@ -113,3 +95,54 @@ def compact_glb(meshes: Mapping[str, trimesh.Trimesh], colours: Mapping[str, str
             bytes(chunk.data),
         ]
     )
+
+
+def _colour(name: str, colours: Mapping[str, str]) -> str:
+    return colours.get(name, SURFACES[name].colour)
+
+
+def _material(name: str, surface: Surface, colour: str) -> dict[str, object]:
+    red, green, blue = linear(colour)
+    return {
+        "name": name,
+        "pbrMetallicRoughness": {
+            "baseColorFactor": [round(red, 4), round(green, 4), round(blue, 4), 1.0],
+            "metallicFactor": surface.metallic,
+            "roughnessFactor": surface.roughness,
+        },
+        **({} if surface.lit else {"extensions": {_UNLIT: {}}}),
+    }
+
+
+def _primitive(
+    chunk: _Chunk,
+    meshes: Mapping[str, trimesh.Trimesh],
+    colours: Mapping[str, str],
+    material: int,
+    *,
+    by_point: bool = False,
+) -> dict[str, object]:
+    """Append meshes as one, with a colour at each point if asked for."""
+    counts = [len(mesh.vertices) for mesh in meshes.values()]
+    shifts = np.cumsum([0, *counts[:-1]])
+    points = np.vstack([mesh.vertices for mesh in meshes.values()]).astype("<f4")
+    normals = np.vstack([mesh.vertex_normals for mesh in meshes.values()]).astype("<f4")
+    faces = np.concatenate(
+        [mesh.faces.reshape(-1) + s for mesh, s in zip(meshes.values(), shifts, strict=True)]
+    )
+    attributes = {
+        "POSITION": chunk.add(
+            points, _FLOAT, "VEC3", 34962,
+            min=points.min(axis=0).tolist(), max=points.max(axis=0).tolist(),
+        ),
+        "NORMAL": chunk.add(normals, _FLOAT, "VEC3", 34962),
+    }  # fmt: skip
+    if by_point:
+        shades = np.array([linear(_colour(name, colours)) for name in meshes], dtype="<f4")
+        attributes["COLOR_0"] = chunk.add(np.repeat(shades, counts, axis=0), _FLOAT, "VEC3", 34962)
+    small = len(points) <= 65535
+    index = chunk.add(
+        faces.astype("<u2" if small else "<u4"),
+        _UINT16 if small else _UINT32, "SCALAR", 34963,
+    )  # fmt: skip
+    return {"attributes": attributes, "indices": index, "material": material}

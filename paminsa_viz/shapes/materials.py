@@ -39,6 +39,9 @@ SURFACES: dict[str, Surface] = {
 }
 """Every material that a part may carry, by name."""
 
+COMMON = Surface("#ffffff", 0.12, 0.46)
+"""What stands for all lit surfaces where each point has its own colour."""
+
 
 def linear(colour: str) -> tuple[float, float, float]:
     """Return ``#rrggbb`` as linear light, 0 to 1: what glTF wants in a base colour factor."""

@@ -82,9 +82,9 @@ class Part:
             out.append((name, mesh))
         return out
 
-    def glb(self, accent: str | None = None) -> bytes:
-        """Return the part as a compact GLB in its own frame, axes as they are (z up)."""
-        return compact_glb(dict(self.merged()), {ACCENT: accent} if accent else {})
+    def glb(self, accent: str | None = None, *, plain: bool = False) -> bytes:
+        """Return the part as a `compact_glb` in its own frame, axes as they are (z up)."""
+        return compact_glb(dict(self.merged()), {ACCENT: accent} if accent else {}, plain=plain)
 
 
 def _stacked(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:

@@ -139,6 +139,23 @@ def tube(
     return loft([circle(r, h, segments) for r, h in profile], closed=True)
 
 
+def flat_ring(inner: float, outer: float, height: float, segments: int) -> trimesh.Trimesh:
+    """Return a ring about z that is only seen from above; a disc if ``inner`` is 0."""
+    angle = 2 * np.pi * np.arange(segments) / segments
+    around = np.stack([np.cos(angle), np.sin(angle), np.zeros(segments)], axis=1)
+    i = np.arange(segments)
+    j = (i + 1) % segments
+    if inner == 0:
+        corners = np.vstack([outer * around, np.zeros(3)])
+        faces = np.stack([i, j, np.full(segments, segments)], axis=1)
+    else:
+        corners = np.vstack([outer * around, inner * around])
+        faces = np.vstack(
+            [np.stack([i, j, i + segments], 1), np.stack([j, j + segments, i + segments], 1)]
+        )
+    return shade(corners + np.array([0.0, 0.0, height]), faces)
+
+
 def prism(
     outline: Array, bottom: float, top: float, chamfer: float = 0.001, steps: int = 1
 ) -> trimesh.Trimesh:

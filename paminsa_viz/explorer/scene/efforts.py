@@ -26,7 +26,7 @@ FULL_LENGTH: Final = 0.26
 THIN, THICK = 0.0045, 0.0095
 """Radius of an arrow's shaft at zero and at full scale [m]."""
 
-_RINGS, _SIDES = 30, 12
+_RINGS, _SIDES = 24, 8
 
 _AROUND: Final = 2 * np.pi * np.arange(_SIDES) / _SIDES
 _COS: Final = np.cos(_AROUND)

@@ -1,4 +1,4 @@
-"""Light, backdrop and ground around the robot."""
+"""Light and ground around the robot."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from viser import SceneApi
 from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.shapes.bodies import body_glb, lengths_of
 from paminsa_viz.shapes.layout import layout
-
-BACKDROP: Final = ((252, 253, 254), (216, 222, 229))
-"""Colours at the top and the bottom of the backdrop."""
 
 SKY_PLAIN: Final = 1.75
 SKY_RICH: Final = 0.55
@@ -33,13 +30,6 @@ SHADOW: Final = "/stage/ground/below"
 """Scene name of the soft shadow below the platform."""
 
 
-def backdrop() -> NDArray[np.uint8]:
-    """Return a soft vertical gradient, (256, 4, 3)."""
-    mix = np.linspace(0.0, 1.0, 256)[:, None, None] ** 1.2
-    top, bottom = (np.array(colour, dtype=np.float64) for colour in BACKDROP)
-    return np.broadcast_to(np.rint(top + (bottom - top) * mix), (256, 4, 3)).astype(np.uint8)
-
-
 def soft_spot(strength: float, sharpness: float = 2.0) -> NDArray[np.uint8]:
     """Return a round soft shadow as an RGBA image, darkest in the middle."""
     axis = np.linspace(-1.0, 1.0, SHADE_PIXELS)
@@ -52,7 +42,7 @@ def soft_spot(strength: float, sharpness: float = 2.0) -> NDArray[np.uint8]:
 
 
 class Stage:
-    """Lights, backdrop, plinth and a soft shadow below the platform, which is all a pose moves.
+    """Lights, plinth and a soft shadow below the platform, which is all a pose moves.
 
     Unless `shadows` asks for it there is no environment map, and the ground is unlit: reflections
     cost several times as much as all the rest where the browser draws without a graphics card.
@@ -66,7 +56,6 @@ class Stage:
     def __init__(self, scene: SceneApi, geometry: Geometry, assembly: Assembly) -> None:
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
-        scene.set_background_image(backdrop(), format="png")
         self._scene = scene
         self._sky = scene.add_light_hemisphere(
             "/stage/sky", sky_color=SKY, ground_color=FLOOR_GLOW, intensity=SKY_PLAIN
@@ -78,7 +67,7 @@ class Stage:
         self._lengths = lengths_of("ground", geometry, assembly)
         self._ground = scene.add_glb(
             "/stage/ground",
-            body_glb("ground", geometry, assembly),
+            body_glb("ground", geometry, assembly, fine=False),
             cast_shadow=False,
             receive_shadow=False,
         )
@@ -98,7 +87,7 @@ class Stage:
         if lengths == self._lengths:
             return False
         self._lengths = lengths
-        self._ground.glb_data = body_glb("ground", geometry, assembly)
+        self._ground.glb_data = body_glb("ground", geometry, assembly, fine=False)
         self._place(geometry, assembly)
         return True
 
@@ -116,7 +105,7 @@ class Stage:
 
     @property
     def visible(self) -> bool:
-        """Whether the ground is shown; light and backdrop stay."""
+        """Whether the ground is shown; the light stays."""
         return self._ground.visible
 
     @visible.setter
