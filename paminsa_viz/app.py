@@ -26,6 +26,11 @@ if TYPE_CHECKING:  # loaded in the background, while the browser starts
 log = logging.getLogger(__name__)
 
 
+SWITCH = 0.001
+"""Longest time one thread keeps the others waiting [s]: what is drawn is to be sent at once, while
+the next thing is computed. Python's own 5 ms would be felt."""
+
+
 class App:
     """The running server and its sessions.
 
@@ -82,6 +87,7 @@ def run(options: AppOptions) -> None:
     """
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
+    sys.setswitchinterval(SWITCH)
     design = APPENDIX_4 if options.design is None else require_workable(load_design(options.design))
     app = App(options, design)
     notice = exposure_notice(options.host)

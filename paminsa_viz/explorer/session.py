@@ -31,8 +31,11 @@ Intent = Callable[[State], State]
 REST = 0.4
 """Time without a change after which the hand counts as resting [s]."""
 
-BREATH = 0.02
+BREATH = 0.01
 """Least time between two drawings, so that one tab can not take a core for itself [s]."""
+
+PATIENCE = 0.02
+"""How long a newer position of the hand waits for the slower views of an older one [s]."""
 
 
 class View(Protocol):
@@ -204,11 +207,12 @@ class Session:
             for view in self.first:
                 view.draw(frame, moving)
         self.client.flush()
+        due = time.monotonic() + PATIENCE
         for _ in range(len(self.later)):
             view = self.later[self._turn % len(self.later)]
             self._turn += 1
             view.draw(frame, moving)
-            if moving and self._intents:
+            if moving and self._intents and time.monotonic() > due:
                 # The hand is already further: the robot first, then the views that are still owed.
                 break
         self.client.flush()

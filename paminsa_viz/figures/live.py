@@ -65,6 +65,21 @@ def screen_layout(
     return arrange(data, width, screen_room(ratio), own_bars=len(set(scales)) > 1)
 
 
+def marks(data: MapData, layout: Layout) -> list[tuple[float, float]]:
+    """Return where the pose lies on each panel, as shares of the figure's width and height.
+
+    `live_image` does not draw it: what lies over the picture can follow the hand alone. There is
+    no mark where the pose is not on the map.
+    """
+    out = []
+    for box in layout.panels:
+        factor, shift = _transform(data, box)
+        x, y = (float(v) for v in data.pose[:2] * factor + shift)
+        if box.left <= x <= box.right and box.top <= y <= box.bottom:
+            out.append((x / layout.width, y / layout.height))
+    return out
+
+
 def live_image(
     data: MapData,
     scale: Scale | Sequence[Scale],
@@ -75,6 +90,8 @@ def live_image(
     way: Way | None = None,
 ) -> NDArray[np.uint8]:
     """Draw all panels side by side with axes and colour bar, as RGB (height, width, 3).
+
+    The pose's mark is left to `marks`.
 
     Args:
         data: The maps.
@@ -109,7 +126,6 @@ def live_image(
     if way is not None:
         _draw_way(canvas, data, boxes, way, pixel_ratio)
     for index, box in enumerate(boxes):
-        _marker(canvas, data, box, pixel_ratio)
         _say_why(canvas, axes.emptiness(data, index), box, pixel_ratio)
     return canvas.pixels
 
@@ -173,14 +189,6 @@ def _draw_way(canvas: Canvas, data: MapData, boxes: list[Box], way: Way, ratio: 
     canvas.strokes([Stroke([*good, *bad], width=4.5 * ratio)], "#ffffff")
     canvas.strokes([Stroke(good, width=2.5 * ratio)], INK)
     canvas.strokes([Stroke(bad, width=2.5 * ratio, dash=(4 * ratio, 3 * ratio))], BAD)
-
-
-def _marker(canvas: Canvas, data: MapData, box: Box, ratio: float) -> None:
-    factor, shift = _transform(data, box)
-    x, y = (float(v) for v in data.pose[:2] * factor + shift)
-    if box.left <= x <= box.right and box.top <= y <= box.bottom:
-        for radius, colour in ((6.5, "#ffffff"), (5.5, INK), (4.0, "#ffffff"), (1.7, INK)):
-            canvas.disc(x, y, radius * ratio, colour)
 
 
 def _say_why(canvas: Canvas, why: str, box: Box, ratio: float) -> None:

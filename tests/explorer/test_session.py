@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from types import SimpleNamespace
@@ -215,7 +216,8 @@ def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> 
     desk.session.ask("x", to(0.01))
     eventually(lambda: any(view.inside.is_set() for view in views))
     waiting = next(view for view in views if not view.inside.is_set())
-    desk.session.ask("x", to(0.02))  # while the first of the slow views draws
+    desk.session.ask("x", to(0.02))  # while the first of the slow views draws,
+    time.sleep(2 * session.PATIENCE)  # and draws
     for view in views:
         view.gate.set()
     eventually(lambda: waiting.drawn and waiting.drawn[-1][0].document.pose[0] == 0.02)

@@ -17,7 +17,8 @@ from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.figures import ticks
-from paminsa_viz.figures.live import Way, live_image, screen_layout
+from paminsa_viz.figures.layout import Layout
+from paminsa_viz.figures.live import Way, live_image, marks, screen_layout
 from paminsa_viz.figures.maps import MapData
 from paminsa_viz.figures.scale import Scale
 from paminsa_viz.model import Quantity
@@ -41,6 +42,9 @@ div:has(> div > [data-paminsa-slot="%(name)s"]) {
   & > div:has(> div > img), & > div:has(> .mantine-Paper-root) {
     grid-row: %(rows)s; grid-column: %(span)s; padding: 0; align-self: start; }
   & > div:has(> .paminsa-line) { grid-column: %(line)s; padding: 0; }
+  & > div:has(> .paminsa-marks) {
+    grid-row: %(rows)s; grid-column: %(span)s; padding: 0; align-self: start; z-index: 1;
+    pointer-events: none; }
   & > div:has(> .mantine-Paper-root) { z-index: 1; }
   & > div > .mantine-Paper-root { margin: 0; padding: 0; border: 0; background: transparent; }
   & > div > div > img { width: 100%%; }
@@ -117,8 +121,10 @@ class MapPicture:
         gui.add_html(marker(name, arrangement.share) + arrangement.style(name))
         blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
+        self._marks = gui.add_html("")
         self._place = gui.add_folder(None)
         self._hover: Any = None
+        self._layout: Layout | None = None
         self._caption = gui.add_html("")
         self._drawn: tuple[Any, ...] = ()
         self._offered: tuple[Any, ...] = ()
@@ -132,11 +138,13 @@ class MapPicture:
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
         motion = self._motions.present(state) if state.layers.path else None
+        # Where the robot stands is not part of it: the mark lies over the picture.
         shown = (
-            document.design, document.assembly, document.pose, reference, view, quantities, width,
-            self._slots.ratio, motion and motion.trajectory,
+            document.design, document.assembly, document.pose[2:], reference, view, quantities,
+            width, self._slots.ratio, motion and motion.trajectory,
         )  # fmt: skip
         if self._drawn and self._drawn[0] == shown and (moving or self._drawn[1]):
+            self._mark(state)
             return
         data = self._store.data(state, COARSE if moving else FULL, quantities)
         scales = self._store.scales(state, data, quantities)
@@ -148,18 +156,24 @@ class MapPicture:
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
         self._image.image = picture
         self.data, self.scales = data, scales
+        self._layout = screen_layout(data, scales, width)
+        self._mark(state)
         self._say(state, data)
-        if not moving:
-            # All that the values depend on; where the robot stands is not part of it.
-            values = (document.design, document.assembly, document.pose[2:], reference, view,
-                      quantities, width)  # fmt: skip
-            if values != self._offered:
-                self._offer_values(data, scales, width)
-                self._offered = values
+        # All that the values depend on; how finely they are drawn is not part of it.
+        if not moving and shown[:7] != self._offered:
+            self._offer_values(data, self._layout)
+            self._offered = shown[:7]
         self._drawn = (shown, not moving)
 
-    def _offer_values(self, data: MapData, scales: tuple[Scale, ...], width: int) -> None:
-        layout = screen_layout(data, scales, width)
+    def _mark(self, state: State) -> None:
+        if self.data is None or self._layout is None:
+            return
+        self.data = self.data.with_pose(state.document.pose)
+        html = marks_html(self.data, self._layout)
+        if html != self._marks.content:
+            self._marks.content = html
+
+    def _offer_values(self, data: MapData, layout: Layout) -> None:
         figure = cast(Any, HoverFigure(data, layout, self._name))
         height = layout.height / layout.width
         if self._hover is None:
@@ -175,6 +189,21 @@ class MapPicture:
         text = caption(state, data)
         if text != self._caption.content:
             self._caption.content = text
+
+
+def marks_html(data: MapData, layout: Layout) -> str:
+    """Return the marks of the pose, to be laid over a picture that has this layout."""
+    rings = f"0 0 0 2.3px #fff,0 0 0 3.8px {INK},0 0 0 4.8px #fff"
+    spots = "".join(
+        f'<i style="position:absolute;left:{100 * x:.3f}%;top:{100 * y:.3f}%;width:3.4px;'
+        f"height:3.4px;margin:-1.7px 0 0 -1.7px;border-radius:50%;background:{INK};"
+        f'box-shadow:{rings}"></i>'
+        for x, y in marks(data, layout)
+    )
+    return (
+        '<div class="paminsa-marks" style="position:relative;'
+        f'aspect-ratio:{layout.width:g}/{layout.height:g}">{spots}</div>'
+    )
 
 
 def way_of(motion: TrajectoryAnalysis) -> Way:
