@@ -18,13 +18,13 @@ LAYER_LABELS = {
     "gravity": ("Weights", "The weight of each body as an arrow"),
     "torques": ("Actuator torques", "Static torques as arrows about the leg axes, and F₄"),
     "labels": ("Labels", "Names of the actuators"),
-    "workspace": ("Workspace boundary", "Positions within reach at the present θ and z"),
+    "workspace": ("Workspace edge", "Positions within reach at the present θ and z"),
     "singularity": ("Singular circle", "Where the platform escapes the actuators at this θ"),
     "floor_map": ("Floor map", "The chosen map, under the robot; click it to go there"),
     "path": ("Path of the motion", "Coloured by torque, and on the maps"),
-    "gizmo": ("Handle on the platform", "Drag the platform in the scene"),
+    "gizmo": ("Platform handle", "Drag the platform in the scene"),
     "fine": ("Fine detail", "Round edges and bolts; on by itself where there is a graphics card"),
-    "shadows": ("Shadows and reflections", "Slow without a graphics card"),
+    "shadows": ("Shadows", "Shadows and reflections; slow without a graphics card"),
 }
 
 
@@ -33,13 +33,16 @@ class ViewPanel:
 
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
-        cameras = gui.add_button_group("Camera", tuple(CAMERAS))
 
-        @cameras.on_click
-        def _(event) -> None:  # type: ignore[no-untyped-def]
+        def turn(event) -> None:  # type: ignore[no-untyped-def]
             name = event.target.value
             if name in CAMERAS:
                 session.do(lambda: look(session, name))
+
+        legs = tuple(name for name in CAMERAS if name.startswith("Leg"))
+        whole = tuple(name for name in CAMERAS if name not in legs)
+        gui.add_button_group("Camera", whole).on_click(turn)
+        gui.add_button_group("Square to", legs).on_click(turn)
 
         self._controls = []
         known = {item.name for item in fields(Layers)}
