@@ -54,7 +54,7 @@ class MapsPanel:
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                Arrangement(share=0.56), motions,
+                Arrangement(share=0.52), motions,
             )  # fmt: skip
             self._single_inputs = MapControls(
                 session, self._single, "single map", lambda s: s.map_view.quantity.unit
