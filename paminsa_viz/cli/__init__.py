@@ -14,6 +14,7 @@ import difflib
 import importlib
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 
 from paminsa_viz import __version__
@@ -43,7 +44,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        return _run(words)
+        with warnings.catch_warnings():
+            # A number too large for the arithmetic ends as NaN or is refused; what NumPy has to
+            # say of it names no place.
+            warnings.simplefilter("ignore", RuntimeWarning)
+            return _run(words)
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:

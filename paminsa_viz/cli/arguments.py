@@ -76,5 +76,16 @@ def one_line(complaint: str) -> str:
     texts = [" ".join(lines).rstrip(".") for lines in statements if lines]
     if "╭" not in complaint:
         del texts[:1]  # the title
+    texts[:1] = [_without_types(text) for text in texts[:1]]
     kept = texts[:1] + [text for text in texts[1:] if text.startswith("Perhaps")]
     return "; ".join(kept) or "the arguments do not fit"
+
+
+def _without_types(text: str) -> str:
+    """Return a statement without the list of types that tyro tried in vain."""
+    found = re.match(
+        r"(Error parsing --[\w-]+: )no type matching (?:\{None\}\|)?\{?(.+?)\}? could be "
+        r"instantiated from \[(.*?)\]\. Got errors",
+        text,
+    )
+    return f"{found[1]}{found[2]} is needed, not {found[3]}" if found else text

@@ -10,9 +10,11 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.files.design_file import load_design, save_design
+from paminsa_viz.explorer.bounds import LARGEST
+from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.balancing import (
     AddedMass,
     Changes,
@@ -30,7 +32,7 @@ from paminsa_viz.model.balancing import (
     optimise,
     paper_changes,
 )
-from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.trajectory import ImpossibleTrajectory, solve_trajectory
@@ -98,7 +100,7 @@ class Flags:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Flags, words, "balance", DESCRIPTION)
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    design = design_of(flags.design)
     changes, assembly = _changes(flags, design), Assembly(flags.assembly)
     on_motion = flags.max_imbalance is not None or flags.max_added is not None
     if flags.goal == "static" and on_motion:
@@ -130,6 +132,7 @@ def _changes(flags: Flags, design: Design) -> Changes:
     Raises:
         InvalidInput: If bounds or levers contradict each other.
     """
+    _check_sizes(flags)
     if not flags.change and not flags.rail:
         return paper_changes(design)
     rails = [
@@ -137,6 +140,27 @@ def _changes(flags: Flags, design: Design) -> Changes:
         for bar, joint, start, end, most in flags.rail
     ]
     return Changes(tuple(MassRange(*item) for item in flags.change), tuple(rails))
+
+
+def _check_sizes(flags: Flags) -> None:
+    """Refuse numbers that no machine has and the arithmetic can not take.
+
+    Raises:
+        UsageError: Which flag.
+    """
+    kilograms = LARGEST["kg"]
+    for flag, unit, most, numbers in (
+        ("--change", "kg", kilograms, [high for _, _, high in flags.change]),
+        ("--rail", "mm", 1e3 * LARGEST["m"], [end for rail in flags.rail for end in rail[2:4]]),
+        ("--rail", "kg", kilograms, [rail[4] for rail in flags.rail]),
+        ("--max-imbalance", "N", 1e6, [flags.max_imbalance or 0.0]),
+        ("--max-added", "kg", kilograms, [flags.max_added or 0.0]),
+    ):
+        for number in numbers:
+            if not abs(number) <= most:
+                raise UsageError(f"{flag} {number:g}: at most {most:g} {unit} are possible")
+    if flags.max_imbalance is not None and flags.max_imbalance < 0:
+        raise UsageError("--max-imbalance: a size is needed, 0 or more")
 
 
 def _on_motion(flags: Flags, design: Design, changes: Changes) -> Optimum:

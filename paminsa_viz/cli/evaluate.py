@@ -12,8 +12,8 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.files.atomic import written_whole
-from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.pose_table import (
     PoseRows,
     PoseTable,
@@ -80,7 +80,7 @@ class Tally:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Evaluate, words, "evaluate", DESCRIPTION)
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    design = design_of(flags.design)
     tally = evaluate_table(flags.table, flags.out, design, Assembly(flags.assembly))
     print(f"{flags.out}: {tally}")
     return 0

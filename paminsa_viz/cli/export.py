@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -11,12 +12,12 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.placing import start_pose
 from paminsa_viz.files.atomic import as_file_error, write_bytes
-from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.kinematics import solve_posture
 from paminsa_viz.model.reach import require_reachable
 
@@ -60,7 +61,7 @@ def main(words: list[str]) -> int:
     flags = parse(Export, words, "export", DESCRIPTION)
     if flags.glb is None and flags.mjcf is None and flags.meshes is None:
         raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    design = design_of(flags.design)
     assembly = Assembly(flags.assembly)
     if flags.pose is None:
         pose = start_pose(design, assembly)
@@ -68,12 +69,17 @@ def main(words: list[str]) -> int:
         x, y, theta, z = flags.pose
         pose = np.array([1e-3 * x, 1e-3 * y, math.radians(theta), 1e-3 * z])
     require_reachable(design.geometry, pose)
-    for path, content in _contents(flags, design, assembly, pose):
+    contents = _contents(flags, design, assembly, pose)
+    for path, content in contents:
+        if not isinstance(content, bytes):
+            _make_folders(path, content)  # before any file: what most often can not be made
+    for path, content in contents:
         if isinstance(content, bytes):
             write_bytes(path, content)
             print(f"{path}: written")
         else:
-            _write_folder(path, content)
+            for name, part in content.items():
+                write_bytes(path / name, part)
             print(f"{path}: written, {len(content)} files")
     return 0
 
@@ -104,11 +110,9 @@ def _contents(
     return made
 
 
-def _write_folder(folder: Path, files: dict[str, bytes]) -> None:
-    for name, content in files.items():
-        path = folder / name
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise as_file_error(str(folder), error, "written") from error
-        write_bytes(path, content)
+def _make_folders(folder: Path, files: Iterable[str]) -> None:
+    try:
+        for name in files:
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise as_file_error(str(folder), error, "written") from error

@@ -12,6 +12,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.explorer.maps import FULL, MapStore
@@ -19,9 +20,8 @@ from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.figures.maps import DISPLAY_UNITS, MapData
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.map_table import map_csv, map_npz
-from paminsa_viz.model import APPENDIX_4, Assembly, Design, PaminsaError, Quantity
+from paminsa_viz.model import Assembly, Design, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
 
 DESCRIPTION = """\
@@ -125,8 +125,8 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Map, words, "map", DESCRIPTION)
     flags.check()
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
-    reference = None if flags.reference is None else load_design(flags.reference)
+    design = design_of(flags.design)
+    reference = None if flags.reference is None else design_of(flags.reference)
     state = state_of(flags, design, reference)
     store = MapStore()
     data = store.data(state, flags.cells, flags.quantities)

@@ -13,10 +13,10 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import PROGRAM, parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.files.atomic import written_whole
-from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model.design import APPENDIX_4, Assembly
+from paminsa_viz.model.design import Assembly
 from paminsa_viz.model.trajectory import home
 
 DESCRIPTION = """\
@@ -59,7 +59,7 @@ class Report:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Report, words, "report", DESCRIPTION)
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    design = design_of(flags.design)
     assembly = Assembly(flags.assembly)
     if flags.pose is None:
         x, y, theta, z = home(design.geometry, assembly).tolist()

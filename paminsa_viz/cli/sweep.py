@@ -15,12 +15,12 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import PROGRAM, UsageError, complain, parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
-from paminsa_viz.explorer.bounds import largest, require_workable
-from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.explorer.bounds import largest
+from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,
@@ -125,8 +125,7 @@ def main(words: list[str]) -> int:
         raise UsageError("--dask and --jobs exclude each other")
     if flags.preset is not None and flags.file is not None:
         raise UsageError("--preset and --file exclude each other")
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
-    study = study_of(flags, require_workable(design))
+    study = study_of(flags, design_of(flags.design))
     begun = time.monotonic()
     latest = StudySummary(study)
 

@@ -10,14 +10,15 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import ENDINGS, PICTURES, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
+from paminsa_viz.explorer.bounds import require_workable
 from paminsa_viz.figures.curves import CurveKind
-from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.design import Assembly, Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.trajectory import (
     PRESET,
@@ -56,6 +57,14 @@ units go into the header (t_ms, x_mm, theta_deg). The ending of --out says what 
 Exit code: 0 the robot can run the motion; 1 it can not (leaves its workspace, comes too close to a
 singular pose, is too weak, or the simulation stopped), with the time and the reason; 2 a wrong
 argument or file."""
+
+
+MOST_BANDWIDTH = 1000.0
+"""Highest bandwidth of the controller [Hz]; that of good drives is a tenth of it."""
+
+
+MOST_LIMIT = 1e9
+"""Largest limit of a motion, in the unit of its flag; beyond it none is meant."""
 
 
 @dataclass(frozen=True)
@@ -150,6 +159,14 @@ class Flags:
                 kind == "comparison" and not second,
                 "--figure comparison needs --engine, --printed or --reference",
             ),
+            (
+                not 0 <= self.bandwidth <= MOST_BANDWIDTH,
+                f"--bandwidth: 0 to {MOST_BANDWIDTH:g} Hz are possible",
+            ),
+            (
+                any(getattr(self, name) > MOST_LIMIT for name in limits),
+                f"{limit}: at most {MOST_LIMIT:g} is possible",
+            ),
             (self.engine and kind != "comparison", "--engine belongs to --figure comparison"),
             (self.figure and not drawn, f"--figure {pictures}"),
             (self.engine and not drawn, f"--engine {pictures}"),
@@ -196,8 +213,8 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Flags, words, "trajectory", DESCRIPTION)
     flags.check()
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
-    reference = None if flags.reference is None else load_design(flags.reference)
+    design = design_of(flags.design)
+    reference = None if flags.reference is None else design_of(flags.reference)
     try:
         results = _worked_out(flags, design, reference, Assembly(flags.assembly))
     except (ImpossibleTrajectory, InfeasibleMotion) as error:
@@ -270,7 +287,8 @@ def _motion(flags: Flags, design: Design, assembly: Assembly) -> tuple[Trajector
 def _simulated(
     flags: Flags, design: Design, trajectory: Trajectory, assembly: Assembly
 ) -> Simulation:
-    robot = design.vary({"payload.mass": design.payload.mass + flags.payload_mismatch})
+    payload = design.payload.mass + flags.payload_mismatch
+    robot = require_workable(design.vary({"payload.mass": payload}))
     control = _CONTROLS[flags.simulate or "pd"]
     controller = Controller(control, bandwidth=flags.bandwidth)
     return simulate(robot, trajectory, assembly, model=design, controller=controller)

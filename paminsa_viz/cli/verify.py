@@ -12,14 +12,14 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import parse
+from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.files.atomic import as_file_error, write_bytes
-from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.model.design import APPENDIX_4, Assembly
+from paminsa_viz.model.design import Assembly
 from paminsa_viz.model.errors import PaminsaError
 
 DESCRIPTION = """\
@@ -72,7 +72,7 @@ class Verify:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Verify, words, "verify", DESCRIPTION)
-    design = APPENDIX_4 if flags.design is None else load_design(flags.design)
+    design = design_of(flags.design)
     assembly = Assembly(flags.assembly)
     motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
     xml = None if flags.model is None else _mechanics(flags.model)

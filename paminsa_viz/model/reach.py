@@ -165,9 +165,14 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     leg, excess = int(result.leg[first]) + 1, float(result.excess[first])
     x, y, theta, z = where
     text = (
-        f"pose ({1e3 * x:.1f} mm, {1e3 * y:.1f} mm, {np.degrees(theta):.1f} deg, {1e3 * z:.1f} mm)"
+        f"pose ({_short(1e3 * x)} mm, {_short(1e3 * y)} mm, {_short(np.degrees(theta))} deg, "
+        f"{_short(1e3 * z)} mm)"
     )
     text += f" can not be taken: {limit.explanation}"
     if leg:
-        text += f" (leg {leg}, by {1e3 * excess:.2f} mm)"
+        text += f" (leg {leg}, by {_short(1e3 * excess, 2)} mm)"
     raise UnreachablePose(tuple(map(float, where)), leg, limit.word, excess, text)
+
+
+def _short(number: float, digits: int = 1) -> str:
+    return f"{number:.{digits}f}" if abs(number) < 1e7 else f"{number:.3g}"

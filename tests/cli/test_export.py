@@ -78,6 +78,9 @@ def test_servos_are_the_default() -> None:
         ("--glb r.glb --pose 0 0 0", "--pose"),
         ("--mjcf no/r.xml", "no/r.xml: can not be written: its folder does not exist"),
         ("--meshes old/deeper", "old/deeper: can not be written"),
+        ("--mjcf r.xml --glb r.glb --meshes old", "old: can not be written"),
+        ("--glb r.glb --pose 1e300 0 0 0", "pose (1e+300 mm, 0.0 mm,"),
+        ("--glb r.glb --pose x 0 0 0", "--pose: FLOAT FLOAT FLOAT FLOAT is needed, not 'x',"),
         ("--glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600", "pose: it is singular"),
     ],
 )

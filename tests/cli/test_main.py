@@ -5,6 +5,7 @@ from __future__ import annotations
 import subprocess
 import sys
 import types
+import warnings
 from pathlib import Path
 
 import pytest
@@ -14,6 +15,7 @@ from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.cli.arguments import one_line
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.options import AppOptions
+from tests.cli import running
 
 
 @pytest.fixture
@@ -161,3 +163,37 @@ def test_small_commands_do_not_load_the_pages_libraries() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60)
     assert done.stderr == "[]\n"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "trajectory --design {}", "trajectory --reference {}", "map --design {}",
+        "map --reference {}", "evaluate in.csv --out out.csv --design {}", "balance --design {}",
+        "sweep --vary links.b3=1:2:2 --out out.csv --design {}", "verify --design {}",
+        "report --out out.html --design {}", "export --glb out.glb --design {}",
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize(
+    ("value", "place"),
+    [
+        ("[links]\nb3_kg = 1e308\n", "big.toml: links.b3 = 1e+308 is not possible"),
+        ("[geometry]\nmagnification = 1.0\n", "big.toml, line 3, [geometry] magnification"),
+    ],
+)
+def test_every_command_refuses_a_design_with_the_file_and_the_value(
+    capsys, words, value, place
+) -> None:
+    Path("in.csv").write_text("x_m,y_m,theta_rad,z_m\n0,0,0,-0.5\n")
+    Path("big.toml").write_text(f"schema_version = 1\n{value}")
+    command, *others = words.format("big.toml").split()
+    running.check_refused(command, capsys, *others, place=place)
+
+
+def test_overflow_is_not_numpy_s_to_tell(capsys) -> None:
+    rows = "0,1e308,0,0,-0.5\n1,1e308,1e308,0,-0.5\n2,-1e308,0,0,1e308\n"
+    Path("huge.csv").write_text("t_s,x_m,y_m,theta_rad,z_m\n" + rows)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        running.check_refused("trajectory", capsys, "--file", "huge.csv", place="huge.csv: pose:")
+    assert not told

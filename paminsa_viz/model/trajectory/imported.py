@@ -69,11 +69,17 @@ def from_samples(
         spline = _spline(times, poses, rest)
         speeds, growth = spline(times, 1), spline(times, 2)
         notes.append(f"Velocity and acceleration are those of a spline of degree {spline.k}.")
-        notes += _rounding(times, poses)
     elif acceleration is None:
         spline = _spline(times, speeds, False)
         growth = spline(times, 1)
         notes.append(f"The acceleration is that of a spline of degree {spline.k}.")
+    if not (np.isfinite(speeds).all() and np.isfinite(growth).all()):
+        problem = (
+            "no finite velocity and acceleration follow from it; check the units of t and pose"
+        )
+        raise InvalidInput("pose", problem)
+    if velocity is None:
+        notes += _rounding(times, poses)
     if velocity is not None:
         notes += _mismatch("velocity", times, poses, speeds)
     if acceleration is not None:
@@ -96,7 +102,7 @@ def _rounding(t: Array, pose: Array) -> list[str]:
     """Say by how much the last digit of the poses may move the acceleration, if that matters."""
     if len(t) < 3:
         return []
-    step = float(np.median(np.diff(t)))
+    step = np.median(np.diff(t))
     for column, (word, unit) in enumerate(zip(COORDINATES, UNITS, strict=True)):
         if np.ptp(pose[:, column]) == 0:
             continue  # a coordinate that rests says nothing of how it is written

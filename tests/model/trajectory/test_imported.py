@@ -79,6 +79,18 @@ def test_rates_in_another_unit_are_pointed_out(velocity, acceleration, word) -> 
     assert word in made.notes[0]
 
 
+def test_a_coordinate_that_rests_says_nothing_of_its_digits() -> None:
+    level = EXACT.pose * [1.0, 0.0, 1.0, 1.0]
+    assert not any("steps of" in note for note in from_samples(EXACT.t, level).notes)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize(("times", "lengths"), [(1e-300, 1.0), (1.0, 1e308)])
+def test_units_that_can_not_be_are_told_as_such(times, lengths) -> None:
+    with pytest.raises(InvalidInput, match="check the units of t and pose"):
+        from_samples(times * EXACT.t[::40], lengths * EXACT.pose[::40])
+
+
 def test_refusals() -> None:
     with pytest.raises(InvalidInput, match="together with the velocity"):
         from_samples(EXACT.t, EXACT.pose, None, EXACT.acceleration)
