@@ -43,6 +43,8 @@ div:has(> div > [data-paminsa-slot="motion"]) {
   & > div:has(> .paminsa-numbers) { grid-column: 1 / span 8; grid-row: 3 / span 4; }
   & > div:has(> .mantine-Flex-root), & > div:has(> .mantine-Box-root) { grid-column: span 4; }
   & > div > .mantine-Flex-root > div:first-child { width: 5em !important; }
+  & > div > .mantine-Flex-root:has([type="checkbox"]) > div:first-child {
+    width: 8em !important; white-space: nowrap; }
   & .u-over { cursor: pointer; }
 }
 </style>
