@@ -81,11 +81,18 @@ def one_line(complaint: str) -> str:
     return "; ".join(kept) or "the arguments do not fit"
 
 
+_TYPES = {
+    r"no type matching (?:\{None\}\|)?\{?(.+?)\}? could be instantiated from \[(.*?)\]\. Got.*": (
+        r"\1 is needed, not \2"
+    ),
+    r"invalid literal for int\(\) with base 10: (.*)": r"a whole number is needed, not \1",
+    r"could not convert string to float: (.*)": r"a number is needed, not \1",
+}
+"""What tyro and Python say of a value of another type, and what is said instead."""
+
+
 def _without_types(text: str) -> str:
-    """Return a statement without the list of types that tyro tried in vain."""
-    found = re.match(
-        r"(Error parsing --[\w-]+: )no type matching (?:\{None\}\|)?\{?(.+?)\}? could be "
-        r"instantiated from \[(.*?)\]\. Got errors",
-        text,
-    )
-    return f"{found[1]}{found[2]} is needed, not {found[3]}" if found else text
+    """Return a statement in words of the command line instead of the language's."""
+    for said, needed in _TYPES.items():
+        text = re.sub(said, needed, text)
+    return text

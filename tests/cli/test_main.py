@@ -64,6 +64,8 @@ def test_flags_reach_the_explorer(started) -> None:
         ("evaluate a.csv --out b.csv --desing d", "Perhaps you meant: --design FILE"),
         ("design", "Expected one of"),
         ("design chek", "chek"),
+        ("map --cells abc", "--cells: a whole number is needed, not 'abc'; see"),
+        ("map --theta abc", "--theta: a number is needed, not 'abc'; see"),
     ],
 )
 def test_wrong_words_are_refused_in_one_line(started, capsys, words, complaint) -> None:
