@@ -130,7 +130,7 @@ def open_page(browser: Any, url: str, ready: str, size: tuple[int, int]) -> Any:
     """Open a page and wait until it can be used."""
     page = browser.new_page(viewport={"width": size[0], "height": size[1]})
     page.set_default_timeout(120_000)
-    page.goto(url + "/?fixedDpr=1")
+    page.goto(url)
     page.locator(ready).first.wait_for()
     page.evaluate(SCRIPT + THUMB + "null")  # not the function itself, which would be called
     return page

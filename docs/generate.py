@@ -245,7 +245,8 @@ def _summary(module: types.ModuleType, name: str) -> str:
 def _constant(module: types.ModuleType, name: str) -> str:
     """Return the text below a constant, in the module that a package has it from."""
     body = ast.parse(inspect.getsource(module)).body
-    for item, after in pairwise([*body, ast.Pass()]):
+    late = [item for block in body if isinstance(block, ast.If) for item in block.body]
+    for item, after in pairwise([*body, *late, ast.Pass()]):
         if isinstance(item, ast.ImportFrom) and name in {alias.name for alias in item.names}:
             return _constant(importlib.import_module(item.module or ""), name)
         targets = item.targets if isinstance(item, ast.Assign) else []

@@ -31,6 +31,10 @@ SWITCH = 0.001
 the next thing is computed. Python's own 5 ms would be felt."""
 
 
+PATIENCE = 2.0
+"""How long the program waits for a first tab before it makes ready what that would need [s]."""
+
+
 class App:
     """The running server and its sessions.
 
@@ -42,10 +46,11 @@ class App:
     def __init__(self, options: AppOptions, design: Design) -> None:
         self.design = design
         self.sessions: dict[int, Session] = {}
+        self._met = threading.Event()
         self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
-        threading.Thread(target=_warm_up, args=(design,), daemon=True).start()
+        threading.Thread(target=_warm_up, args=(design, self._met), daemon=True).start()
 
     @property
     def url(self) -> str:
@@ -56,6 +61,7 @@ class App:
         from paminsa_viz.explorer.page import build
 
         self.sessions[client.client_id] = build(client, self.design)
+        self._met.set()
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         session = self.sessions.pop(client.client_id, None)
@@ -69,12 +75,21 @@ class App:
         self.server.stop()
 
 
-def _warm_up(design: Design) -> None:
-    """Load what a page needs while the browser starts, make its bodies, then load the kernels."""
-    from paminsa_viz.explorer import page  # noqa: F401
+def _warm_up(design: Design, met: threading.Event) -> None:
+    """Load what a page needs while the browser starts, make its bodies, then load the kernels.
+
+    Args:
+        design: What the pages start with.
+        met: Set when the first tab has connected. Until then the server is to hand out the page,
+            with nothing else in its way that can wait.
+    """
+    importlib.import_module("paminsa_viz.explorer.page")
+    met.wait(PATIENCE)
+    importlib.import_module("paminsa_viz.explorer.scene.view")
     from paminsa_viz.shapes import prepare
 
     prepare(design.geometry)
+    importlib.import_module("paminsa_viz.explorer.page_rest")
     compile_in_background()
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
 

@@ -51,7 +51,8 @@ _SETUP = """
   };
   graphics();
   const shown = () => { if (!send("shown", null)) setTimeout(shown, 50); };
-  requestAnimationFrame(() => setTimeout(shown, 0));
+  const calm = window.requestIdleCallback || ((run) => setTimeout(run, 200));
+  requestAnimationFrame(() => calm(shown, {timeout: 1000}));
   setTimeout(shown, 2000); // a tab in the background draws nothing
   if (window.__paminsaClicks)
     for (const kind of ["pointerdown", "pointerup"])

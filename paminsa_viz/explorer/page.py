@@ -1,4 +1,7 @@
-"""Puts one tab together: its session, its scene, its panels."""
+"""Puts one tab together: its session, the first panel, then the robot, then all the rest.
+
+What comes later is imported later: the first panel is there before trimesh is.
+"""
 
 from __future__ import annotations
 
@@ -7,25 +10,11 @@ from dataclasses import replace
 
 import viser
 
-from paminsa_viz.explorer import actions, commands, saving
+from paminsa_viz.explorer import actions, saving
 from paminsa_viz.explorer.bridge import Bridge
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.clock import Clock
-from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.panels.balance_panel import BalancePanel
-from paminsa_viz.explorer.panels.compare_panel import ComparePanel
-from paminsa_viz.explorer.panels.design_panel import DesignPanel
-from paminsa_viz.explorer.panels.file_panel import FilePanel
-from paminsa_viz.explorer.panels.maps_panel import MapsPanel
-from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
 from paminsa_viz.explorer.panels.readout import Readout
-from paminsa_viz.explorer.panels.view_panel import ViewPanel
-from paminsa_viz.explorer.scene import backdrop
-from paminsa_viz.explorer.scene.floor import FloorMap
-from paminsa_viz.explorer.scene.gizmo import Gizmo
-from paminsa_viz.explorer.scene.path import MotionPath
-from paminsa_viz.explorer.scene.view import RobotView, look
+from paminsa_viz.explorer.scene import backdrop, sparing
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import Design, PaminsaError
@@ -56,23 +45,6 @@ TAB_STYLE = """
 """
 
 
-class TabStore:
-    """Keeps the document in the tab's own store, once the hand rests."""
-
-    def __init__(self, bridge: Bridge) -> None:
-        self._bridge = bridge
-        self._kept = ""
-
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Save what has changed."""
-        if moving:
-            return
-        text = saving.dump(frame.state.document)
-        if text != self._kept:
-            self._kept = text
-            self._bridge.save(text)
-
-
 def has_graphics_card(renderer: object) -> bool:
     """Return whether what a browser names as its renderer is more than a program."""
     name = renderer.lower() if isinstance(renderer, str) else ""
@@ -82,8 +54,8 @@ def has_graphics_card(renderer: object) -> bool:
 def build(client: viser.ClientHandle, design: Design) -> Session:
     """Build the page of a tab that has just connected, and start its worker.
 
-    The first tab and the robot come first; the rest follows when the browser shows them, so that
-    nobody waits for it.
+    The first tab comes first, then the robot; the rest follows when the browser shows them, so that
+    nobody waits for it. Whoever adds views asks for a new state, so that they are drawn.
     """
     session = Session(client, initial_state(design))
     bridge = Bridge(client)
@@ -95,7 +67,6 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
     bridge.run(backdrop.SCRIPT)
-    look(session, "3D")
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
@@ -103,31 +74,24 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         pose = PosePanel(session)
         gui.add_html(TAB_STYLE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
-    session.first += [readout, pose, RobotView(session)]
+    session.words += [readout, pose]
+
+    def build_robot() -> None:
+        if session.first:
+            return
+        from paminsa_viz.explorer.scene.view import RobotView, look
+
+        look(session, "3D")
+        session.first.append(RobotView(session))
+        session.ask("robot", replace)
 
     def build_rest() -> None:
         if session.built.is_set():
             return
-        motions = MotionStore()
-        maps = MapsPanel(session, bridge, motions)
-        with places["Design"]:
-            design_panel = DesignPanel(session)
-        with places["Balance"]:
-            balance = BalancePanel(session, bridge)
-        with places["Motion"]:
-            motion = MotionPanel(session, motions)
-        with places["Compare"]:
-            compare = ComparePanel(session)
-        with places["View"]:
-            view = ViewPanel(session)
-        with places["File"]:
-            files = FilePanel(session)
-        session.first += [Gizmo(session), design_panel, balance, view]
-        session.first += [Clock(session), motion, MotionPath(session, motions)]
-        session.later += [FloorMap(session, maps.store), maps, compare, files, TabStore(bridge)]
-        commands.register(session)
+        from paminsa_viz.explorer.page_rest import build_tabs
+
+        build_tabs(session, bridge, places)
         session.built.set()
-        # A new object, so that what has been added is drawn.
         session.ask("page", replace)
 
     def restore(saved: object) -> None:
@@ -143,8 +107,11 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     def choose_detail(renderer: object) -> None:
         if has_graphics_card(renderer):
             session.ask("graphics", lambda state: actions.set_layers(state, fine=True))
+        else:
+            bridge.run(sparing.SCRIPT)
 
     bridge.on("hello", restore)
+    bridge.on("hello", lambda _: session.do(build_robot))
     bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.do(build_rest))
     bridge.open()

@@ -32,7 +32,9 @@ REST = 0.4
 """Time without a change after which the hand counts as resting [s]."""
 
 BREATH = 0.01
-"""Least time between two drawings, so that one tab can not take a core for itself [s]."""
+"""Pause between the first views and the others [s]. The browser puts what comes together into one
+picture, and shows the robot only when it has read all the numbers; nor can one tab take a core for
+itself."""
 
 PATIENCE = 0.02
 """How long a newer position of the hand waits for the slower views of an older one [s]."""
@@ -53,8 +55,9 @@ class Session:
 
     Attributes:
         client: The tab.
-        first: Views drawn at once, before anything slower: the robot and the numbers.
-        later: Views drawn after that: maps and other figures.
+        first: Views drawn at once, before anything slower: what moves in the scene.
+        words: Views drawn a moment after that: numbers and inputs.
+        later: Views drawn last, in turns if the hand is quicker: maps and other figures.
         built: Set when all of the page is there.
         panel_width: Width of the map panel at the start [px].
     """
@@ -62,6 +65,7 @@ class Session:
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
         self.client = client
         self.first: list[View] = []
+        self.words: list[View] = []
         self.later: list[View] = []
         self.built = threading.Event()
         # Asked now: later the control panel takes its part of the window.
@@ -161,7 +165,6 @@ class Session:
                     drawn = self._state
                     self._draw(drawn, moving=True)
                     resting_due = time.monotonic() + REST
-                    time.sleep(BREATH)
                 elif resting_due is not None and time.monotonic() >= resting_due:
                     resting_due = None
                     self._draw(self._state, moving=False)
@@ -203,16 +206,19 @@ class Session:
 
     def _draw(self, state: State, *, moving: bool) -> None:
         frame = compute(state)
-        with self.client.atomic():
-            for view in self.first:
-                view.draw(frame, moving)
-        self.client.flush()
+        for views in (self.first, self.words):
+            with self.client.atomic():
+                for view in views:
+                    view.draw(frame, moving)
+            self.client.flush()
+            if views is self.first:
+                time.sleep(BREATH)
         due = time.monotonic() + PATIENCE
         for _ in range(len(self.later)):
             view = self.later[self._turn % len(self.later)]
             self._turn += 1
             view.draw(frame, moving)
+            self.client.flush()
             if moving and self._intents and time.monotonic() > due:
                 # The hand is already further: the robot first, then the views that are still owed.
                 break
-        self.client.flush()

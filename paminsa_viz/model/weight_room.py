@@ -52,7 +52,8 @@ def weight_room(
 ) -> WeightRoom | None:
     """Return the room of a counterweight, or None if the leg can take no pose.
 
-    The bounds hold for sure; the true extremes lie some millimetres within them.
+    The bounds hold for sure; the true extremes lie within them, by millimetres where
+    the leg itself ends its way, by centimetres where other legs do first.
 
     Args:
         geometry: Lengths of the mechanism.

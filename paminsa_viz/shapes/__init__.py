@@ -7,12 +7,24 @@ writes.
 
 from __future__ import annotations
 
-from paminsa_viz.shapes.bodies import STANDING, body_glb, colour_of, lengths_of, make_body, prepare
+from importlib import import_module
+from typing import TYPE_CHECKING
+
 from paminsa_viz.shapes.layout import Layout, layout
-from paminsa_viz.shapes.library import MissingMeshes, fixed_part, write_meshes
-from paminsa_viz.shapes.part import Part
-from paminsa_viz.shapes.placement import BODIES, Placement, place_parts
-from paminsa_viz.shapes.posed import assemble_glb
+
+if TYPE_CHECKING:
+    from paminsa_viz.shapes.bodies import (
+        STANDING,
+        body_glb,
+        colour_of,
+        lengths_of,
+        make_body,
+        prepare,
+    )
+    from paminsa_viz.shapes.library import MissingMeshes, fixed_part, write_meshes
+    from paminsa_viz.shapes.part import Part
+    from paminsa_viz.shapes.placement import BODIES, Placement, place_parts
+    from paminsa_viz.shapes.posed import assemble_glb
 
 __all__ = [
     "BODIES",
@@ -32,3 +44,22 @@ __all__ = [
     "prepare",
     "write_meshes",
 ]
+
+_HOMES = {
+    "bodies": ("STANDING", "body_glb", "colour_of", "lengths_of", "make_body", "prepare"),
+    "library": ("MissingMeshes", "fixed_part", "write_meshes"),
+    "part": ("Part",),
+    "placement": ("BODIES", "Placement", "place_parts"),
+    "posed": ("assemble_glb",),
+}
+"""Modules of the other names. They are imported when asked for: trimesh takes half a second, and
+whoever needs lengths alone should not wait for it."""
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _HOMES.items():
+        if name in names:
+            found = getattr(import_module(f"{__name__}.{module}"), name)
+            globals()[name] = found
+            return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

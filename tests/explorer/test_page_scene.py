@@ -28,6 +28,19 @@ def on_screen(tab: Tab, node: str, place: tuple[float, float, float]) -> list[fl
     return until(lambda: tab.page.evaluate(ON_SCREEN, [node, list(place)]), f"{node} is there")
 
 
+FRAMES = "() => window.__viserMutable.scene.__r3f.root.getState().gl.info.render.frame"
+
+
+def test_without_a_graphics_card_a_change_takes_few_pictures(tab: Tab) -> None:
+    tab.settle(1500)
+    before = tab.page.evaluate(FRAMES)
+    tab.session.ask("test", lambda s: actions.move(s, x=0.07))
+    until(lambda: tab.place("/robot/platform")[0] == pytest.approx(0.07), "the robot moves")
+    tab.settle(1000)
+    # The robot, the mark on the floor, a late one, one a second; viser alone draws twelve.
+    assert 1 <= tab.page.evaluate(FRAMES) - before <= 9
+
+
 def test_the_handle_drags_the_platform(tab: Tab) -> None:
     tab.session.ask("test", lambda s: actions.set_layers(s, gizmo=True))
     until(lambda: tab.place("/gizmo"), "the handle is there")

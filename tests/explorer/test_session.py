@@ -224,6 +224,21 @@ def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> 
     assert 0.01 not in [state.document.pose[0] for state, _ in waiting.drawn]
 
 
+def test_the_scene_goes_first_then_the_numbers_then_what_is_slow(desk: Desk) -> None:
+    desk.rest()
+    order: list[str] = []
+    for name, views in (
+        ("later", desk.session.later),
+        ("words", desk.session.words),
+        ("first", desk.session.first),
+    ):
+        view = SimpleNamespace(draw=lambda frame, moving, name=name: order.append(name))
+        views.append(cast(session.View, view))
+    desk.session.ask("x", to(0.03))
+    eventually(lambda: len(order) == 6)  # while the hand moves, and once more when it rests
+    assert order == 2 * ["first", "words", "later"]
+
+
 def test_undo_and_redo_go_step_by_step(desk: Desk) -> None:
     assert not desk.session.can_undo
     for name, x in (("a", 0.01), ("b", 0.02), ("c", 0.03)):

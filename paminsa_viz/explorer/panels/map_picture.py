@@ -40,7 +40,7 @@ div:has(> div > [data-paminsa-slot="%(name)s"]) {
   & > div { min-width: 0; padding: 0 5px 2px 5px; }
   & > div:has(> [data-paminsa-slot]) { display: none; }
   & > div:has(> div > img), & > div:has(> .mantine-Paper-root) {
-    grid-row: %(rows)s; grid-column: %(span)s; padding: 0; align-self: start; }
+    grid-row: %(rows)s; grid-column: %(span)s; padding: 0 !important; align-self: start; }
   & > div:has(> .paminsa-line) { grid-column: %(line)s; padding: 0; }
   & > div:has(> .paminsa-marks) {
     grid-row: %(rows)s; grid-column: %(span)s; padding: 0; align-self: start; z-index: 1;
@@ -215,7 +215,7 @@ def way_of(motion: TrajectoryAnalysis) -> Way:
 
 def caption(state: State, data: MapData) -> str:
     """Return the line below a picture: what it shows, where, and what its marks mean."""
-    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(1e3 * data.z)} mm"
+    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(1e3 * data.z)}\u00a0mm"
     reference = state.document.reference
     title = "Static torques" if data.panels > 1 else data.title
     if shows_difference(state) and reference is not None:

@@ -17,6 +17,8 @@ from paminsa_viz.palette import rgb
 
 TOP: Final = "#fcfdfe"
 BOTTOM: Final = "#d8dee5"
+MIDDLE: Final = "#eef1f5"
+"""Stands for both where a gradient costs too much."""
 
 STYLE: Final = f"canvas[data-engine] {{ background: linear-gradient(to bottom, {TOP}, {BOTTOM}); }}"
 """Style of a page that shows the robot; three.js marks its canvas so."""

@@ -6,6 +6,7 @@ With it lie the boundary of the workspace and the singular circle, and a ring be
 from __future__ import annotations
 
 import math
+import time
 from typing import Any, Final
 
 import numpy as np
@@ -34,6 +35,10 @@ ABOVE: Final = {
 }
 """Heights over the ground, above its soft shadows, so that nothing flickers through [m]."""
 
+PERIOD, PERIOD_PLAIN = 0.1, 0.3
+"""Time from one map to the next while the hand moves [s], with a graphics card and without: a new
+one takes two pictures of the scene, and the robot would wait for them. The panel's maps do not."""
+
 DASH: Final = 0.022
 OUTLINE: Final = 120
 """Most points of the workspace's boundary on the floor."""
@@ -61,6 +66,7 @@ class FloorMap:
         self._store = MapStore() if store is None else store
         scene = session.client.scene
         self._height = 0.0
+        self._due = 0.0
         flat: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False, "visible": False}
         clear = np.zeros((2, 2, 4), dtype=np.uint8)
         self._map = scene.add_image("/floor/map", clear, 1.0, 1.0, **flat)
@@ -88,10 +94,12 @@ class FloorMap:
         self._stand(layout(standing.geometry, standing.assembly).ground)
         x, y = standing.pose[:2]
         _put(self._ring, x, y, self._height + ABOVE["ring"])
-        if layers.floor_map:
-            self._draw_map(state, moving)
-        if layers.workspace or layers.singularity:
-            self._draw_curves(state, moving)
+        if not moving or time.monotonic() >= self._due:
+            self._due = time.monotonic() + (PERIOD if layers.fine else PERIOD_PLAIN)
+            if layers.floor_map:
+                self._draw_map(state, moving)
+            if layers.workspace or layers.singularity:
+                self._draw_curves(state, moving)
         for node in (self._map, self._legend, self._ring):
             _show(node, layers.floor_map)
         for curve, visible in (

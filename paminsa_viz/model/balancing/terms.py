@@ -203,7 +203,12 @@ class _Effort:
 
 
 class TrajectoryPeak(_Effort):
-    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N]."""
+    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Which actuators, 0 to 3.
+    """
 
     measure = "peak"
 
@@ -216,7 +221,12 @@ class TrajectoryPeak(_Effort):
 
 
 class TrajectoryRms(_Effort):
-    """Root mean square over a trajectory's time, over all of some actuators [N m, N]."""
+    """Root mean square over a trajectory's time, over all of some actuators [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Which actuators, 0 to 3.
+    """
 
     measure = "RMS"
 
