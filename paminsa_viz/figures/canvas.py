@@ -31,7 +31,7 @@ class Stroke:
     """Polylines drawn alike.
 
     Attributes:
-        lines: Arrays (n, 2) of x, y [pixels].
+        lines: Arrays (n, 2) of x, y [pixels]; a point that is not finite parts two lines.
         width: Width [pixels].
         opacity: From 0 to 1.
         dash: Lengths of stroke and space [pixels], or None.
@@ -190,7 +190,7 @@ def _samples(
     start = np.concatenate([line[:-1] for line in lines])
     way = np.concatenate([line[1:] for line in lines]) - start
     length = np.hypot(way[:, 0], way[:, 1])
-    keep = length > 0
+    keep = length > 0  # and not at a point that parts two lines
     start, way, length = start[keep], way[keep], length[keep]
     if length.size == 0:
         return None

@@ -6,6 +6,7 @@ Lines are lists of (n, 2) arrays of x and y [m].
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from contourpy import LineType, contour_generator
@@ -19,7 +20,7 @@ Line = NDArray[np.float64]
 
 
 def contour_lines(
-    data: MapData, panel: int, scale: Scale, most: int | None = None
+    data: MapData, panel: int, scale: Scale, most: int | None = None, joined: bool = False
 ) -> dict[float, list[Line]]:
     """Return the contour lines of one panel by level.
 
@@ -32,6 +33,7 @@ def contour_lines(
         panel: Index of the panel.
         scale: Its scale, which knows the levels.
         most: About how many points along an axis to use at most, for quick drawings; None for all.
+        joined: Return one array a level, in which a point that is not finite parts two lines.
     """
     stride = 1 if most is None else max(1, min(data.x.size, data.y.size) // most)
     x, y, field = contour_field(data, panel, scale, stride)
@@ -39,12 +41,16 @@ def contour_lines(
     if shown.size == 0 or min(field.shape) < 2:
         return {}
     low, high = float(shown.min()), float(shown.max())
-    generator = contour_generator(x, y, field, name="serial", line_type=LineType.Separate)
+    kind = LineType.ChunkCombinedNan if joined else LineType.Separate
+    generator = contour_generator(x, y, field, name="serial", line_type=kind)
     found: dict[float, list[Line]] = {}
     for level in scale.levels:
-        lines = generator.lines(level) if low <= level <= high else []
-        if lines:
-            found[level] = list(lines)  # type: ignore[arg-type]
+        if not low <= level <= high:
+            continue
+        lines: Any = generator.lines(level)
+        parts = [part for part in (lines[0] if joined else lines) if part is not None]
+        if parts:
+            found[level] = parts
     return found
 
 

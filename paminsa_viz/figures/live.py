@@ -154,7 +154,9 @@ def _draw_lines(
     for index, box in enumerate(boxes):
         factor, shift = _transform(data, box)
         if contours:
-            found = lines.contour_lines(data, index, scales[index], most=_CONTOUR_POINTS)
+            found = lines.contour_lines(
+                data, index, scales[index], most=_CONTOUR_POINTS, joined=True
+            )
             for level, parts in found.items():
                 kept = zeros if level == 0.0 else thin[scales[index].ink(level)]
                 kept.extend(line * factor + shift for line in parts)
