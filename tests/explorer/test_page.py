@@ -26,7 +26,7 @@ def shown_torques(tab: Tab) -> list[float]:
 def test_the_page_shows_the_model(tab: Tab) -> None:
     state = tab.state
     expected = static_torques(APPENDIX_4, state.standing.pose)
-    np.testing.assert_allclose(shown_torques(tab), expected, atol=6e-3)
+    until(lambda: np.allclose(shown_torques(tab), expected, atol=6e-3), "the model's torques")
     assert "Fine" in tab.text("status")
 
 
@@ -81,7 +81,7 @@ def settled(tab: Tab) -> None:
         )
 
     until(agree, "inputs and state agree")
-    tab.page.wait_for_timeout(150)
+    tab.settle(150)
     until(agree, "inputs and state still agree")
 
 
@@ -116,7 +116,10 @@ def test_an_unreachable_pose_says_why_and_recovers(tab: Tab) -> None:
     assert "leg" in text
     assert "mm" in text
     assert tab.state.standing == standing
-    assert np.allclose(tab.place("/robot/platform")[:3], np.array(standing.pose)[[0, 1, 3]])
+    until(
+        lambda: np.allclose(tab.place("/robot/platform")[:3], np.array(standing.pose)[[0, 1, 3]]),
+        "the platform stands where it stood",
+    )
     tab.type_number(SLIDERS[0], 30)
     tab.wait_pose(0, 0.03)
     until(lambda: "Fine" in tab.text("status"), "fine again")
@@ -166,8 +169,13 @@ def test_a_drag_of_500_events_ends_at_its_last_value(tab: Tab) -> None:
     tab.slider(SLIDERS[2]).focus()
     for step in range(500):
         tab.page.keyboard.press("ArrowRight" if step < 300 else "ArrowLeft")
+
+    def shown() -> float:
+        return float(tab.slider(SLIDERS[2]).get_attribute("aria-valuenow") or "nan")
+
+    until(lambda: tab.handle(SLIDERS[2]).value == shown(), "the last value comes to the server")
     settled(tab)
-    page_value = float(tab.slider(SLIDERS[2]).get_attribute("aria-valuenow") or "nan")
+    page_value = shown()
     assert tab.handle(SLIDERS[2]).value == page_value
     assert abs(np.degrees(tab.state.document.pose[2]) - page_value) < 1e-6
     until(lambda: abs(platform_turn(tab) - tab.state.standing.pose[2]) < 1e-6, "the robot as well")

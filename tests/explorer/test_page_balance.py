@@ -32,7 +32,10 @@ def torques(tab: Tab) -> list[float]:
 
 
 def press(tab: Tab, name: str) -> None:
-    tab.page.get_by_role("button", name=name, exact=True).click()
+    """Click a button, once what opens above it has opened."""
+    button = tab.page.get_by_role("button", name=name, exact=True)
+    tab.steady_box(button)
+    button.click()
 
 
 def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
@@ -58,6 +61,7 @@ def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> 
     )
     balance.page.get_by_text("Other masses, other goals").click()
     press(balance, "Find the best masses")
+    until(lambda: balance.state.balancing.outcome is not None, "the task is done")
     status = balance.page.get_by_test_id("balance-status")
     status.get_by_text("The bounds do not allow it").wait_for()
     assert "raise weight on B8 past 8 from 0.5 to 3.896 kg" in status.inner_text()

@@ -73,7 +73,7 @@ def test_the_robot_stands_at_the_plotted_instant(motion: Tab) -> None:
             lambda t=time: all(x is not None and abs(x - t) < 0.01 for x in cursor_times(motion)),
             f"the line at {time}",
         )
-        assert f"at {time:.3f} s" in motion.text("motion-numbers")
+        until(lambda t=time: f"at {t:.3f} s" in motion.text("motion-numbers"), f"numbers at {time}")
         np.testing.assert_allclose(motion.state.standing.pose, wanted, atol=1e-12)
 
 
@@ -154,8 +154,8 @@ def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -
     motion.page.locator(f'[id="{switch}"]').click()
     motion.page.get_by_text("PASS").wait_for()
     answer = motion.state.engine_answer
+    until(lambda: len(page_curves(motion)[0]) == 3 + 6, "the marks are drawn")
     series = page_curves(motion)[0]
-    assert len(series) == 3 + 6
     for curve, marks in zip(series[3:6], series[6:9], strict=True):
         apart = [a - b for a, b in zip(curve, marks, strict=True) if b == b and b is not None]
         assert len(apart) >= 25

@@ -26,6 +26,8 @@ def wish(state: State, **changes: Any) -> State:
     balancing = state.balancing
     wishes = replace(balancing.wishes, **changes)
     require_possible(wishes)
+    if wishes == balancing.wishes:  # an input may say again what it holds
+        return state
     refused = balancing.outcome is not None and balancing.outcome.problem is not None
     outcome = None if refused else balancing.outcome
     return replace(state, balancing=replace(balancing, wishes=wishes, outcome=outcome))

@@ -29,6 +29,8 @@ def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:
     relaxed = requests.wish(after, arm_b8=Arm(0.1, 3.897))
     assert relaxed.balancing.outcome is None
     assert balance_distance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
+    # An input that says again what it holds changes nothing.
+    assert requests.wish(after, arm_b8=Arm(0.1, 0.5)) is after
     near = solved(requests.wish(after, exact=False))
     assert balance_distance(near.document.design) == pytest.approx(7.93255, abs=1e-5)
     assert "As near to balance" in status_html(near)
