@@ -206,13 +206,9 @@ class Session:
 
     def _draw(self, state: State, *, moving: bool) -> None:
         frame = compute(state)
-        for views in (self.first, self.words):
-            with self.client.atomic():
-                for view in views:
-                    view.draw(frame, moving)
-            self.client.flush()
-            if views is self.first:
-                time.sleep(BREATH)
+        self._draw_together(self.first, frame, moving)
+        time.sleep(BREATH)
+        self._draw_together(self.words, frame, moving)
         due = time.monotonic() + PATIENCE
         for _ in range(len(self.later)):
             view = self.later[self._turn % len(self.later)]
@@ -222,3 +218,9 @@ class Session:
             if moving and self._intents and time.monotonic() > due:
                 # The hand is already further: the robot first, then the views that are still owed.
                 break
+
+    def _draw_together(self, views: list[View], frame: Frame, moving: bool) -> None:
+        with self.client.atomic():
+            for view in views:
+                view.draw(frame, moving)
+        self.client.flush()

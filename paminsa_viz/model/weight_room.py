@@ -19,7 +19,7 @@ from paminsa_viz.model.design import Assembly, Geometry
 from paminsa_viz.model.leg_points import counterweight_point
 
 CELLS = 480
-"""Cells of a full turn: distances are found to some 5 mm on a robot of Appendix 4's size."""
+"""Cells of a full turn: what they add to distances is some 5 mm on a robot of Appendix 4's size."""
 
 
 @dataclass(frozen=True)

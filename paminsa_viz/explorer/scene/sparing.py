@@ -13,7 +13,7 @@ from typing import Final
 
 from paminsa_viz.explorer.scene.backdrop import MIDDLE
 
-LATE: Final = (250,)
+LATE: Final = 250
 """When to draw again after the last change [ms]."""
 
 SCRIPT: Final = f"""
@@ -23,11 +23,11 @@ SCRIPT: Final = f"""
   const viewer = window.__viserMutable;
   const root = viewer && viewer.scene && viewer.scene.__r3f && viewer.scene.__r3f.root;
   if (!root || !root.getState().invalidate) return;
-  let timers = [];
+  const draw = () => root.getState().invalidate();
+  let timer = 0;
   viewer.requestRender = () => {{
-    const draw = () => root.getState().invalidate();
-    timers.forEach(clearTimeout);
-    timers = {list(LATE)}.map((delay) => setTimeout(draw, delay));
+    clearTimeout(timer);
+    timer = setTimeout(draw, {LATE});
     draw();
   }};
 }})();
