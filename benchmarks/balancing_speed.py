@@ -11,8 +11,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 
 from benchmarks.measure import best, heading, number, table
-from paminsa_viz.model import APPENDIX_4, Assembly, Grid, backend, solve_field
-from paminsa_viz.model.balancing import (
+from paminsa_viz.balancing import (
     AddedMass,
     Changes,
     MassRange,
@@ -31,12 +30,13 @@ from paminsa_viz.model.balancing import (
     length_tolerance,
     mass_tolerance,
     on_guide,
-    optimise,
+    optimize,
     pareto_front,
     search_geometry,
     tornado,
 )
-from paminsa_viz.model.trajectory import PRESET, Trajectory, solve_trajectory
+from paminsa_viz.model import APPENDIX_4, Grid, KneeBranch, backend, solve_field
+from paminsa_viz.trajectory import PRESET, Trajectory, solve_trajectory
 
 DESIGN = APPENDIX_4
 
@@ -68,7 +68,7 @@ def changes() -> Changes:
 
 def motion() -> Trajectory:
     """Return a motion of all four coordinates at 1000 samples a second."""
-    return PRESET["paper-like"].build(DESIGN.geometry, Assembly.PRINTED).sample()
+    return PRESET["paper-like"].build(DESIGN.geometry, KneeBranch.LOWER).sample()
 
 
 def optima() -> None:
@@ -79,13 +79,13 @@ def optima() -> None:
     runs = {
         "paper's balance, least added mass": lambda: balance(DESIGN),
         "the same with eight masses and four rails": lambda: balance(DESIGN, changes()),
-        "peak static torque": lambda: optimise(DESIGN, changes(), static),
-        "peak torque on a trajectory": lambda: optimise(DESIGN, changes(), peak),
-        "RMS torque on a trajectory": lambda: optimise(DESIGN, changes(), TrajectoryRms(solved)),
-        "driving energy on a trajectory": lambda: optimise(
+        "peak static torque": lambda: optimize(DESIGN, changes(), static),
+        "peak torque on a trajectory": lambda: optimize(DESIGN, changes(), peak),
+        "RMS torque on a trajectory": lambda: optimize(DESIGN, changes(), TrajectoryRms(solved)),
+        "driving energy on a trajectory": lambda: optimize(
             DESIGN, changes(), TrajectoryEnergy(solved)
         ),
-        "peak + RMS + 0.1 mass, static peak below 1 N m": lambda: optimise(
+        "peak + RMS + 0.1 mass, static peak below 1 N m": lambda: optimize(
             DESIGN, changes(),
             [(1.0, peak), (1.0, TrajectoryRms(solved)), (0.1, AddedMass())],
             limits=[(static, 1.0)],

@@ -14,13 +14,13 @@ import numpy as np
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.files.trajectory_series import analysis_series, series_csv, series_npz
 from paminsa_viz.files.trajectory_table import parse_trajectory
-from paminsa_viz.model import APPENDIX_4, Assembly, backend, inverse_dynamics, torque_regressor
-from paminsa_viz.model.trajectory import (
+from paminsa_viz.model import APPENDIX_4, KneeBranch, backend, inverse_dynamics, torque_regressor
+from paminsa_viz.trajectory import (
     PRESET,
     Control,
     Controller,
     MotionLimits,
-    analyse,
+    analyze,
     check_path,
     load_kernel,
     shortest,
@@ -28,7 +28,7 @@ from paminsa_viz.model.trajectory import (
 )
 
 DESIGN = APPENDIX_4
-PLAN = PRESET["waypoints"].build(DESIGN.geometry, Assembly.PRINTED).lasting(10.0)
+PLAN = PRESET["waypoints"].build(DESIGN.geometry, KneeBranch.LOWER).lasting(10.0)
 SAMPLES = PLAN.sample(1000.0)
 """The trajectory of the targets: 10 s at 1 kHz."""
 
@@ -40,7 +40,7 @@ def milliseconds(run: Callable[[], object]) -> str:
 
 def changes() -> None:
     """Time what follows when a slider moves, and the parts of it."""
-    solved = analyse(DESIGN, SAMPLES).solved
+    solved = analyze(DESIGN, SAMPLES).solved
     heavier = DESIGN.vary({"links.b3": 0.5})
     rough = DESIGN.vary({"friction.coulomb_rotary": 0.3, "friction.viscous_rotary": 1.0})
     wider = DESIGN.vary({"geometry.base_radius": 0.36})
@@ -55,21 +55,21 @@ def changes() -> None:
     table(
         ["what", "ms", "target"],
         [
-            ["a mass changes: torques", milliseconds(lambda: analyse(heavier, t, keep=solved)),
+            ["a mass changes: torques", milliseconds(lambda: analyze(heavier, t, keep=solved)),
              "1"],
-            ["the same with friction", milliseconds(lambda: analyse(rough, t, keep=solved)), "1"],
+            ["the same with friction", milliseconds(lambda: analyze(rough, t, keep=solved)), "1"],
             ["a mass changes: the four parts",
-             milliseconds(lambda: analyse(heavier, t, keep=solved).breakdown), ""],
+             milliseconds(lambda: analyze(heavier, t, keep=solved).breakdown), ""],
             ["a mass changes: peaks, RMS, power, energy",
-             milliseconds(lambda: analyse(heavier, t, keep=solved).summary), ""],
-            ["the geometry changes: check, Y, torques", milliseconds(lambda: analyse(wider, t)),
+             milliseconds(lambda: analyze(heavier, t, keep=solved).summary), ""],
+            ["the geometry changes: check, Y, torques", milliseconds(lambda: analyze(wider, t)),
              "50"],
             ["of which the check of the path",
              milliseconds(lambda: check_path(wider.geometry, t)), ""],
             ["of which the regressor Y",
              milliseconds(lambda: torque_regressor(wider.geometry, *motion)), ""],
             ["the geometry changes: with the four parts",
-             milliseconds(lambda: analyse(wider, t).breakdown), ""],
+             milliseconds(lambda: analyze(wider, t).breakdown), ""],
             ["Y by the same formulae on NumPy arrays", milliseconds(on_numpy), ""],
             ["torques by inverse dynamics",
              milliseconds(lambda: inverse_dynamics(DESIGN, *motion)), ""],
@@ -86,7 +86,7 @@ def durations() -> None:
     }
     rows = []
     for key in ("quintic", "s-curve", "waypoints", "arch"):
-        plan = PRESET[key].build(DESIGN.geometry, Assembly.PRINTED)
+        plan = PRESET[key].build(DESIGN.geometry, KneeBranch.LOWER)
         for name, limit in limits.items():
             found = shortest(plan, limit, DESIGN)
             run: Callable[[], object] = lambda p=plan, l=limit: shortest(p, l, DESIGN)  # noqa: E731, E741
@@ -124,7 +124,7 @@ def simulations() -> None:
 
 def files() -> None:
     """Time reading and writing."""
-    series = analysis_series(analyse(DESIGN, SAMPLES))
+    series = analysis_series(analyze(DESIGN, SAMPLES))
     text = series_csv(series).decode()
     heading("Files of 10,001 rows, 45 columns")
     table(

@@ -36,11 +36,11 @@ NOTE = "<!-- Written by docs/generate.py; change what it is made from instead. -
 
 API = {
     "paminsa_viz.model": "Mechanics: design, kinematics, singularities, statics, dynamics, grids.",
-    "paminsa_viz.model.trajectory": "Motions: planned, timed, checked, analysed, simulated.",
-    "paminsa_viz.model.balancing": "Optimal redistribution of masses, and what goes with it.",
+    "paminsa_viz.trajectory": "Motions: planned, timed, checked, analyzed, simulated.",
+    "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",
     "paminsa_viz.studies": "Many designs, each measured over the workspace.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
-    "paminsa_viz.shapes": "The robot's shape, for 3D models.",
+    "paminsa_viz.meshes": "The robot's shape, for 3D models.",
 }
 
 

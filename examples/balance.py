@@ -6,12 +6,12 @@ beyond joint 7. The optimum comes with a bound that no other design within these
 
 import numpy as np
 
-from paminsa_viz.model import APPENDIX_4, balance_distance, static_torques
-from paminsa_viz.model.balancing import Changes, MassRange, Rail, balance
+from paminsa_viz.balancing import Changes, CounterweightRange, MassRange, balance
+from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
 
 changes = Changes(
     masses=tuple(MassRange(f"joints.j{i}", APPENDIX_4.value(f"joints.j{i}"), 2.0) for i in (7, 8)),
-    rails=(Rail("b3", 7, 0.0, 0.2, 0.8),),
+    rails=(CounterweightRange("b3", 7, 0.0, 0.2, 0.8),),
 )
 found = balance(APPENDIX_4, changes)
 for path in ("joints.j7", "joints.j8"):
@@ -23,4 +23,4 @@ print(f"added mass: {found.objective:.4f} kg; no less than {found.lower_bound:.4
 pose = np.array([0.1, -0.05, 0.3, -0.5])
 for design in (found.before, found.after):
     torque = static_torques(design, pose)[:3] + 0.0
-    print(f"M_p2 = {balance_distance(design):8.4f} N, torques {np.round(torque, 6)} N m")
+    print(f"M_p2 = {static_imbalance(design):8.4f} N, torques {np.round(torque, 6)} N m")

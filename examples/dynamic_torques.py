@@ -8,18 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-from paminsa_viz.figures.curves import figure_bytes
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
+    KneeBranch,
     inverse_dynamics,
     lumped_coefficients,
     torque_regressor,
 )
-from paminsa_viz.model.trajectory import PRESET, analyse
+from paminsa_viz.plots.curves import figure_bytes
+from paminsa_viz.trajectory import PRESET, analyze
 
-motion = PRESET["paper-like"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample(500)
-analysis = analyse(APPENDIX_4, motion)
+motion = PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(500)
+analysis = analyze(APPENDIX_4, motion)
 for name, actuator in zip(("M1", "M2", "M3", "M4"), analysis.summary, strict=True):
     unit = "N" if name == "M4" else "N m"
     print(f"{name}: peak {actuator.peak:7.2f} {unit}, RMS {actuator.rms:7.2f} {unit}")

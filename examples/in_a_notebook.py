@@ -3,11 +3,11 @@
 # VS Code or PyCharm, where each `# %%` begins a cell; as a script it writes the same to files.
 
 # %%
-from paminsa_viz.model import APPENDIX_4, Assembly
-from paminsa_viz.model.trajectory import PRESET, analyse
+from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.notebook import curve_view, map_view, motion_view, robot_view
+from paminsa_viz.trajectory import PRESET, analyze
 
-# %% The robot in a pose, to be turned and zoomed: x, y, theta, z in metres and radians
+# %% The robot in a pose, to be turned and zoomed: x, y, theta, z in meters and radians
 robot = robot_view(APPENDIX_4, (0.05, -0.03, 0.4, -0.6))
 robot
 
@@ -16,12 +16,12 @@ maps = map_view(APPENDIX_4, (0.05, -0.03, 0.4, -0.6))
 maps
 
 # %% A motion: played in 3D, and its torques
-motion = PRESET["arch"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample()
+motion = PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample()
 player = motion_view(motion)
 player
 
 # %%
-curves = curve_view(analyse(APPENDIX_4, motion))
+curves = curve_view(analyze(APPENDIX_4, motion))
 curves
 
 # %% What is shown can be kept

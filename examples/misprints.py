@@ -6,15 +6,15 @@ as printed do not. `docs/model.md` has the table of misprints.
 
 import numpy as np
 
-from paminsa_viz.model import APPENDIX_4, Assembly, Misprint
-from paminsa_viz.model.trajectory import PRESET, analyse
+from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
+from paminsa_viz.trajectory import PRESET, analyze
 
-motion = PRESET["paper-like"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample(500)
-correct = analyse(APPENDIX_4, motion).torque
+motion = PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(500)
+correct = analyze(APPENDIX_4, motion).torque
 
 print("largest change of          M1 [N m]  M2 [N m]  M3 [N m]    M4 [N]")
 for misprint in (*Misprint, Misprint.ALL):
-    printed = analyse(APPENDIX_4, motion, misprints=misprint).torque
+    printed = analyze(APPENDIX_4, motion, misprints=misprint).torque
     change = np.abs(printed - correct).max(axis=0)
     name = misprint.name if misprint is not Misprint.ALL else "all of them"
     print(f"{name:24s}" + "".join(f"{value:10.4f}" for value in change))

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from paminsa_viz.figures.from_model import map_data
-from paminsa_viz.figures.paper import render
-from paminsa_viz.figures.ranges import choose_scales
-from paminsa_viz.model import APPENDIX_4, Limit, balance_distance, solve_field, xy_grid
+from paminsa_viz.model import APPENDIX_4, Limit, solve_field, static_imbalance, xy_grid
+from paminsa_viz.plots.from_model import map_data
+from paminsa_viz.plots.paper import render
+from paminsa_viz.plots.ranges import choose_scales
 
 THETA, Z = np.pi / 3, -0.5  # the paper does not say the height of its figure
 
@@ -25,7 +25,7 @@ heavier = APPENDIX_4.vary({"links.b4": 1.5 * APPENDIX_4.links.b4})
 for design in (APPENDIX_4, heavier):
     torque = np.abs(field.torques(design)[:3, field.status == Limit.OK])
     print(
-        f"m_B4 = {design.links.b4:.3f} kg: M_p2 = {balance_distance(design):.3f} N, "
+        f"m_B4 = {design.links.b4:.3f} kg: M_p2 = {static_imbalance(design):.3f} N, "
         f"half of the torques are below {np.median(torque):.2f} N m"
     )
 print("static_maps.png: written")

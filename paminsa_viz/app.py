@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from paminsa_viz.explorer.bounds import require_workable
-from paminsa_viz.explorer.server import exposure_notice, open_server, server_url
+from paminsa_viz.explorer.bounds import validate_limits
+from paminsa_viz.explorer.server.listening import exposure_notice, open_server, server_url
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.backend import compile_in_background
@@ -86,10 +86,10 @@ def _warm_up(design: Design, met: threading.Event) -> None:
     importlib.import_module("paminsa_viz.explorer.page")
     met.wait(PATIENCE)
     importlib.import_module("paminsa_viz.explorer.scene.view")
-    from paminsa_viz.shapes import prepare
+    from paminsa_viz.meshes import prepare
 
     prepare(design.geometry)
-    importlib.import_module("paminsa_viz.explorer.page_rest")
+    importlib.import_module("paminsa_viz.explorer.deferred_tabs")
     compile_in_background()
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
 
@@ -103,7 +103,7 @@ def run(options: AppOptions) -> None:
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH)
-    design = APPENDIX_4 if options.design is None else require_workable(load_design(options.design))
+    design = APPENDIX_4 if options.design is None else validate_limits(load_design(options.design))
     app = App(options, design)
     notice = exposure_notice(options.host)
     if notice:

@@ -21,14 +21,14 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.trajectory import Trajectory, TrajectoryAnalysis, home
+from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, home
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-    from paminsa_viz.figures.curves import CurveKind
+    from paminsa_viz.plots.curves import CurveKind
 
 __all__ = ["InlinePage", "InlinePicture", "curve_view", "map_view", "motion_view", "robot_view"]
 
@@ -56,7 +56,7 @@ class InlinePage:
         """Write the page to a file, which any browser opens.
 
         Raises:
-            FileError: If it can not be written.
+            FileError: If it cannot be written.
         """
         write_bytes(path, self.content)
 
@@ -78,7 +78,7 @@ class InlinePicture:
         """Write the drawing to a file.
 
         Raises:
-            FileError: If it can not be written.
+            FileError: If it cannot be written.
         """
         write_bytes(path, self.svg)
 
@@ -86,7 +86,7 @@ class InlinePicture:
 def robot_view(
     design: Design = APPENDIX_4,
     pose: ArrayLike | None = None,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     height: int = 480,
 ) -> InlinePage:
@@ -99,7 +99,7 @@ def robot_view(
         height: Of the frame [pixels].
 
     Raises:
-        UnreachablePose: If the robot can not take the pose.
+        UnreachablePose: If the robot cannot take the pose.
     """
     from paminsa_viz.explorer.robot_page import robot_html  # late: the page's libraries
 
@@ -109,7 +109,7 @@ def robot_view(
 def motion_view(
     trajectory: Trajectory,
     design: Design = APPENDIX_4,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     height: int = 560,
 ) -> InlinePage:
@@ -132,7 +132,7 @@ def motion_view(
 def map_view(
     design: Design = APPENDIX_4,
     pose: ArrayLike | None = None,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     quantity: str = "torques",
     cells: int = 100,
@@ -151,21 +151,21 @@ def map_view(
     Raises:
         InvalidInput: If there is no such quantity.
     """
-    from paminsa_viz.figures.from_model import TORQUES, map_data
-    from paminsa_viz.figures.map_window import cell_centres, half_width
-    from paminsa_viz.figures.ranges import choose_scales
-    from paminsa_viz.figures.screen import screen_figure
     from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
+    from paminsa_viz.plots.from_model import TORQUES, map_data
+    from paminsa_viz.plots.map_window import cell_centers, half_width
+    from paminsa_viz.plots.ranges import choose_scales
+    from paminsa_viz.plots.screen import screen_figure
 
     if quantity != "torques" and quantity not in {item.value for item in Quantity}:
         known = ", ".join(["torques", *(item.value for item in Quantity)])
         raise InvalidInput("quantity", f"there are {known}")
     shown = TORQUES if quantity == "torques" else (Quantity(quantity),)
     place = _pose(design, pose, assembly)
-    centres = cell_centres(half_width(design.geometry), cells)
+    centers = cell_centers(half_width(design.geometry), cells)
     field = solve_field(
         design.geometry,
-        xy_grid(centres, centres, *place[2:].tolist()),
+        xy_grid(centers, centers, *place[2:].tolist()),
         assembly,
         dexterity=any(item.needs_dexterity for item in shown),
     )
@@ -180,17 +180,17 @@ def curve_view(
 
     Args:
         analysis: A design on a trajectory.
-        kind: What is drawn, see `paminsa_viz.figures.curves.KINDS`.
-        more: Further arguments of `paminsa_viz.figures.curves.figure_bytes`, such as ``reference``.
+        kind: What is drawn, see `paminsa_viz.plots.curves.KINDS`.
+        more: Further arguments of `paminsa_viz.plots.curves.figure_bytes`, such as ``reference``.
 
     Raises:
         InvalidInput: If the kind is unknown, or what it needs is missing.
     """
-    from paminsa_viz.figures.curves import figure_bytes
+    from paminsa_viz.plots.curves import figure_bytes
 
     return InlinePicture(figure_bytes(kind, analysis, format="svg", **more))
 
 
-def _pose(design: Design, pose: ArrayLike | None, assembly: Assembly) -> Array:
+def _pose(design: Design, pose: ArrayLike | None, assembly: KneeBranch) -> Array:
     """Return the pose asked for, or the one in the middle of the workspace."""
     return home(design.geometry, assembly) if pose is None else as_vectors(pose, "pose")

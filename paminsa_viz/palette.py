@@ -1,17 +1,17 @@
-"""Colours used everywhere: 3D scene, plots, tables and files show a leg in the same colour.
+"""Colors used everywhere: 3D scene, plots, tables and files show a leg in the same color.
 
-The hues are from the Okabe-Ito set, which stays distinct for colour-blind eyes.
+The hues are from the Okabe-Ito set, which stays distinct for color-blind eyes.
 """
 
 from __future__ import annotations
 
-LEG_COLOURS: tuple[str, str, str] = ("#0072B2", "#D55E00", "#009E73")
+LEG_COLORS: tuple[str, str, str] = ("#0072B2", "#D55E00", "#009E73")
 """Legs 1, 2, 3 and their rotating actuators M1, M2, M3."""
 
-LIFT_COLOUR = "#7A5195"
+LIFT_COLOR = "#7A5195"
 """Linear actuator M4, its arms and shafts, and the force F_4."""
 
-ACTUATOR_COLOURS: tuple[str, str, str, str] = (*LEG_COLOURS, LIFT_COLOUR)
+ACTUATOR_COLORS: tuple[str, str, str, str] = (*LEG_COLORS, LIFT_COLOR)
 
 INK = "#1f2933"
 MUTED = "#7b8794"
@@ -22,6 +22,6 @@ WARN = "#e0a100"
 BAD = "#c3362b"
 
 
-def rgb(colour: str) -> tuple[int, int, int]:
+def rgb(color: str) -> tuple[int, int, int]:
     """Return ``#rrggbb`` as three integers from 0 to 255."""
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+    return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)

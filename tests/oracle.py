@@ -1,7 +1,7 @@
 """First-principles mechanics of the PAMINSA, for the tests only.
 
 Nothing here comes from the paper's appendices 2 and 3 or from its Lagrange equations. Every joint
-mass is a point, every link a rigid body with a mass centre, a frame and principal inertias; their
+mass is a point, every link a rigid body with a mass center, a frame and principal inertias; their
 places follow from the geometry of the mechanism (8, 3, 5 in one line, 8-9-4-7 a parallelogram).
 Velocities, accelerations and Jacobians are exact derivatives by truncated Taylor series
 (`tests.jets`), and the actuator forces come from the principle of virtual power:
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from tests.jets import Jet, cos, sin, sqrt
 
 Vector = tuple[Any, Any, Any]
@@ -56,11 +56,11 @@ def unit(a: Vector) -> Vector:
 
 @dataclass(frozen=True)
 class Body:
-    """A rigid body: mass [kg], mass centre [m], axes of its frame, inertias about them [kg m^2]."""
+    """A rigid body: mass [kg], mass center [m], axes of its frame, inertias about them [kg m^2]."""
 
     name: str
     mass: float
-    centre: Vector
+    center: Vector
     axes: tuple[Vector, Vector, Vector] | None = None
     inertia: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
@@ -74,7 +74,7 @@ class Leg:
     normal: Vector
 
 
-def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int, assembly: Assembly) -> Leg:
+def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int, assembly: KneeBranch) -> Leg:
     """Place the joints of one leg at the pose coordinates q (numbers, arrays or jets)."""
     g = design.geometry
     x, y, theta, z = q
@@ -114,7 +114,7 @@ def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int, assembly: Asse
 
 
 def bodies(
-    design: Design, q: tuple[Any, Any, Any, Any], assembly: Assembly = Assembly.PRINTED
+    design: Design, q: tuple[Any, Any, Any, Any], assembly: KneeBranch = KneeBranch.LOWER
 ) -> list[Body]:
     """List every body of the robot at the pose coordinates q (numbers, arrays or jets)."""
     g, links, inertias = design.geometry, design.links, design.inertias
@@ -206,17 +206,19 @@ def rotated(body: Body, w: Vector) -> Vector:
     return total
 
 
-def potential(design: Design, pose: Any, assembly: Assembly = Assembly.PRINTED) -> Any:
+def potential(design: Design, pose: Any, assembly: KneeBranch = KneeBranch.LOWER) -> Any:
     """Potential energy [J], heights above z = 0; complex poses give complex values."""
-    total = sum(body.mass * body.centre[2] for body in bodies(design, split(pose), assembly))
+    total = sum(body.mass * body.center[2] for body in bodies(design, split(pose), assembly))
     return design.gravity * total
 
 
-def kinetic(design: Design, pose: Any, velocity: Any, assembly: Assembly = Assembly.PRINTED) -> Any:
+def kinetic(
+    design: Design, pose: Any, velocity: Any, assembly: KneeBranch = KneeBranch.LOWER
+) -> Any:
     """Kinetic energy [J] at a pose and its rate (..., 4) [m/s, m/s, rad/s, m/s]."""
     total: Any = 0.0
     for body in bodies(design, jets(pose, velocity), assembly):
-        v, w = rate(body.centre), turning(body)
+        v, w = rate(body.center), turning(body)
         total = total + 0.5 * body.mass * dot(v, v) + 0.5 * dot(w, rotated(body, w))
     return total
 
@@ -227,7 +229,7 @@ def actuators(design: Design, pose: Any) -> Any:
     columns = []
     top: Any = None
     for index in range(3):
-        solved = leg(design, q, index, Assembly.PRINTED)
+        solved = leg(design, q, index, KneeBranch.LOWER)
         home = AXIS_ANGLES[index] + np.pi
         h = solved.heading
         ahead = h[0] * np.cos(home) + h[1] * np.sin(home)
@@ -242,7 +244,7 @@ def actuator_rates(design: Design, pose: Any, velocity: Any) -> Any:
     q = jets(pose, velocity)
     columns, top = [], None
     for index in range(3):
-        solved = leg(design, q, index, Assembly.PRINTED)
+        solved = leg(design, q, index, KneeBranch.LOWER)
         columns.append(cross(value(solved.heading), rate(solved.heading))[2])
         top = rate(solved.points[2])[2]
     return np.stack(np.broadcast_arrays(*columns, top), axis=-1)
@@ -258,7 +260,7 @@ def pose_forces(
     pose: Any,
     velocity: Any,
     acceleration: Any,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Any:
     """Generalised forces (..., 4) on (x, y, theta, z) that cause the motion, gravity included."""
     pose, velocity, acceleration = np.broadcast_arrays(
@@ -267,7 +269,7 @@ def pose_forces(
     moving = bodies(design, jets(pose, velocity, acceleration), assembly)
     forces = []
     for body in moving:
-        linear = add(second(body.centre), UP, design.gravity)
+        linear = add(second(body.center), UP, design.gravity)
         w = turning(body)
         moment = add(rotated(body, turning(body, second)), cross(w, rotated(body, w)))
         forces.append((tuple(body.mass * c for c in linear), moment))
@@ -276,7 +278,7 @@ def pose_forces(
         virtual = bodies(design, jets(pose, direction), assembly)
         total: Any = np.zeros(pose.shape[:-1])
         for body, (force, moment) in zip(virtual, forces, strict=True):
-            total = total + dot(rate(body.centre), force) + dot(turning(body), moment)
+            total = total + dot(rate(body.center), force) + dot(turning(body), moment)
         columns.append(total)
     return np.stack(columns, axis=-1)
 
@@ -286,7 +288,7 @@ def inverse_dynamics(
     pose: Any,
     velocity: Any,
     acceleration: Any,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Any:
     """Actuator forces (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]) without joint friction."""
     needed = pose_forces(design, pose, velocity, acceleration, assembly)
@@ -294,6 +296,6 @@ def inverse_dynamics(
     return np.linalg.solve(np.swapaxes(jacobian, -1, -2), needed[..., None])[..., 0]
 
 
-def static_torques(design: Design, pose: Any, assembly: Assembly = Assembly.PRINTED) -> Any:
+def static_torques(design: Design, pose: Any, assembly: KneeBranch = KneeBranch.LOWER) -> Any:
     """Actuator forces (..., 4) that hold the robot at rest against gravity."""
     return inverse_dynamics(design, pose, np.zeros(4), np.zeros(4), assembly)

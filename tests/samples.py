@@ -8,11 +8,11 @@ import numpy as np
 
 from paminsa_viz.model.design import (
     APPENDIX_4,
-    Assembly,
     Design,
     Geometry,
     Inertias,
     JointMasses,
+    KneeBranch,
     LinkMasses,
     Payload,
     Platform,
@@ -104,7 +104,7 @@ def usable(design: Design, poses: Any) -> Any:
 def random_poses(
     rng: np.random.Generator,
     design: Design = APPENDIX_4,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     n: int = 1,
     *,
     natural: bool = True,
@@ -138,7 +138,7 @@ def random_poses(
 def random_states(
     rng: np.random.Generator,
     design: Design = APPENDIX_4,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     n: int = 1,
 ) -> tuple[Any, Any, Any]:
     """Draw n poses with their rates and accelerations, each (n, 4).

@@ -21,11 +21,11 @@ import paminsa_viz
 
 PACKAGES = (
     "paminsa_viz.model",
-    "paminsa_viz.model.trajectory",
-    "paminsa_viz.model.balancing",
+    "paminsa_viz.trajectory",
+    "paminsa_viz.balancing",
     "paminsa_viz.studies",
     "paminsa_viz.notebook",
-    "paminsa_viz.shapes",
+    "paminsa_viz.meshes",
 )
 
 
@@ -85,7 +85,7 @@ def test_public_functions_are_typed(value) -> None:
 def test_every_field_says_what_it_is(value) -> None:
     """In the class's text, in one of its own below it, or as a design value by its label.
 
-    What a term of an optimisation is called is said where terms are, see `Term`.
+    What a term of an optimization is called is said where terms are, see `Term`.
     """
     text = inspect.getdoc(value) or ""
     below = _below(value) | ({"label", "unit"} if hasattr(value, "piece") else set())

@@ -10,17 +10,17 @@ import pytest
 
 from paminsa_viz.explorer.motion_page import motion_html
 from paminsa_viz.explorer.robot_page import robot_html
-from paminsa_viz.figures.curves import figure_bytes
-from paminsa_viz.model import APPENDIX_4, Assembly, InvalidInput, UnreachablePose, static_torques
-from paminsa_viz.model.trajectory import PRESET, analyse
+from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, UnreachablePose, static_torques
 from paminsa_viz.notebook import InlinePage, curve_view, map_view, motion_view, robot_view
+from paminsa_viz.plots.curves import figure_bytes
+from paminsa_viz.trajectory import PRESET, analyze
 
 POSE = (0.05, -0.03, 0.4, -0.5)
 
 
 @pytest.fixture(scope="module")
 def motion():
-    return PRESET["arch"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample(200)
+    return PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200)
 
 
 def test_a_page_is_a_frame_that_holds_all_of_it(tmp_path) -> None:
@@ -42,7 +42,7 @@ def test_the_robot_stands_in_the_pose_asked_for() -> None:
     assert len(robot_html(APPENDIX_4, POSE)) == pytest.approx(len(page), rel=0.01)
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("assembly", list(KneeBranch))
 def test_without_a_pose_it_is_one_that_can_be_taken(assembly) -> None:
     assert robot_view(assembly=assembly).content
     z = map_view(assembly=assembly, cells=10)
@@ -59,7 +59,7 @@ def test_a_pose_out_of_reach_is_refused() -> None:
 def test_a_motion_is_the_page_of_the_export(motion) -> None:
     page = motion_view(motion, height=600)
     assert len(page.content) == pytest.approx(
-        len(motion_html(APPENDIX_4, Assembly.PRINTED, motion)), rel=0.01
+        len(motion_html(APPENDIX_4, KneeBranch.LOWER, motion)), rel=0.01
     )
     assert b"pick-and-place arch" in page.content
 
@@ -78,7 +78,7 @@ def test_maps_show_the_static_torques() -> None:
 
 
 def test_curves_are_the_figures_of_the_report(motion, tmp_path) -> None:
-    analysis = analyse(APPENDIX_4, motion)
+    analysis = analyze(APPENDIX_4, motion)
     picture = curve_view(analysis, "power", width_mm=120)
     assert picture._repr_svg_().encode() == figure_bytes(
         "power", analysis, format="svg", width_mm=120

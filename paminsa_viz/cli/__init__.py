@@ -3,8 +3,8 @@
 Each command is a module with ``main(arguments) -> exit code``, imported only when it is asked for,
 so that a small command does not wait for the page's libraries.
 
-Exit codes: 0 done; 1 the answer is no, such as a verification that failed, a motion that can not be
-run, bounds that can not be met; 2 a wrong argument or file, with one line on stderr that names the
+Exit codes: 0 done; 1 the answer is no, such as a verification that failed, a motion that cannot be
+run, bounds that cannot be met; 2 a wrong argument or file, with one line on stderr that names the
 place; 130 stopped with Ctrl-C.
 """
 
@@ -18,7 +18,7 @@ import warnings
 from collections.abc import Sequence
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.arguments import PROGRAM, UsageError, complain
+from paminsa_viz.cli.arguments import PROGRAM, UsageError, print_error
 from paminsa_viz.model.errors import PaminsaError
 
 COMMANDS: dict[str, str] = {
@@ -52,11 +52,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
-        # Whoever read the output has gone (`| head`). Python would complain once more at its exit.
+        # Whoever read the output has gone (`| head`). Python would report it once more at its exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (PaminsaError, OSError) as error:
-        complain(error)
+        print_error(error)
         return 2
 
 

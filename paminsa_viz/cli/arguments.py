@@ -22,7 +22,7 @@ class UsageError(PaminsaError):
     """Words on the command line that mean nothing."""
 
 
-def complain(error: Exception) -> None:
+def print_error(error: Exception) -> None:
     """Print an error as one line on stderr."""
     print(f"{PROGRAM}: {' '.join(str(error).split())}", file=sys.stderr)
 

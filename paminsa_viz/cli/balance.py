@@ -9,34 +9,34 @@ from typing import Annotated, Any, Literal
 import tyro
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.arguments import UsageError, complain, parse
-from paminsa_viz.cli.designs import design_of
-from paminsa_viz.cli.motions import PresetName, motion_of
-from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.explorer.bounds import LARGEST
-from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model.balancing import (
+from paminsa_viz.balancing import (
     AddedMass,
     Changes,
+    CounterweightRange,
     Imbalance,
     InfeasibleBounds,
     MassChange,
     MassRange,
     Optimum,
-    Rail,
     Term,
     TrajectoryEnergy,
     TrajectoryPeak,
     TrajectoryRms,
     balance,
-    optimise,
+    optimize,
     paper_changes,
 )
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.cli.arguments import UsageError, parse, print_error
+from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.explorer.bounds import LARGEST
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.meshes.weights import room_words
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PARAMETER
-from paminsa_viz.model.trajectory import ImpossibleTrajectory, solve_trajectory
-from paminsa_viz.shapes.weights import room_words
+from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 
 DESCRIPTION = """\
 Find the masses that balance the robot best, within bounds, and prove that none are better.
@@ -58,7 +58,7 @@ beyond that joint (negative: on the bar itself), and the largest mass. A link's 
 follow its mass.
 
 Exit code: 0 done; 1 the bounds do not allow what is asked for (it says what to relax), or the robot
-can not run the motion; 2 a wrong argument or file."""
+cannot run the motion; 2 a wrong argument or file."""
 
 MassFlag = tuple[str, float, float]
 RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
@@ -89,7 +89,7 @@ class Flags:
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
     """A motion as a table, instead of a preset."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode, for goals on a motion and the room of counterweights; a static balance holds
+    """KneeBranch mode, for goals on a motion and the room of counterweights; a static balance holds
     in both."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Write the design here."""
@@ -101,7 +101,7 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Flags, words, "balance", DESCRIPTION)
     design = design_of(flags.design)
-    changes, assembly = _changes(flags, design), Assembly(flags.assembly)
+    changes, assembly = _changes(flags, design), KneeBranch(flags.assembly)
     on_motion = flags.max_imbalance is not None or flags.max_added is not None
     if flags.goal == "static" and on_motion:
         raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
@@ -112,7 +112,7 @@ def main(words: list[str]) -> int:
         else:
             found = _on_motion(flags, design, changes)
     except (InfeasibleBounds, ImpossibleTrajectory) as error:
-        complain(error)
+        print_error(error)
         return 1
     if flags.out is not None:
         comment = f"Balanced by paminsa_viz {__version__}."
@@ -136,14 +136,14 @@ def _changes(flags: Flags, design: Design) -> Changes:
     if not flags.change and not flags.rail:
         return paper_changes(design)
     rails = [
-        Rail(bar, joint, start / 1e3, end / 1e3, most)
+        CounterweightRange(bar, joint, start / 1e3, end / 1e3, most)
         for bar, joint, start, end, most in flags.rail
     ]
     return Changes(tuple(MassRange(*item) for item in flags.change), tuple(rails))
 
 
 def _check_sizes(flags: Flags) -> None:
-    """Refuse numbers that no machine has and the arithmetic can not take.
+    """Refuse numbers that no machine has and the arithmetic cannot take.
 
     Raises:
         UsageError: Which flag.
@@ -167,10 +167,10 @@ def _on_motion(flags: Flags, design: Design, changes: Changes) -> Optimum:
     """Return the optimum for a goal on a motion.
 
     Raises:
-        ImpossibleTrajectory: If the robot can not run it.
+        ImpossibleTrajectory: If the robot cannot run it.
         InfeasibleBounds: If the bounds do not allow the limits.
     """
-    assembly = Assembly(flags.assembly)
+    assembly = KneeBranch(flags.assembly)
     motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
     solved = solve_trajectory(design.geometry, motion, assembly, gravity=design.gravity)
     solved.check.require()
@@ -182,7 +182,7 @@ def _on_motion(flags: Flags, design: Design, changes: Changes) -> Optimum:
         limits.append((Imbalance(), flags.max_imbalance))
     if flags.max_added is not None:
         limits.append((AddedMass(), flags.max_added))
-    return optimise(design, changes, goals[flags.goal](solved), limits=limits)
+    return optimize(design, changes, goals[flags.goal](solved), limits=limits)
 
 
 def _changed(found: Optimum) -> list[tuple[str, float, float]]:
@@ -194,7 +194,7 @@ def _changed(found: Optimum) -> list[tuple[str, float, float]]:
     return [item for item in pairs if item[1] != item[2]]
 
 
-def _report(found: Optimum, assembly: Assembly) -> dict[str, Any]:
+def _report(found: Optimum, assembly: KneeBranch) -> dict[str, Any]:
     after = found.after
     return {
         "values": [vars(value) for value in found.values],
@@ -211,7 +211,7 @@ def _report(found: Optimum, assembly: Assembly) -> dict[str, Any]:
     }
 
 
-def _print(found: Optimum, assembly: Assembly) -> None:
+def _print(found: Optimum, assembly: KneeBranch) -> None:
     rows = [("", "before", "after", "unit")]
     for value in found.values:
         limit = "" if value.limit is None else f", at most {value.limit:.6g}"

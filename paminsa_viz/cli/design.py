@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import tyro
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import KEYS, Key
@@ -31,7 +31,7 @@ A file may leave values out; they are then Appendix 4's."""
 
 @dataclass(frozen=True)
 class Check:
-    """Say whether design files can be used; exit code 2 if one can not."""
+    """Say whether design files can be used; exit code 2 if one cannot."""
 
     files: Annotated[tuple[Path, ...], tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """Design files."""
@@ -45,7 +45,7 @@ class Check:
             try:
                 design = load_design(file)
             except PaminsaError as error:
-                complain(error)
+                print_error(error)
                 code = 2
                 continue
             count = len(differences(APPENDIX_4, design)) + len(design.counterweights)

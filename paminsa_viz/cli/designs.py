@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from paminsa_viz.explorer.bounds import require_workable
+from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -15,12 +15,12 @@ def design_of(file: Path | None) -> Design:
     """Return a file's design, or Appendix 4's without one.
 
     Raises:
-        DesignFileError: If the file can not be read, is refused, or has numbers of a size that can
+        DesignFileError: If the file cannot be read, is refused, or has numbers of a size that can
             not be worked with.
     """
     if file is None:
         return APPENDIX_4
     try:
-        return require_workable(load_design(file))
+        return validate_limits(load_design(file))
     except InvalidDesign as error:
         raise DesignFileError(str(file), str(error)) from error

@@ -21,9 +21,9 @@ from paminsa_viz.files.pose_table import (
     write_header,
     write_rows,
 )
-from paminsa_viz.model.design import APPENDIX_4, Assembly, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.dynamics import inverse_dynamics
-from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit, status_words
 
 DESCRIPTION = """\
@@ -53,11 +53,11 @@ class Evaluate:
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
 
 
 @dataclass
-class Tally:
+class Summary:
     """What became of a table.
 
     Attributes:
@@ -81,7 +81,7 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Evaluate, words, "evaluate", DESCRIPTION)
     design = design_of(flags.design)
-    tally = evaluate_table(flags.table, flags.out, design, Assembly(flags.assembly))
+    tally = evaluate_table(flags.table, flags.out, design, KneeBranch(flags.assembly))
     print(f"{flags.out}: {tally}")
     return 0
 
@@ -90,8 +90,8 @@ def evaluate_table(
     source: str | os.PathLike[str],
     target: str | os.PathLike[str],
     design: Design = APPENDIX_4,
-    assembly: Assembly = Assembly.PRINTED,
-) -> Tally:
+    assembly: KneeBranch = KneeBranch.LOWER,
+) -> Summary:
     """Evaluate a CSV table of poses into another one, of any length in bounded memory.
 
     Args:
@@ -101,9 +101,9 @@ def evaluate_table(
         assembly: The assembly mode.
 
     Raises:
-        FileError: If a file can not be read or written, or holds something else than poses.
+        FileError: If a file cannot be read or written, or holds something else than poses.
     """
-    tally = Tally()
+    tally = Summary()
     with open_lines(source) as lines:
         table = PoseTable(lines, os.fspath(source))
         with written_whole(target) as file:
@@ -119,12 +119,12 @@ def evaluate_table(
 
 
 def evaluate_rows(
-    rows: PoseRows, design: Design, assembly: Assembly
+    rows: PoseRows, design: Design, assembly: KneeBranch
 ) -> tuple[np.ndarray, list[str]]:
     """Return (n, 8) actuator positions and torques, in `RESULTS`' order, and each row's status."""
-    posture = solve_posture(design.geometry, rows.pose, assembly)
+    configuration = inverse_kinematics(design.geometry, rows.pose, assembly)
     dynamics = inverse_dynamics(design, rows.pose, rows.velocity, rows.acceleration, assembly)
-    results = np.concatenate([posture.actuators, dynamics.torque], axis=-1)
+    results = np.concatenate([configuration.actuators, dynamics.torque], axis=-1)
     # A finite motion can still be too large for its torque to be a finite number.
     overflow = (dynamics.status == Limit.OK) & ~np.isfinite(results).all(axis=-1)
     status = np.where(overflow, Limit.NOT_FINITE, dynamics.status)

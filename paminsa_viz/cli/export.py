@@ -17,8 +17,8 @@ from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.placing import start_pose
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
-from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
 
 DESCRIPTION = """\
@@ -46,7 +46,7 @@ class Export:
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
     pose: Annotated[
         tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y THETA Z")
     ] = None
@@ -62,7 +62,7 @@ def main(words: list[str]) -> int:
     if flags.glb is None and flags.mjcf is None and flags.meshes is None:
         raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
     design = design_of(flags.design)
-    assembly = Assembly(flags.assembly)
+    assembly = KneeBranch(flags.assembly)
     if flags.pose is None:
         pose = start_pose(design, assembly)
     else:
@@ -72,7 +72,7 @@ def main(words: list[str]) -> int:
     contents = _contents(flags, design, assembly, pose)
     for path, content in contents:
         if not isinstance(content, bytes):
-            _make_folders(path, content)  # before any file: what most often can not be made
+            _make_folders(path, content)  # before any file: what most often cannot be made
     for path, content in contents:
         if isinstance(content, bytes):
             write_bytes(path, content)
@@ -85,26 +85,26 @@ def main(words: list[str]) -> int:
 
 
 def _contents(
-    flags: Export, design: Design, assembly: Assembly, pose: Array
+    flags: Export, design: Design, assembly: KneeBranch, pose: Array
 ) -> list[tuple[Path, bytes | dict[str, bytes]]]:
     """Return what was asked for: paths with their content, or with files by name for a folder.
 
     All of it is made before the first file is written, so that a refused pose leaves none behind.
     """
     # Late: the shapes' libraries take a second to load.
-    from paminsa_viz.shapes import assemble_glb
-    from paminsa_viz.shapes.robot_files import robot_files, zipped
+    from paminsa_viz.meshes import assemble_glb
+    from paminsa_viz.meshes.robot_files import robot_files, zipped
 
-    posture = solve_posture(design.geometry, pose, assembly)
+    configuration = inverse_kinematics(design.geometry, pose, assembly)
     made: list[tuple[Path, bytes | dict[str, bytes]]] = []
     if flags.glb is not None:
-        made.append((flags.glb, assemble_glb(design, posture)))
+        made.append((flags.glb, assemble_glb(design, configuration)))
     if flags.mjcf is not None or flags.meshes is not None:
         text = exported_mjcf(design, assembly, pose=pose.tolist(), servos=not flags.motors)
         if flags.mjcf is not None:
             made.append((flags.mjcf, text.encode()))
         if flags.meshes is not None:
-            files = robot_files(text, design, posture)
+            files = robot_files(text, design, configuration)
             packed = flags.meshes.suffix.lower() == ".zip"
             made.append((flags.meshes, zipped(files, flags.meshes.stem) if packed else files))
     return made

@@ -11,18 +11,18 @@ from typing import Annotated, Any, Literal, cast
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.explorer.bounds import require_workable
+from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
-from paminsa_viz.figures.from_model import TORQUES
-from paminsa_viz.figures.maps import DISPLAY_UNITS, MapData
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.map_table import map_csv, map_npz
-from paminsa_viz.model import Assembly, Design, PaminsaError, Quantity
+from paminsa_viz.model import Design, KneeBranch, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.maps import DISPLAY_UNITS, MapData
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -66,19 +66,19 @@ class Map:
     reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Another design file; the maps show the design minus this one."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
     cells: int = FULL
     """Cells along each side."""
 
     range: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
-    """Ends of the colours [N m, N, mm]; by default the ordinary values are seen best, and what
+    """Ends of the colors [N m, N, mm]; by default the ordinary values are seen best, and what
     explodes next to a singularity lies beyond."""
     full_range: bool = False
-    """Let the colours span every value."""
+    """Let the colors span every value."""
     log: bool = False
-    """Let the colours follow a logarithm to both sides of zero."""
+    """Let the colors follow a logarithm to both sides of zero."""
     own_ranges: bool = False
-    """Give each of the three torques colours of its own."""
+    """Give each of the three torques colors of its own."""
 
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
     """File to write; may be given several times."""
@@ -97,7 +97,7 @@ class Map:
         return (Quantity(self.quantity.replace("-", "_")),)
 
     def check(self) -> None:
-        """Refuse what can not be mapped.
+        """Refuse what cannot be mapped.
 
         Raises:
             UsageError: Which flag, and what is allowed.
@@ -139,7 +139,7 @@ def main(words: list[str]) -> int:
         _print(flags, data, told)
     if not (data.status == Limit.OK).any():
         z = f"{1e3 * data.z:.6g} mm"
-        complain(NothingReached(f"no position can be reached at {flags.theta:g}° and z = {z}"))
+        print_error(NothingReached(f"no position can be reached at {flags.theta:g}° and z = {z}"))
         return 1
     return 0
 
@@ -151,8 +151,8 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
         InvalidDesign: If a number of a design is too large to work with.
     """
     for each in filter(None, (design, reference)):
-        require_workable(each)
-    start = initial_state(design, Assembly(flags.assembly))
+        validate_limits(each)
+    start = initial_state(design, KneeBranch(flags.assembly))
     z = start.document.pose[3] if flags.z is None else 1e-3 * flags.z
     x, y = (1e-3 * value for value in flags.at)
     document = replace(
@@ -178,7 +178,7 @@ def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: s
         return map_csv(data)
     if ending == ".npz":
         return map_npz(data)
-    from paminsa_viz.figures.paper import Kind, render  # late: matplotlib takes a second to load
+    from paminsa_viz.plots.paper import Kind, render  # late: matplotlib takes a second to load
 
     scales = store.scales(state, data, flags.quantities)
     kind = cast(Kind, ending[1:])

@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import Assembly, Geometry
-from paminsa_viz.model.trajectory import PRESET, Trajectory
+from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.trajectory import PRESET, Trajectory
 
 PresetName: TypeAlias = Literal[
     "paper-like", "quintic", "trapezoid", "s-curve", "waypoints", "line", "circle", "arch"
@@ -16,12 +16,12 @@ PresetName: TypeAlias = Literal[
 
 
 def motion_of(
-    preset: PresetName, file: Path | None, geometry: Geometry, assembly: Assembly
+    preset: PresetName, file: Path | None, geometry: Geometry, assembly: KneeBranch
 ) -> Trajectory:
     """Return the trajectory of a CSV file, or else a preset, sized for a robot.
 
     Raises:
-        TableFileError: If the file can not be read.
+        TableFileError: If the file cannot be read.
     """
     if file is not None:
         return read_trajectory(file)

@@ -16,8 +16,8 @@ from paminsa_viz.cli.arguments import PROGRAM, parse
 from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.files.atomic import written_whole
-from paminsa_viz.model.design import Assembly
-from paminsa_viz.model.trajectory import home
+from paminsa_viz.model.design import KneeBranch
+from paminsa_viz.trajectory import home
 
 DESCRIPTION = """\
 Write a design report: one HTML file with everything inside, to attach to a design review.
@@ -40,7 +40,7 @@ class Report:
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
     pose: Annotated[
         tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y THETA Z")
     ] = None
@@ -60,7 +60,7 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Report, words, "report", DESCRIPTION)
     design = design_of(flags.design)
-    assembly = Assembly(flags.assembly)
+    assembly = KneeBranch(flags.assembly)
     if flags.pose is None:
         x, y, theta, z = home(design.geometry, assembly).tolist()
     else:
@@ -80,7 +80,7 @@ def main(words: list[str]) -> int:
         verified=flags.verify,
         seed=flags.seed,
     )
-    # Opened first, so that a place which can not be written to is known before the work.
+    # Opened first, so that a place which cannot be written to is known before the work.
     with written_whole(flags.out) as file:
         file.write(report_html(request, _say))
     print(f"{flags.out}: written")

@@ -14,13 +14,13 @@ from typing import Annotated, Literal
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import PROGRAM, UsageError, complain, parse
+from paminsa_viz.cli.arguments import PROGRAM, UsageError, parse, print_error
 from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.explorer.bounds import largest
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,
@@ -52,7 +52,7 @@ those of the model, values in SI units; `paminsa-viz design show` lists both.
 
 With --preset or --file, each design is also measured on that motion: torques, forces and energy as
 `paminsa-viz trajectory` has them. A preset is sized for the design that the others are made from,
-so that all of them run the same motion. A design that can not run it has no such numbers; the
+so that all of them run the same motion. A design that cannot run it has no such numbers; the
 columns motion and motion_fails_s say why not and when.
 
 Rows are written as they come. After Ctrl-C, a kill or a power cut the same command goes on where
@@ -89,7 +89,7 @@ class Sweep:
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML) for what does not vary, instead of the paper's Appendix 4."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
 
     radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
     """Radius of the disc of positions that is looked at [mm]; half of R_b if left out."""
@@ -109,7 +109,7 @@ class Sweep:
     """A motion as a table, instead of a preset."""
 
     restart: bool = False
-    """Begin anew, whatever the table holds."""
+    """Begin again, whatever the table holds."""
     jobs: int | None = None
     """Number of processes; one on each core if left out, where that pays."""
     dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
@@ -142,7 +142,7 @@ def main(words: list[str]) -> int:
                     command=shlex.join([PROGRAM, "sweep", *words]),
                 )  # fmt: skip
         except WorkersLost as error:
-            complain(error)
+            print_error(error)
             return 1
         except KeyboardInterrupt:
             print(
@@ -164,13 +164,13 @@ def study_of(flags: Sweep, design: Design) -> Study:
 
     Raises:
         UsageError, InvalidInput: Which value is not possible, and what is.
-        TableFileError: If the motion's file can not be read.
+        TableFileError: If the motion's file cannot be read.
     """
     if not flags.vary:
         raise UsageError("--vary is needed, such as --vary links.b3=0.2:0.6:5")
     if not 0 < flags.spread <= 1:
         raise UsageError(f"--spread: a share from 0 to 1 is needed, not {flags.spread:g}")
-    assembly = Assembly(flags.assembly)
+    assembly = KneeBranch(flags.assembly)
     region = default_region(design, assembly)
     if flags.radius is not None:
         region = replace(region, radius=1e-3 * flags.radius)

@@ -9,18 +9,18 @@ from typing import Annotated, Literal
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError, complain, parse
+from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import ENDINGS, PICTURES, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
-from paminsa_viz.explorer.bounds import require_workable
-from paminsa_viz.figures.curves import CurveKind
+from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.model.trajectory import (
+from paminsa_viz.plots.curves import CurveKind
+from paminsa_viz.trajectory import (
     PRESET,
     Control,
     Controller,
@@ -31,12 +31,12 @@ from paminsa_viz.model.trajectory import (
     Simulation,
     SimulationFailed,
     Trajectory,
-    analyse,
+    analyze,
     shortest,
     simulate,
     through,
 )
-from paminsa_viz.model.trajectory.sampled import RATE
+from paminsa_viz.trajectory.sampled import RATE
 
 DESCRIPTION = """\
 Say what a motion asks of the robot: torques, speeds, power and energy of every actuator.
@@ -54,7 +54,7 @@ units go into the header (t_ms, x_mm, theta_deg). The ending of --out says what 
   .png .svg .pdf    a figure for print, see --figure
   .html             the motion with the robot, playable without a server
 
-Exit code: 0 the robot can run the motion; 1 it can not (leaves its workspace, comes too close to a
+Exit code: 0 the robot can run the motion; 1 it cannot (leaves its workspace, comes too close to a
 singular pose, is too weak, or the simulation stopped), with the time and the reason; 2 a wrong
 argument or file."""
 
@@ -83,7 +83,7 @@ class Flags:
     reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Another design file, to compare with on the same motion."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
     printed: bool = False
     """Also work it out by the formulae as the paper prints them, misprints included."""
 
@@ -216,14 +216,14 @@ def main(words: list[str]) -> int:
     design = design_of(flags.design)
     reference = None if flags.reference is None else design_of(flags.reference)
     try:
-        results = _worked_out(flags, design, reference, Assembly(flags.assembly))
+        results = _worked_out(flags, design, reference, KneeBranch(flags.assembly))
     except (ImpossibleTrajectory, InfeasibleMotion) as error:
-        complain(error)
+        print_error(error)
         if flags.json:
             print_json({"ok": False, "problems": [str(error)]})
         return 1
     for problem in results.problems:
-        complain(problem)
+        print_error(problem)
     written = write_files(
         results, flags.out, kind=flags.figure_kind, engine=flags.engine,
         width_mm=flags.width, dpi=flags.dpi, simulated=flags.simulate is not None,
@@ -236,7 +236,7 @@ def main(words: list[str]) -> int:
 
 
 def _worked_out(
-    flags: Flags, design: Design, reference: Design | None, assembly: Assembly
+    flags: Flags, design: Design, reference: Design | None, assembly: KneeBranch
 ) -> Results:
     """Return all that is asked for.
 
@@ -244,12 +244,12 @@ def _worked_out(
         ImpossibleTrajectory, InfeasibleMotion: If there is no motion to work out.
     """
     trajectory, quickest = _motion(flags, design, assembly)
-    analysis = analyse(design, trajectory, assembly)
+    analysis = analyze(design, trajectory, assembly)
     results = Results(analysis, quickest)
     if reference is not None:
-        results = replace(results, reference=analyse(reference, trajectory, assembly))
+        results = replace(results, reference=analyze(reference, trajectory, assembly))
     if flags.printed:
-        as_printed = analyse(design, trajectory, assembly, misprints=Misprint.ALL)
+        as_printed = analyze(design, trajectory, assembly, misprints=Misprint.ALL)
         results = replace(results, printed=as_printed)
     if analysis.check.first is not None:
         return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))
@@ -265,7 +265,9 @@ def _worked_out(
     return replace(results, problems=(SimulationStopped(simulation.stopped),))
 
 
-def _motion(flags: Flags, design: Design, assembly: Assembly) -> tuple[Trajectory, Shortest | None]:
+def _motion(
+    flags: Flags, design: Design, assembly: KneeBranch
+) -> tuple[Trajectory, Shortest | None]:
     """Return the motion as samples, and what its duration follows from if that was asked."""
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry, assembly)
@@ -285,10 +287,10 @@ def _motion(flags: Flags, design: Design, assembly: Assembly) -> tuple[Trajector
 
 
 def _simulated(
-    flags: Flags, design: Design, trajectory: Trajectory, assembly: Assembly
+    flags: Flags, design: Design, trajectory: Trajectory, assembly: KneeBranch
 ) -> Simulation:
     payload = design.payload.mass + flags.payload_mismatch
-    robot = require_workable(design.vary({"payload.mass": payload}))
+    robot = validate_limits(design.vary({"payload.mass": payload}))
     control = _CONTROLS[flags.simulate or "pd"]
     controller = Controller(control, bandwidth=flags.bandwidth)
     return simulate(robot, trajectory, assembly, model=design, controller=controller)

@@ -7,10 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import cast
 
-from paminsa_viz.cli.arguments import complain
+from paminsa_viz.cli.arguments import print_error
 from paminsa_viz.cli.trajectory_report import Results
-from paminsa_viz.figures.curves import CurveKind, OtherTorques, figure_bytes
-from paminsa_viz.figures.printing import Kind
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.trajectory_series import (
@@ -19,7 +17,9 @@ from paminsa_viz.files.trajectory_series import (
     series_npz,
     simulation_series,
 )
-from paminsa_viz.model.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
+from paminsa_viz.plots.curves import CurveKind, OtherTorques, figure_bytes
+from paminsa_viz.plots.printing import Kind
+from paminsa_viz.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
 
 TABLES = (".csv", ".npz")
 PICTURES = (".png", ".svg", ".pdf")
@@ -39,7 +39,7 @@ def write_files(
 ) -> list[Path]:
     """Write files, each completely or not at all.
 
-    What can not be shown, because the motion fails, is left out with a line on stderr.
+    What cannot be shown, because the motion fails, is left out with a line on stderr.
 
     Args:
         results: What was worked out.
@@ -54,7 +54,7 @@ def write_files(
         Those that are written.
 
     Raises:
-        FileError: If a file can not be written.
+        FileError: If a file cannot be written.
         EngineMissing: If the engine is not installed.
         InvalidInput: If a figure's width or resolution is not possible.
     """
@@ -66,12 +66,12 @@ def write_files(
             ending in PICTURES and kind == "tracking"
         )
         if needs_simulation and results.simulation is None:
-            complain(_NotWritten(path, "there is no simulated motion"))
+            print_error(_NotWritten(path, "there is no simulated motion"))
             continue
         try:
             content = _content(results, ending, kind, other, width_mm, dpi)
         except ImpossibleTrajectory:
-            complain(_NotWritten(path, "the motion fails at its start"))
+            print_error(_NotWritten(path, "the motion fails at its start"))
             continue
         write_bytes(path, content)
         written.append(path)
@@ -79,7 +79,7 @@ def write_files(
 
 
 def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> OtherTorques:
-    """Return torques from an engine along an analysed trajectory; joint friction is ours.
+    """Return torques from an engine along an analyzed trajectory; joint friction is ours.
 
     Raises:
         EngineMissing: If the engine is not installed.

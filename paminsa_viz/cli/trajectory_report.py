@@ -12,15 +12,15 @@ import numpy as np
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
-from paminsa_viz.figures.curves_words import reading
 from paminsa_viz.model.errors import PaminsaError
-from paminsa_viz.model.trajectory import (
+from paminsa_viz.plots.curves_words import reading
+from paminsa_viz.trajectory import (
     PathEvent,
     Shortest,
     Simulation,
     TrajectoryAnalysis,
 )
-from paminsa_viz.model.trajectory.limits import ACTUATOR_NAMES
+from paminsa_viz.trajectory.limits import ACTUATOR_NAMES
 
 _UNITS = ("N m", "N m", "N m", "N")
 _SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")

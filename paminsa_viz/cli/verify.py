@@ -19,7 +19,7 @@ from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.model.design import Assembly
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import PaminsaError
 
 DESCRIPTION = """\
@@ -48,7 +48,7 @@ class Verify:
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
     assembly: Literal["printed", "mirror"] = "printed"
-    """Assembly mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
     preset: PresetName = "paper-like"
     """A ready-made motion, sized for the robot. None of them is the paper's own."""
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
@@ -73,7 +73,7 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Verify, words, "verify", DESCRIPTION)
     design = design_of(flags.design)
-    assembly = Assembly(flags.assembly)
+    assembly = KneeBranch(flags.assembly)
     motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
     xml = None if flags.model is None else _mechanics(flags.model)
     try:
@@ -86,7 +86,7 @@ def main(words: list[str]) -> int:
     except ValueError as error:
         if flags.model is None:
             raise
-        raise FileError(str(flags.model), f"MuJoCo can not use it: {error}") from error
+        raise FileError(str(flags.model), f"MuJoCo cannot use it: {error}") from error
     drawn = [] if flags.figures is None else _figures(found, flags.figures, flags.format)
     if flags.json:
         files = {"figures": [str(path) for path in drawn]} if drawn else {}
@@ -169,8 +169,8 @@ def _show_simulation(found: Verification) -> None:
 def _figures(found: Verification, folder: Path, kind: Kind) -> list[Path]:
     """Write a figure for each engine, and one of the printed formulae; return their paths."""
     # Late: matplotlib takes a second to load.
-    from paminsa_viz.figures.curves_paper import render_curves
-    from paminsa_viz.figures.verified import verified_curves
+    from paminsa_viz.plots.curves_paper import render_curves
+    from paminsa_viz.plots.verified import verified_curves
 
     try:
         folder.mkdir(parents=True, exist_ok=True)

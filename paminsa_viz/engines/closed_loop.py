@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.engines.mechanism import POSE_JOINTS, Mechanism, build_mechanism
 from paminsa_viz.engines.placing import joint_values, no_posture, posture_of
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 
 
@@ -35,7 +35,7 @@ class ClosedLoopRobot(ABC):
         mechanism: The links and closures that the engine's model was built from.
     """
 
-    def __init__(self, design: Design, assembly: Assembly = Assembly.PRINTED) -> None:
+    def __init__(self, design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> None:
         """Build the engine's model.
 
         Raises:
@@ -74,7 +74,7 @@ class ClosedLoopRobot(ABC):
         """Return what the actuators need to hold poses (..., 4) at rest.
 
         Returns:
-            (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]); NaN where a pose has no posture.
+            (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]); NaN where a pose has no configuration.
         """
         poses = np.asarray(poses, float)
         rest = np.zeros_like(poses)
@@ -91,8 +91,8 @@ class ClosedLoopRobot(ABC):
             accelerations: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
 
         Returns:
-            (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]); NaN where a pose has no posture or is
-            exactly singular.
+            (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]); NaN where a pose cannot be reached
+            or is exactly singular.
 
         Raises:
             InvalidInput: If the last axis does not hold four numbers.
@@ -131,7 +131,7 @@ class ClosedLoopRobot(ABC):
         """Return the engine's own coordinates (nq,) and velocities (nv,) of one platform state.
 
         Raises:
-            UnreachablePose: If the pose has no posture.
+            UnreachablePose: If the pose has no configuration.
         """
         x, u = (np.asarray(a, float).reshape(1, 4) for a in (pose, velocity))
         good, q = self._place(x, u)
@@ -145,7 +145,7 @@ class ClosedLoopRobot(ABC):
         return q[..., self._independent]
 
     def _place(self, x: Array, *motion: Array) -> tuple[NDArray[np.bool_], Array]:
-        """Return which poses (n, 4) have a posture and finite motion, and those' coordinates."""
+        """Return which poses (n, 4) are reachable with finite motion, and their coordinates."""
         values = joint_values(posture_of(self.design, x, self.assembly))
         q = np.stack([values[name] for name in self._names], axis=-1)
         good = np.asarray(np.isfinite(np.concatenate([q, *motion], axis=-1)).all(axis=-1))

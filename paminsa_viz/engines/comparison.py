@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.statics import static_breakdown
 
 LEAST_SCALE = 1e-6
@@ -75,7 +75,7 @@ class Comparison:
         return [dict(zip(names, row, strict=True)) for row in rows]
 
 
-def torque_scale(design: Design, poses: Array, torques: Array, assembly: Assembly) -> Array:
+def torque_scale(design: Design, poses: Array, torques: Array, assembly: KneeBranch) -> Array:
     """Return what differences of each actuator's torque are measured by, (4,) [N m, N].
 
     It is the largest torque. Where the bodies balance each other, so that nothing but rounding is

@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.engines.mechanism import PLATFORM, Mechanism, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.placing import start_pose
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.jacobian import jacobian
@@ -29,7 +29,7 @@ WORST_CONDITION = 1e4
 
 def exported_mjcf(
     design: Design,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     pose: Sequence[float] | None = None,
     servos: bool = True,
@@ -48,7 +48,7 @@ def exported_mjcf(
         InvalidDesign: If a bar's inertias belong to no rigid body.
         InvalidInput: If the start pose is singular, so that nothing could hold it, or if nothing
             resists the motion of a link, so that MuJoCo could not step it.
-        UnreachablePose: If the robot can not stand in the start pose.
+        UnreachablePose: If the robot cannot stand in the start pose.
     """
     _check_inertia(build_mechanism(design))
     start = start_pose(design, assembly) if pose is None else np.asarray(pose, float)
@@ -76,11 +76,11 @@ def _check_inertia(mechanism: Mechanism) -> None:
         if link.joints[-1].kind == "slide":
             held, least, unit = sum(part.mass for part in link.parts), LEAST_MASS, "kg"
         else:
-            held = sum(part.inertia[1] + part.mass * part.centre[0] ** 2 for part in link.parts)
+            held = sum(part.inertia[1] + part.mass * part.center[0] ** 2 for part in link.parts)
             least, unit = LEAST_INERTIA, "kg m^2"
         if held < least:
             raise InvalidInput(
                 "design",
-                f"{link.name} with its joints has {held:g} {unit}; MuJoCo can not move less than "
+                f"{link.name} with its joints has {held:g} {unit}; MuJoCo cannot move less than "
                 f"{least:g} {unit}",
             )

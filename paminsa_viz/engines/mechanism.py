@@ -1,7 +1,7 @@
 """The PAMINSA as a tree of links with loop closures, in no engine's language.
 
 At zero joint values all link frames are parallel to their parent's, but for the guides, whose x
-points from the leg axis to the base centre. In a leg, x points toward the platform and z up; bars
+points from the leg axis to the base center. In a leg, x points toward the platform and z up; bars
 have x along the bar and turn about -y, so that a positive angle raises them. The tree:
 
     base - platform (slides along x, y, z; turns by theta; may tilt)
@@ -32,14 +32,14 @@ Point = tuple[float, float, float]
 
 
 class Part(NamedTuple):
-    """A rigid body fixed to a link: mass [kg], mass centre [m] and inertias [kg m^2] in its axes.
+    """A rigid body fixed to a link: mass [kg], mass center [m] and inertias [kg m^2] in its axes.
 
-    ``inertia`` is about the mass centre; a point mass has none.
+    ``inertia`` is about the mass center; a point mass has none.
     """
 
     name: str
     mass: float
-    centre: Point
+    center: Point
     inertia: Point = (0.0, 0.0, 0.0)
 
 

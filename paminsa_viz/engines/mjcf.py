@@ -33,9 +33,9 @@ from paminsa_viz.engines.mechanism import (
 )
 from paminsa_viz.engines.placing import joint_values, no_posture, posture_of, start_pose
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
-from paminsa_viz.palette import LEG_COLOURS, LIFT_COLOUR, rgb
-from paminsa_viz.palette import PLATFORM as PLATFORM_COLOUR
+from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
+from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
 FLOOR = 2e-15
 """Mass [kg] and inertia [kg m^2] of a moving body that has none; MuJoCo refuses less than 1e-15."""
@@ -78,7 +78,7 @@ class Servos:
 
 def mjcf_text(
     design: Design,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     pose: Sequence[float] | None = None,
     holding: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
@@ -97,7 +97,7 @@ def mjcf_text(
 
     Raises:
         InvalidDesign: If a bar's inertias belong to no rigid body.
-        UnreachablePose: If the robot can not stand in the start pose.
+        UnreachablePose: If the robot cannot stand in the start pose.
     """
     start = start_pose(design, assembly) if pose is None else np.asarray(pose, float)
     mechanism = build_mechanism(design)
@@ -153,7 +153,7 @@ def _add(parent: ET.Element, tag: str, **attributes: object) -> ET.Element:
 def _inertial(body: ET.Element, part: Part, *, moving: bool) -> None:
     least = FLOOR if moving else 0.0
     _add(
-        body, "inertial", pos=part.centre, mass=max(part.mass, least),
+        body, "inertial", pos=part.center, mass=max(part.mass, least),
         diaginertia=[max(value, least) for value in part.inertia],
     )  # fmt: skip
 
@@ -174,10 +174,10 @@ def _add_links(base: ET.Element, mechanism: Mechanism, values: dict[str, float])
         for joint, axis in zip(link.joints, axes, strict=True):
             value = values[joint.name]
             _add(body, "joint", name=joint.name, type=joint.kind, axis=axis, ref=value)
-        colour = _colour(link)
+        color = _color(link)
         for rod in link.rods:
             ends = (*rod.start, *rod.end)
-            _add(body, "geom", type="capsule", fromto=ends, size=rod.radius, rgba=colour)
+            _add(body, "geom", type="capsule", fromto=ends, size=rod.radius, rgba=color)
         for name, point in sites.get(link.name, []):
             _add(body, "site", name=name, pos=point)
         for part in link.parts[1:]:
@@ -185,7 +185,7 @@ def _add_links(base: ET.Element, mechanism: Mechanism, values: dict[str, float])
             _inertial(child, part, moving=False)
             if part.name != "payload":
                 radius = 1.3 * link.rods[0].radius
-                _add(child, "geom", type="sphere", pos=part.centre, size=radius, rgba=colour)
+                _add(child, "geom", type="sphere", pos=part.center, size=radius, rgba=color)
 
 
 def _start_frame(link: Link, values: dict[str, float]) -> tuple[Array, Rotation, list[Array]]:
@@ -206,12 +206,12 @@ def _start_frame(link: Link, values: dict[str, float]) -> tuple[Array, Rotation,
     return place, turn, [turn.apply(axis, inverse=True) for axis in fixed]
 
 
-def _colour(link: Link) -> list[float]:
+def _color(link: Link) -> list[float]:
     if link.name == PLATFORM:
-        colour = PLATFORM_COLOUR
+        color = PLATFORM_COLOR
     else:
-        colour = LIFT_COLOUR if link.leg is None else LEG_COLOURS[link.leg]
-    return [*(round(channel / 255, 4) for channel in rgb(colour)), 1.0]
+        color = LIFT_COLOR if link.leg is None else LEG_COLORS[link.leg]
+    return [*(round(channel / 255, 4) for channel in rgb(color)), 1.0]
 
 
 def _add_closures(root: ET.Element, mechanism: Mechanism) -> None:

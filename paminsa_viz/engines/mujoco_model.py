@@ -10,7 +10,7 @@ from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 
 
 def load_mujoco() -> Any:
@@ -35,7 +35,7 @@ class MujocoRobot(ClosedLoopRobot):
     """
 
     def __init__(
-        self, design: Design, assembly: Assembly = Assembly.PRINTED, *, xml: str | None = None
+        self, design: Design, assembly: KneeBranch = KneeBranch.LOWER, *, xml: str | None = None
     ) -> None:
         """Build the model.
 
@@ -49,8 +49,8 @@ class MujocoRobot(ClosedLoopRobot):
             EngineMissing: If MuJoCo is not installed.
             InvalidDesign: If a bar's inertias belong to no rigid body.
             InvalidInput: If the given text is another robot's.
-            UnreachablePose: If the design can not stand in its start pose.
-            ValueError: If MuJoCo can not read the text.
+            UnreachablePose: If the design cannot stand in its start pose.
+            ValueError: If MuJoCo cannot read the text.
         """
         super().__init__(design, assembly)
         self._mujoco = mujoco = load_mujoco()

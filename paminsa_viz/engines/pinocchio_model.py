@@ -10,7 +10,7 @@ from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mechanism import Link, Point
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 
 
 def load_pinocchio() -> Any:
@@ -37,7 +37,7 @@ class PinocchioRobot(ClosedLoopRobot):
         data: The ``pinocchio.Data`` that the computations use.
     """
 
-    def __init__(self, design: Design, assembly: Assembly = Assembly.PRINTED) -> None:
+    def __init__(self, design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> None:
         """Build the model.
 
         Raises:
@@ -76,7 +76,7 @@ class PinocchioRobot(ClosedLoopRobot):
             place = pin.SE3.Identity()
         for part in link.parts:
             inertia = pin.Inertia(
-                part.mass, np.asarray(part.centre, float), np.diag(part.inertia).astype(float)
+                part.mass, np.asarray(part.center, float), np.diag(part.inertia).astype(float)
             )
             model.appendBodyToJoint(carrier, inertia, pin.SE3.Identity())
         return int(carrier)

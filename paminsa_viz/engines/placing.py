@@ -8,30 +8,34 @@ import numpy as np
 
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, leg_name
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import UnreachablePose
-from paminsa_viz.model.kinematics import AXIS_ANGLES, Posture, solve_posture
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 
 
-def joint_values(posture: Posture) -> dict[str, Array]:
-    """Read the value of every joint from the pose and the joint points of a posture.
+def joint_values(configuration: Configuration) -> dict[str, Array]:
+    """Read the value of every joint from the pose and the joint points of a configuration.
 
     Returns:
-        By joint name, arrays of the posture's batch shape [rad, m]; NaN where it is unreachable.
+        By joint name, arrays of the batch shape [rad, m]; NaN where it is unreachable.
     """
-    values = {name: posture.pose[..., index] for index, name in enumerate(POSE_JOINTS)}
-    level = np.zeros(posture.pose.shape[:-1])
-    values |= {"platform_roll": level, "platform_pitch": level, LIFT: posture.actuators[..., 3]}
-    axes = posture.geometry.base_radius * np.array(
+    values = {name: configuration.pose[..., index] for index, name in enumerate(POSE_JOINTS)}
+    level = np.zeros(configuration.pose.shape[:-1])
+    values |= {
+        "platform_roll": level,
+        "platform_pitch": level,
+        LIFT: configuration.actuators[..., 3],
+    }
+    axes = configuration.geometry.base_radius * np.array(
         [[math.cos(a), math.sin(a)] for a in AXIS_ANGLES]
     )
     for leg in range(3):
-        theta = np.asarray(posture.actuators[..., leg])
+        theta = np.asarray(configuration.actuators[..., leg])
         heading = AXIS_ANGLES[leg] + math.pi + theta
         ahead = np.stack([np.cos(heading), np.sin(heading)], axis=-1)
 
         def in_plane(number: int, leg: int = leg, ahead: Array = ahead) -> tuple[Array, Array]:
-            point = np.asarray(posture.points[number])[..., leg, :]
+            point = np.asarray(configuration.points[number])[..., leg, :]
             return np.sum((point[..., :2] - axes[leg]) * ahead, axis=-1), point[..., 2]
 
         def elevation(start: tuple[Array, Array], end: tuple[Array, Array]) -> Array:
@@ -51,13 +55,13 @@ def joint_values(posture: Posture) -> dict[str, Array]:
     return values
 
 
-def start_pose(design: Design, assembly: Assembly = Assembly.PRINTED) -> Array:
-    """Return the pose (4,) in which an exported model starts: centred, on the natural side.
+def start_pose(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Array:
+    """Return the pose (4,) in which an exported model starts: centerd, on the natural side.
 
     Halfway between the least and the greatest distance that its pantographs allow.
 
     Raises:
-        UnreachablePose: If the design has no regular posture at the centre.
+        UnreachablePose: If the design has no regular configuration at the center.
     """
     g = design.geometry
     least = max(g.home_span, abs(g.coupler_length - g.crank_length))
@@ -69,16 +73,16 @@ def start_pose(design: Design, assembly: Assembly = Assembly.PRINTED) -> Array:
     return pose
 
 
-def posture_of(design: Design, poses: Array, assembly: Assembly) -> Posture:
+def posture_of(design: Design, poses: Array, assembly: KneeBranch) -> Configuration:
     """Solve poses (..., 4) for a design."""
-    return solve_posture(design.geometry, np.asarray(poses, float), assembly)
+    return inverse_kinematics(design.geometry, np.asarray(poses, float), assembly)
 
 
 def no_posture(pose: Array) -> UnreachablePose:
-    """Return the error for a pose (4,) at which the bars can not close."""
+    """Return the error for a pose (4,) at which the bars cannot close."""
     x, y, theta, z = (float(value) for value in pose)
     text = (
-        f"the bars can not close at x = {1e3 * x:.6g} mm, y = {1e3 * y:.6g} mm, "
+        f"the bars cannot close at x = {1e3 * x:.6g} mm, y = {1e3 * y:.6g} mm, "
         f"theta = {math.degrees(theta):.6g} deg, z = {1e3 * z:.6g} mm"
     )
-    return UnreachablePose((x, y, theta, z), 0, "posture", 0.0, text)
+    return UnreachablePose((x, y, theta, z), 0, "configuration", 0.0, text)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 
 
@@ -40,7 +40,7 @@ class Played(NamedTuple):
 
 def play(
     design: Design,
-    assembly: Assembly,
+    assembly: KneeBranch,
     times: ArrayLike,
     poses: ArrayLike,
     velocities: ArrayLike,
@@ -65,7 +65,7 @@ def play(
     Raises:
         EngineMissing: If MuJoCo is not installed.
         InvalidInput: If shapes do not match or times do not increase.
-        UnreachablePose: If the first pose has no posture.
+        UnreachablePose: If the first pose has no configuration.
     """
     t, wanted, u, force = (np.asarray(a, float) for a in (times, poses, velocities, torques))
     for name, array in (("poses", wanted), ("velocities", u), ("torques", force)):
@@ -91,7 +91,7 @@ def play(
         mujoco.mj_fwdPosition(model, data)
         pose = robot.pose(data.qpos)
         off = _stray(pose - wanted[index], design.geometry.platform_radius)
-        # After a warning it has begun anew, unasked.
+        # After a warning it has begun again, unasked.
         if not np.isfinite(off) or any(warning.number for warning in data.warning):
             break
         found[index], stray[index] = pose, off

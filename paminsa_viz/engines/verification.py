@@ -23,12 +23,12 @@ from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
 from paminsa_viz.engines.simulation import Played, play
 from paminsa_viz.engines.states import workspace_poses
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Assembly, Design, Friction
+from paminsa_viz.model.design import Design, Friction, KneeBranch
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.model.trajectory import Trajectory, check_path
+from paminsa_viz.trajectory import Trajectory, check_path
 
 TOLERANCE = 1e-6
 """Largest difference that passes, over the largest torque of the same actuator."""
@@ -91,7 +91,7 @@ class Verification:
     """
 
     design: Design
-    assembly: Assembly
+    assembly: KneeBranch
     trajectory: Trajectory
     poses: Array
     tolerance: float
@@ -160,7 +160,7 @@ def misprint_name(misprint: Misprint) -> str:
 
 def verify(
     design: Design,
-    assembly: Assembly,
+    assembly: KneeBranch,
     trajectory: Trajectory,
     *,
     poses: ArrayLike | int = POSES,
@@ -184,7 +184,7 @@ def verify(
 
     Raises:
         EngineMissing: If MuJoCo is not installed.
-        ImpossibleTrajectory: If the robot can not run the trajectory.
+        ImpossibleTrajectory: If the robot cannot run the trajectory.
         InvalidDesign: If a bar's inertias belong to no rigid body.
         InvalidInput: If the tolerance is not possible, or there are no such poses.
     """
@@ -234,7 +234,7 @@ def verify(
 
 
 def _robots(
-    design: Design, assembly: Assembly, xml: str | None
+    design: Design, assembly: KneeBranch, xml: str | None
 ) -> tuple[list[tuple[str, str, ClosedLoopRobot]], tuple[str, ...]]:
     """Return the robot in each engine, with the engine's name and version; and who is missing."""
     mujoco = load_mujoco()
@@ -251,7 +251,7 @@ def _robots(
 
 
 def _along(
-    design: Design, assembly: Assembly, motion: Trajectory, reference: Array, misprints: Misprint
+    design: Design, assembly: KneeBranch, motion: Trajectory, reference: Array, misprints: Misprint
 ) -> Comparison:
     """Compare dynamic torques, some of them perhaps as printed, with an engine's (n, 4)."""
     computed = _computed(design, assembly, motion, misprints)
@@ -259,7 +259,7 @@ def _along(
 
 
 def _computed(
-    design: Design, assembly: Assembly, motion: Trajectory, misprints: Misprint = Misprint.NONE
+    design: Design, assembly: KneeBranch, motion: Trajectory, misprints: Misprint = Misprint.NONE
 ) -> Array:
     """Return the formulae's torques along a motion, (n, 4) [N m, N]."""
     states = motion.pose, motion.velocity, motion.acceleration

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.bounds import require_workable
-from paminsa_viz.explorer.state import Document, State, home_pose, settle
+from paminsa_viz.explorer.bounds import validate_limits
+from paminsa_viz.explorer.state import Document, State, home_pose, with_document
 from paminsa_viz.files.design_writer import name_problem
-from paminsa_viz.model import APPENDIX_4, Assembly, Design, InvalidInput
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 
 CHANGED_NAME = f"{APPENDIX_4.name}, changed"
@@ -20,10 +20,10 @@ def move(state: State, **coordinates: float) -> State:
     """Ask for another pose; named coordinates change [m, m, rad, m]."""
     pose = dict(zip(COORDINATES, state.document.pose, strict=True)) | coordinates
     moved = (pose["x"], pose["y"], pose["theta"], pose["z"])
-    return settle(by_hand(state), replace(state.document, pose=moved))
+    return with_document(stop_following(state), replace(state.document, pose=moved))
 
 
-def by_hand(state: State) -> State:
+def stop_following(state: State) -> State:
     """Take the robot off its motion, which stops being played."""
     if not state.playback.following:
         return state
@@ -33,7 +33,7 @@ def by_hand(state: State) -> State:
 def go_home(state: State) -> State:
     """Ask for the home pose."""
     home = home_pose(state.document.design.geometry, state.document.assembly)
-    return settle(by_hand(state), replace(state.document, pose=home))
+    return with_document(stop_following(state), replace(state.document, pose=home))
 
 
 def vary(state: State, changes: Mapping[str, float | None]) -> State:
@@ -42,11 +42,11 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
     Raises:
         InvalidDesign: If no machine can have them, or they are too large to work with.
     """
-    design = honestly_named(require_workable(state.document.design.vary(changes)))
-    return settle(state, replace(state.document, design=design))
+    design = renamed_if_changed(validate_limits(state.document.design.vary(changes)))
+    return with_document(state, replace(state.document, design=design))
 
 
-def honestly_named(design: Design) -> Design:
+def renamed_if_changed(design: Design) -> Design:
     """Return the design under a name that does not claim to be Appendix 4's if it is not."""
     printed = design == APPENDIX_4
     if design.name == APPENDIX_4.name and not printed:
@@ -70,29 +70,31 @@ def load_design(state: State, design: Design) -> State:
     Raises:
         InvalidDesign: If a number is too large to work with.
     """
-    changed = settle(state, replace(state.document, design=require_workable(design)))
+    changed = with_document(state, replace(state.document, design=validate_limits(design)))
     if changed.standing.geometry is not design.geometry:
         changed = go_home(changed)
     return changed
 
 
-def assemble(state: State, assembly: Assembly) -> State:
+def assemble(state: State, assembly: KneeBranch) -> State:
     """Choose the root of the knee; the platform goes to the mirrored height (z_5 to -z_5)."""
     if assembly is state.document.assembly:
         return state
     x, y, theta, z = state.document.pose
     mirrored = -z - 2 * state.document.design.geometry.platform_joint_height
-    return settle(state, replace(state.document, assembly=assembly, pose=(x, y, theta, mirrored)))
+    return with_document(
+        state, replace(state.document, assembly=assembly, pose=(x, y, theta, mirrored))
+    )
 
 
 def pin_reference(state: State) -> State:
     """Keep the present design to compare with."""
-    return settle(state, replace(state.document, reference=state.document.design))
+    return with_document(state, replace(state.document, reference=state.document.design))
 
 
 def unpin_reference(state: State) -> State:
     """Forget the reference design; maps show values again."""
-    cleared = settle(state, replace(state.document, reference=None))
+    cleared = with_document(state, replace(state.document, reference=None))
     return replace(cleared, map_view=replace(cleared.map_view, difference=False))
 
 
@@ -102,20 +104,20 @@ def swap_reference(state: State) -> State:
     if document.reference is None:
         return state
     swapped = load_design(state, document.reference)
-    return settle(swapped, replace(swapped.document, reference=document.design))
+    return with_document(swapped, replace(swapped.document, reference=document.design))
 
 
 def rename(state: State, name: str) -> State:
     """Give the design another name.
 
     Raises:
-        InvalidInput: If it can not stand in a design file.
+        InvalidInput: If it cannot stand in a design file.
     """
     problem = name_problem(name)
     if problem:
         raise InvalidInput("name", problem)
     design = replace(state.document.design, name=name)
-    return settle(state, replace(state.document, design=design))
+    return with_document(state, replace(state.document, design=design))
 
 
 def restore(state: State, document: Document) -> State:
@@ -125,8 +127,8 @@ def restore(state: State, document: Document) -> State:
         InvalidDesign: If a number of a design is too large to work with.
     """
     for design in filter(None, (document.design, document.reference)):
-        require_workable(design)
-    changed = settle(by_hand(state), document)
+        validate_limits(design)
+    changed = with_document(stop_following(state), document)
     if document.reference is None and changed.map_view.difference:
         changed = replace(changed, map_view=replace(changed.map_view, difference=False))
     return changed

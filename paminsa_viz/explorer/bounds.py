@@ -21,7 +21,7 @@ def largest(path: str) -> float:
     return LARGEST.get(PARAMETER[path].unit, LARGEST_OTHER)
 
 
-def require_workable(design: Design) -> Design:
+def validate_limits(design: Design) -> Design:
     """Return the design if its numbers are of a size that can be worked with.
 
     The model takes any finite number, and some overflow in its formulae. What comes from a page, a

@@ -23,7 +23,7 @@ class Command(NamedTuple):
 
 
 def _toggle(session: Session, name: str) -> Callable[[], None]:
-    return lambda: session.ask(
+    return lambda: session.dispatch(
         f"layers.{name}",
         lambda s: actions.set_layers(s, **{name: not getattr(s.layers, name)}),
     )
@@ -33,37 +33,37 @@ def commands(session: Session) -> list[Command]:
     """Return every command of a session."""
 
     def camera(name: str) -> Callable[[], None]:
-        return lambda: session.do(lambda: look(session, name))
+        return lambda: session.submit(lambda: look(session, name))
 
-    layer_keys = {"skeleton": "K", "floor_map": "F", "gizmo": "G", "mass_centres": "C"}
+    layer_keys = {"skeleton": "K", "floor_map": "F", "gizmo": "G", "mass_centers": "C"}
     assert layer_keys.keys() <= Layers.__dataclass_fields__.keys()
     return [
-        Command("Home pose", "H", None, lambda: session.ask("home", actions.go_home)),
+        Command("Home pose", "H", None, lambda: session.dispatch("home", actions.go_home)),
         Command("Undo", "Z", "cmd/ctrl", session.undo),
         Command("Redo", "Z", "cmd/ctrl+shift", session.redo),
         Command(
             "Pin the design as reference",
             "P",
             None,
-            lambda: session.ask("reference", actions.pin_reference),
+            lambda: session.dispatch("reference", actions.pin_reference),
         ),
         Command(
             "Unpin the reference",
             "P",
             "shift",
-            lambda: session.ask("reference", actions.unpin_reference),
+            lambda: session.dispatch("reference", actions.unpin_reference),
         ),
         Command(
             "Balance as in the paper",
             "B",
             None,
-            lambda: session.ask("balance", balancing.balance_now),
+            lambda: session.dispatch("balance", balancing.balance_now),
         ),
         Command(
             "Play or pause the motion",
             "M",
             None,
-            lambda: session.ask("playback.play", requests.play_or_pause, step=False),
+            lambda: session.dispatch("playback.play", requests.play_or_pause, step=False),
         ),
         *(
             Command(f"Camera: {name}", str(number), None, camera(name))

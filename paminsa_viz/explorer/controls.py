@@ -44,7 +44,7 @@ class Control:
         if event.client is None:  # set by this program
             self._known = self.handle.value
             return
-        self.session.ask(self.name, self._intent, step=self._step)
+        self.session.dispatch(self.name, self._intent, step=self._step)
 
     def _intent(self, state: State) -> State:
         value = self._known = self.handle.value

@@ -11,18 +11,18 @@ from typing import NamedTuple
 import numpy as np
 import viser
 
+from paminsa_viz.explorer.browser.backdrop import before_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
-from paminsa_viz.explorer.scene.backdrop import before_backdrop
 from paminsa_viz.explorer.state import State
-from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.model import (
+    Configuration,
     Design,
     InvalidInput,
     PaminsaError,
-    Posture,
     Quantity,
-    solve_posture,
+    inverse_kinematics,
 )
+from paminsa_viz.plots.from_model import TORQUES
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -95,7 +95,7 @@ def _what(state: State, single: bool) -> str:
 def figure(
     state: State, store: MapStore, kind: str, single: bool, width_mm: float, dpi: float
 ) -> File:
-    """Draw maps for print, with the colours of the page.
+    """Draw maps for print, with the colors of the page.
 
     Args:
         state: What to show.
@@ -109,7 +109,7 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.figures.paper import KINDS, render
+    from paminsa_viz.plots.paper import KINDS, render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
@@ -146,10 +146,10 @@ def table(state: State, store: MapStore, kind: str, single: bool) -> File:
 
 def robot(state: State) -> File:
     """Write the robot as it stands as a GLB."""
-    from paminsa_viz.shapes import assemble_glb
+    from paminsa_viz.meshes import assemble_glb
 
-    design, posture = _standing(state)
-    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, posture))
+    design, configuration = _standing(state)
+    return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, configuration))
 
 
 def mujoco_model(state: State, meshes: bool) -> File:
@@ -165,22 +165,22 @@ def mujoco_model(state: State, meshes: bool) -> File:
     """
     # Late, as the shapes are: they bring large libraries.
     from paminsa_viz.engines.exported import exported_mjcf
-    from paminsa_viz.shapes.robot_files import robot_files, zipped
+    from paminsa_viz.meshes.robot_files import robot_files, zipped
 
-    design, posture = _standing(state)
-    text = exported_mjcf(design, posture.assembly, pose=posture.pose.tolist())
+    design, configuration = _standing(state)
+    text = exported_mjcf(design, configuration.assembly, pose=configuration.pose.tolist())
     if not meshes:
         return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
-    files = robot_files(text, design, posture)
+    files = robot_files(text, design, configuration)
     return File(name, zipped(files, name.removesuffix(".zip")))
 
 
-def _standing(state: State) -> tuple[Design, Posture]:
+def _standing(state: State) -> tuple[Design, Configuration]:
     """Return the present masses on the geometry that stands, and how it stands."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
-    return design, solve_posture(standing.geometry, standing.pose, standing.assembly)
+    return design, inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
 
 
 def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:

@@ -11,15 +11,15 @@ from numpy.typing import NDArray
 
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
+    Configuration,
     Design,
     Limit,
-    Posture,
     Reach,
     Singularity,
-    balance_distance,
     check_reach,
+    inverse_kinematics,
     measure_singularity,
-    solve_posture,
+    static_imbalance,
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
@@ -55,18 +55,18 @@ class Frame:
 
     Attributes:
         state: The state.
-        posture: The standing posture (last good one), one pose.
+        configuration: The standing configuration (last good one), one pose.
         standing_design: The present masses on the geometry that stands.
         requested: Reach of the pose asked for.
         singularity: Distances of the standing pose.
         torques: Static torques of the standing pose with the present masses, (4,) [N m, N].
-        reference_torques: The same for the reference design, or None without one or if it can not
+        reference_torques: The same for the reference design, or None without one or if it cannot
             stand there.
         balance: M_p2 of the present design [N].
     """
 
     state: State
-    posture: Posture
+    configuration: Configuration
     standing_design: Design
     requested: Reach
     singularity: Singularity
@@ -83,7 +83,7 @@ class Frame:
 
     @cached_property
     def explanation(self) -> str:
-        """One sentence that says why, in millimetres."""
+        """One sentence that says why, in millimeters."""
         if self.health is Health.UNREACHABLE:
             limit, leg = Limit(int(self.requested.status)), int(self.requested.leg)
             text = limit.explanation
@@ -103,8 +103,8 @@ class Frame:
 def compute(state: State) -> Frame:
     """Work out what a state shows."""
     document, standing = state.document, state.standing
-    posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
-    # If the present geometry can not stand, its masses are shown on the last one that could.
+    configuration = inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    # If the present geometry cannot stand, its masses are shown on the last one that could.
     here = document.design
     if standing.geometry != here.geometry:
         here = replace(here, geometry=standing.geometry)
@@ -114,11 +114,11 @@ def compute(state: State) -> Frame:
         reference = held if np.isfinite(held).all() else None
     return Frame(
         state=state,
-        posture=posture,
+        configuration=configuration,
         standing_design=here,
         requested=check_reach(document.design.geometry, document.pose),
         singularity=measure_singularity(standing.geometry, standing.pose),
         torques=static_torques(here, standing.pose, standing.assembly),
         reference_torques=reference,
-        balance=balance_distance(document.design),
+        balance=static_imbalance(document.design),
     )

@@ -1,7 +1,7 @@
-"""From a state to the maps it shows: what is solved again, what is kept, and what colours mean.
+"""From a state to the maps it shows: what is solved again, what is kept, and what colors mean.
 
 A field holds all that the geometry decides on a grid at one theta and z. It is kept, so that a
-mass, a position, a reference or a choice of colours only rescales what is there.
+mass, a position, a reference or a choice of colors only rescales what is there.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ import numpy as np
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import MapView, RangeMode, State
-from paminsa_viz.figures import ticks
-from paminsa_viz.figures.from_model import TORQUES, map_data
-from paminsa_viz.figures.map_window import cell_centres, half_width
-from paminsa_viz.figures.maps import MapData, difference
-from paminsa_viz.figures.ranges import choose_scales
-from paminsa_viz.figures.scale import Kind, Scale, ScaleChoice
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
     Field,
     Geometry,
+    KneeBranch,
     Quantity,
     solve_field,
     xy_grid,
 )
+from paminsa_viz.plots import ticks
+from paminsa_viz.plots.from_model import TORQUES, map_data
+from paminsa_viz.plots.map_window import cell_centers, half_width
+from paminsa_viz.plots.maps import MapData, difference
+from paminsa_viz.plots.ranges import choose_scales
+from paminsa_viz.plots.scale import Kind, Scale, ScaleChoice
 
 COARSE = 72
-"""Cells along each side while the hand moves; also what the colour range is found from, so that it
+"""Cells along each side while the hand moves; also what the color range is found from, so that it
 stays when the fine map follows."""
 FULL = 200
 """Cells along each side at rest and in files."""
@@ -44,7 +44,7 @@ KEPT = 8
 LARGEST_END = 1e9
 """Largest size of a manual range, in its SI unit."""
 
-_Key = tuple[Geometry, Assembly, float, float, float, int]
+_Key = tuple[Geometry, KneeBranch, float, float, float, int]
 
 
 class MapStore:
@@ -58,7 +58,7 @@ class MapStore:
     def field(
         self,
         geometry: Geometry,
-        assembly: Assembly,
+        assembly: KneeBranch,
         theta: float,
         z: float,
         cells: int,
@@ -82,9 +82,9 @@ class MapStore:
                 self._fields.move_to_end(key)
         if found is not None and (found.condition is not None or not dexterity):
             return found
-        centres = cell_centres(half, cells)
+        centers = cell_centers(half, cells)
         made = solve_field(
-            geometry, xy_grid(centres, centres, theta, z), assembly, dexterity=dexterity
+            geometry, xy_grid(centers, centers, theta, z), assembly, dexterity=dexterity
         )
         with self._lock:
             self._fields[key] = made
@@ -137,7 +137,7 @@ class MapStore:
     def scales(
         self, state: State, data: MapData, quantities: Sequence[Quantity] = TORQUES
     ) -> tuple[Scale, ...]:
-        """Return the colour scales for maps of a state, one a panel.
+        """Return the color scales for maps of a state, one a panel.
 
         Args:
             state: The state that ``data`` was made from.
@@ -154,9 +154,9 @@ def shows_difference(state: State) -> bool:
 
 
 def hold_range(state: State) -> State:
-    """Hold the colour range of torques that suits the design and the reference alike.
+    """Hold the color range of torques that suits the design and the reference alike.
 
-    So maps of both, and of their difference, compare by their colours. Appendix 4 takes the place
+    So maps of both, and of their difference, compare by their colors. Appendix 4 takes the place
     of a reference where there is none.
     """
     document, store = state.document, MapStore()
@@ -187,7 +187,7 @@ def go_to(state: State, x: float, y: float) -> State:
 
 
 def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
-    """Return the colour scales that a person asked for, one a panel.
+    """Return the color scales that a person asked for, one a panel.
 
     A manual range counts for maps in the unit of ``view.quantity`` only; others get the robust
     range. Its ends may be given in either order.
@@ -204,7 +204,7 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
         if ends is not None:
             low, high = ends
             if low < 0 < high and not data.signed and not (data.values < 0).any():
-                low = 0.0  # colours for values that can not be would only dull the others
+                low = 0.0  # colors for values that cannot be would only dull the others
             return choose_scales(data, replace(robust, low=low, high=high))
     if view.range_mode is RangeMode.FULL:
         if view.shared:

@@ -1,7 +1,7 @@
 """A played motion as one HTML page, which opens from a file without a server or a network.
 
 viser writes the page of a standing scene (`robot_page`). The motion is played by a small script of
-ours (`motion_player.html`), which moves the nodes: viser's own player makes the whole scene anew
+ours (`motion_player.html`), which moves the nodes: viser's own player makes the whole scene again
 whenever the motion starts again, and stands still meanwhile.
 """
 
@@ -23,13 +23,13 @@ from paminsa_viz.explorer.robot_page import standing_robot, titled
 from paminsa_viz.explorer.scene.bodies import Position, Quaternion
 from paminsa_viz.explorer.scene.curves import Curve
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.kinematics import solve_posture
-from paminsa_viz.model.trajectory.analysis import TrajectoryAnalysis, analyse
-from paminsa_viz.model.trajectory.check import ImpossibleTrajectory
-from paminsa_viz.model.trajectory.planners import PLACE
-from paminsa_viz.model.trajectory.sampled import Trajectory
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.trajectory.analysis import TrajectoryAnalysis, analyze
+from paminsa_viz.trajectory.check import ImpossibleTrajectory
+from paminsa_viz.trajectory.planners import PLACE
+from paminsa_viz.trajectory.sampled import Trajectory
 
 FRAME_RATE = 30.0
 """Places of the robot a second [1/s]; between them the page interpolates."""
@@ -60,14 +60,14 @@ _PLAYER = Path(__file__).with_name("motion_player.html")
 
 def motion_html(
     design: Design,
-    assembly: Assembly,
+    assembly: KneeBranch,
     trajectory: Trajectory,
     *,
     frame_rate: float = FRAME_RATE,
 ) -> bytes:
     """Return a page that plays a motion in real time, over and over, with the robot and its path.
 
-    A motion that the robot can not run is played up to where it first fails; the rest of its path
+    A motion that the robot cannot run is played up to where it first fails; the rest of its path
     is red, and the page says why.
 
     Args:
@@ -86,7 +86,7 @@ def motion_html(
     """
     if not 0 < frame_rate <= 60:
         raise InvalidInput("frame_rate", f"above 0 and up to 60 is needed, not {frame_rate!r}")
-    analysis = analyse(design, trajectory, assembly)
+    analysis = analyze(design, trajectory, assembly)
     first = analysis.check.first
     if first is not None and analysis.check.until < 2:
         raise ImpossibleTrajectory(first)
@@ -106,22 +106,28 @@ def _record(analysis: TrajectoryAnalysis, times: Array) -> tuple[str, Frames]:
     """Return viser's page of the robot at its first place, and its nodes' places at all times."""
     geometry, trajectory = analysis.design.geometry, analysis.trajectory
     poses = trajectory.at(times).pose
-    postures = [solve_posture(geometry, pose, analysis.solved.assembly) for pose in poses]
-    with standing_robot(analysis.design, postures[0], covered=_COVERED) as (scene, robot, page):
+    configurations = [
+        inverse_kinematics(geometry, pose, analysis.solved.assembly) for pose in poses
+    ]
+    with standing_robot(analysis.design, configurations[0], covered=_COVERED) as (
+        scene,
+        robot,
+        page,
+    ):
         _draw_path(scene, trajectory, float(times[-1]))
-        return page(), [robot.places(posture) for posture in postures]
+        return page(), [robot.places(configuration) for configuration in configurations]
 
 
 def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> None:
     """Draw the way of the platform: what is run, and red what is not."""
     begin, last = float(trajectory.t[0]), float(trajectory.t[-1])
-    for name, colour, start, stop in (
+    for name, color, start, stop in (
         ("run", palette.INK, begin, end),
         ("beyond", palette.BAD, end, last),
     ):
         if stop > start:
             way = trajectory.at(np.linspace(start, stop, _PATH_POINTS)).pose[:, PLACE]
-            Curve(scene, f"/path/{name}", colour, thickness=3.0).draw([way])
+            Curve(scene, f"/path/{name}", color, thickness=3.0).draw([way])
 
 
 def _page(
@@ -178,7 +184,7 @@ def _data(analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> dict[st
         "positions": _packed(positions.values()),
         "turns": _packed(turns.values()),
         "torques": _packed([torque]),
-        "colours": palette.ACTUATOR_COLOURS,
+        "colors": palette.ACTUATOR_COLORS,
     }
 
 

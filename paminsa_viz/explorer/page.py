@@ -11,10 +11,10 @@ from dataclasses import replace
 import viser
 
 from paminsa_viz.explorer import actions, saving
-from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.browser import backdrop, render_on_demand
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
 from paminsa_viz.explorer.panels.readout import Readout
-from paminsa_viz.explorer.scene import backdrop, sparing
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import Design, PaminsaError
@@ -83,16 +83,16 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
 
         look(session, "3D")
         session.first.append(RobotView(session))
-        session.ask("robot", replace)
+        session.dispatch("robot", replace)
 
     def build_rest() -> None:
         if session.built.is_set():
             return
-        from paminsa_viz.explorer.page_rest import build_tabs
+        from paminsa_viz.explorer.deferred_tabs import build_tabs
 
         build_tabs(session, bridge, places)
         session.built.set()
-        session.ask("page", replace)
+        session.dispatch("page", replace)
 
     def restore(saved: object) -> None:
         if not isinstance(saved, str):
@@ -102,18 +102,18 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         except PaminsaError as error:
             log.info("a tab's saved state was not taken: %s", error)
             return
-        session.ask("restore", lambda state: actions.restore(state, document), step=False)
+        session.dispatch("restore", lambda state: actions.restore(state, document), step=False)
 
     def choose_detail(renderer: object) -> None:
         if has_graphics_card(renderer):
-            session.ask("graphics", lambda state: actions.set_layers(state, fine=True))
+            session.dispatch("graphics", lambda state: actions.set_layers(state, fine=True))
         else:
-            bridge.run(sparing.SCRIPT)
+            bridge.run(render_on_demand.SCRIPT)
 
     bridge.on("hello", restore)
-    bridge.on("hello", lambda _: session.do(build_robot))
+    bridge.on("hello", lambda _: session.submit(build_robot))
     bridge.on("graphics", choose_detail)
-    bridge.on("shown", lambda _: session.do(build_rest))
+    bridge.on("shown", lambda _: session.submit(build_rest))
     bridge.open()
     session.start()
     return session

@@ -14,23 +14,23 @@ import numpy as np
 import viser
 from numpy.typing import ArrayLike
 
-from paminsa_viz.explorer.scene import backdrop
+from paminsa_viz.explorer.browser import backdrop
 from paminsa_viz.explorer.scene.cameras import preset
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.view import raised
-from paminsa_viz.explorer.server import open_server
-from paminsa_viz.explorer.serving.seam import quiet
+from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer.server.viser_patch import quiet
 from paminsa_viz.model.arrays import as_vectors
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.kinematics import Posture, solve_posture
+from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
 
 ASPECT = 1.6
 """Width over height of the window that the camera is placed for."""
 
 
-def robot_html(design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED) -> bytes:
+def robot_html(design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER) -> bytes:
     """Return a page with the robot in a pose, to be turned and zoomed with the mouse.
 
     Args:
@@ -43,27 +43,27 @@ def robot_html(design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PR
 
     Raises:
         InvalidInput: If it is not one pose.
-        UnreachablePose: If the robot can not take it.
+        UnreachablePose: If the robot cannot take it.
         CannotListen: If no port is left for the server.
     """
     place = as_vectors(pose, "pose")
     if place.shape != (4,):
         raise InvalidInput("pose", f"one pose (4,) is needed; got {place.shape}")
     require_reachable(design.geometry, place)
-    posture = solve_posture(design.geometry, place, assembly)
-    with standing_robot(design, posture) as (_, _, page):
+    configuration = inverse_kinematics(design.geometry, place, assembly)
+    with standing_robot(design, configuration) as (_, _, page):
         return titled(page(), f"PAMINSA: {design.name}").encode()
 
 
 @contextmanager
 def standing_robot(
-    design: Design, posture: Posture, *, covered: float = 0.0
+    design: Design, configuration: Configuration, *, covered: float = 0.0
 ) -> Iterator[tuple[viser.SceneApi, RobotScene, Callable[[], str]]]:
     """Put a robot into a scene of its own.
 
     Args:
         design: The robot.
-        posture: A solved posture of shape () of it.
+        configuration: A solved configuration of shape () of it.
         covered: Lower part of the window's height that the camera is to keep free.
 
     Yields:
@@ -72,11 +72,11 @@ def standing_robot(
     with quiet():
         server = open_server(port=0)
         try:
-            robot = RobotScene(server.scene, design, posture.assembly)
+            robot = RobotScene(server.scene, design, configuration.assembly)
             for layer in Layer:
                 robot.show(layer, layer in SHOWN_AT_START or layer is Layer.FINE)
-            robot.pose(posture)
-            view = preset("3D", design.geometry, posture.assembly, posture, ASPECT)
+            robot.pose(configuration)
+            view = preset("3D", design.geometry, configuration.assembly, configuration, ASPECT)
             view = raised(view, covered)
             camera = server.initial_camera
             camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)

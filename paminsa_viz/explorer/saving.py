@@ -14,9 +14,9 @@ from paminsa_viz.files.errors import printable, shown
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
-    Assembly,
     Design,
     InvalidInput,
+    KneeBranch,
     PaminsaError,
 )
 from paminsa_viz.model.counterweight import Counterweight
@@ -80,7 +80,7 @@ def load(text: str) -> Document:
         reference = data["reference"]
         return Document(
             design=_design(data),
-            assembly=Assembly(data["assembly"]),
+            assembly=KneeBranch(data["assembly"]),
             pose=(x, y, theta, z),
             reference=None if reference is None else _design(reference),
             motion=motions.motion_of(data.get("motion", {})),
@@ -88,7 +88,7 @@ def load(text: str) -> Document:
     except PaminsaError:
         raise
     except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError):
-        raise InvalidInput("saved state", "it can not be read") from None
+        raise InvalidInput("saved state", "it cannot be read") from None
 
 
 def _number(value: object) -> float:

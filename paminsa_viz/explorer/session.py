@@ -110,7 +110,7 @@ class Session:
         self._closed = True
         self._wake.set()
 
-    def ask(self, source: str, intent: Intent, *, step: bool = True) -> None:
+    def dispatch(self, source: str, intent: Intent, *, step: bool = True) -> None:
         """Ask for a change of state; a newer request of the same source replaces an older one.
 
         Args:
@@ -125,7 +125,7 @@ class Session:
             self._intents[source] = (intent, step)
         self._wake.set()
 
-    def do(self, job: Callable[[], None]) -> None:
+    def submit(self, job: Callable[[], None]) -> None:
         """Run something on the worker that is no change of state, such as an export."""
         with self._lock:
             self._jobs.append(job)
@@ -133,13 +133,13 @@ class Session:
 
     def undo(self) -> None:
         """Take the last step back."""
-        self.do(lambda: self._travel(self._history.undo))
+        self.submit(lambda: self._travel(self._history.undo))
 
     def redo(self) -> None:
         """Take the last undo back."""
-        self.do(lambda: self._travel(self._history.redo))
+        self.submit(lambda: self._travel(self._history.redo))
 
-    def tell(self, title: str, body: str, *, bad: bool = False) -> None:
+    def notify(self, title: str, body: str, *, bad: bool = False) -> None:
         """Show a notice on the page."""
         self.client.add_notification(
             title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
@@ -172,7 +172,7 @@ class Session:
                 if self._closed:
                     return
                 log.exception("a session could not draw")
-                self.tell("Something went wrong", "Details are in the program's log.", bad=True)
+                self.notify("Something went wrong", "Details are in the program's log.", bad=True)
                 resting_due = None
 
     def _take_requests(self) -> None:
@@ -197,12 +197,12 @@ class Session:
         try:
             job()
         except PaminsaError as error:
-            self.tell("Not possible", str(error), bad=True)
+            self.notify("Not possible", str(error), bad=True)
         except Exception:
             if self._closed:
                 return
             log.exception("a request failed")
-            self.tell("Something went wrong", "Details are in the program's log.", bad=True)
+            self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, moving: bool) -> None:
         frame = compute(state)

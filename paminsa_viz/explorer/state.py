@@ -16,9 +16,9 @@ from paminsa_viz.explorer.motion.plots import PlotView
 from paminsa_viz.explorer.motion.simulating import Simulating
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
     Geometry,
+    KneeBranch,
     Quantity,
     check_reach,
 )
@@ -28,8 +28,8 @@ HOME_DROP = 0.5
 
 
 @dataclass(frozen=True)
-class Standing:
-    """The last posture the robot could take; it stays in the scene while a request can not be met.
+class LastReachable:
+    """The last reachable configuration; it stays in the scene while a request cannot be met.
 
     Attributes:
         geometry, assembly: The lengths and the knee's root it was solved with.
@@ -37,12 +37,12 @@ class Standing:
     """
 
     geometry: Geometry
-    assembly: Assembly
+    assembly: KneeBranch
     pose: Pose
 
 
 class RangeMode(Enum):
-    """How a map's colour range is found."""
+    """How a map's color range is found."""
 
     AUTO = "robust"
     FULL = "full"
@@ -55,10 +55,10 @@ class MapView:
 
     Attributes:
         quantity: What the single map and the floor show; the three-panel figure shows torques.
-        range_mode: How the colour range is found.
+        range_mode: How the color range is found.
         low, high: The manual range, in the quantity's SI unit.
         shared: Whether the three torque maps have one range.
-        logarithmic: Whether colours follow a symmetric logarithm.
+        logarithmic: Whether colors follow a symmetric logarithm.
         difference: Whether the maps show the difference from the reference design.
     """
 
@@ -77,7 +77,7 @@ class Layers:
 
     mesh: bool = True
     skeleton: bool = False
-    mass_centres: bool = False
+    mass_centers: bool = False
     gravity: bool = False
     torques: bool = True
     labels: bool = True
@@ -104,7 +104,7 @@ class Document:
     """
 
     design: Design = APPENDIX_4
-    assembly: Assembly = Assembly.PRINTED
+    assembly: KneeBranch = KneeBranch.LOWER
     pose: Pose = (0.0, 0.0, 0.0, 0.0)
     reference: Design | None = None
     motion: Motion = field(default_factory=Motion)
@@ -115,7 +115,7 @@ class State:
     """Everything one browser tab shows."""
 
     document: Document
-    standing: Standing
+    standing: LastReachable
     map_view: MapView = field(default_factory=MapView)
     layers: Layers = field(default_factory=Layers)
     playback: Playback = field(default_factory=Playback)
@@ -125,23 +125,23 @@ class State:
     engine_answer: Answer | None = None
 
 
-def home_pose(geometry: Geometry, assembly: Assembly) -> Pose:
-    """Return a pose at the centre with plenty of room to all limits."""
+def home_pose(geometry: Geometry, assembly: KneeBranch) -> Pose:
+    """Return a pose at the center with plenty of room to all limits."""
     reach = geometry.crank_length + geometry.coupler_length
     height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
     drop = min(HOME_DROP * reach, 0.75 * float(height))
-    z5 = -drop if assembly is Assembly.PRINTED else drop
+    z5 = -drop if assembly is KneeBranch.LOWER else drop
     return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
-def initial_state(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRINTED) -> State:
+def initial_state(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER) -> State:
     """Return the state a new session starts with."""
     pose = home_pose(design.geometry, assembly)
     document = Document(design, assembly, pose)
-    return State(document, Standing(design.geometry, assembly, pose))
+    return State(document, LastReachable(design.geometry, assembly, pose))
 
 
-def settle(state: State, document: Document) -> State:
+def with_document(state: State, document: Document) -> State:
     """Return the state with another document; the robot follows it if the pose can be taken.
 
     While the robot follows the motion, its pose is that of the instant that is shown; where the
@@ -151,7 +151,7 @@ def settle(state: State, document: Document) -> State:
         document = at_instant(document, state.playback.time)
     standing = state.standing
     if check_reach(document.design.geometry, document.pose).ok.all():
-        standing = Standing(document.design.geometry, document.assembly, document.pose)
+        standing = LastReachable(document.design.geometry, document.assembly, document.pose)
     return replace(state, document=document, standing=standing)
 
 

@@ -1,4 +1,4 @@
-"""How a design's numbers look to a person: symbols, units, and the step from SI to millimetres.
+"""How a design's numbers look to a person: symbols, units, and the step from SI to millimeters.
 
 The model's symbols are the paper's, in plain text: ``m_B3``, ``I_XX^(B3)``, ``l_B4 = k l_B7``.
 """
@@ -61,7 +61,7 @@ def change_text(before: float, after: float) -> str:
 
 
 @dataclass(frozen=True)
-class Edge:
+class DisplayUnit:
     """How one number of a design is shown.
 
     Attributes:
@@ -88,10 +88,10 @@ class Edge:
 
 
 @cache
-def edge(path: str) -> Edge:
+def edge(path: str) -> DisplayUnit:
     """Return how the number at a dotted path is shown: lengths in mm, the rest in SI."""
     parameter = PARAMETER[path]
     symbol = plain(parameter.symbol)
     if parameter.unit == "m":
-        return Edge(symbol, "mm", 1e3)
-    return Edge(symbol, unit_text(parameter.unit), 1.0)
+        return DisplayUnit(symbol, "mm", 1e3)
+    return DisplayUnit(symbol, unit_text(parameter.unit), 1.0)

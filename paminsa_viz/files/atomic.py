@@ -22,7 +22,7 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[TextIO]:
     removed. A symbolic link keeps pointing at the file it names; an existing file keeps its mode.
 
     Raises:
-        FileError: If the file can not be created, written or put in place.
+        FileError: If the file cannot be created, written or put in place.
     """
     with _written(path, mode="w", encoding="utf-8", newline="") as file:
         yield file
@@ -32,7 +32,7 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
     """Write a file of any kind completely or not at all, as `written_whole` does with a text.
 
     Raises:
-        FileError: If the file can not be created, written or put in place.
+        FileError: If the file cannot be created, written or put in place.
     """
     with _written(path, mode="wb") as file:
         file.write(content)
@@ -49,7 +49,7 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
             found = target.stat().st_mode
             if not stat.S_ISREG(found):
                 kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
-                raise FileError(name, f"can not be written: it is {kind}")
+                raise FileError(name, f"cannot be written: it is {kind}")
             mode = stat.S_IMODE(found)
         descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     except (OSError, ValueError) as error:
@@ -76,4 +76,4 @@ def as_file_error(name: str, error: OSError | ValueError, action: str) -> FileEr
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     if isinstance(error, FileNotFoundError) and action == "written":
         reason = "its folder does not exist"
-    return FileError(name, f"can not be {action}: {reason[:1].lower()}{reason[1:]}")
+    return FileError(name, f"cannot be {action}: {reason[:1].lower()}{reason[1:]}")

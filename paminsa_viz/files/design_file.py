@@ -58,7 +58,7 @@ def load_design(path: str | os.PathLike[str]) -> Design:
     """Read a design file.
 
     Raises:
-        DesignFileError: If the file can not be read or is no valid design file.
+        DesignFileError: If the file cannot be read or is no valid design file.
     """
     try:
         with open(path, "rb") as file:
@@ -78,7 +78,7 @@ def save_design(design: Design, path: str | os.PathLike[str], *, comment: str = 
         comment: Where the design comes from, for the file's head.
 
     Raises:
-        FileError: If the file can not be written.
+        FileError: If the file cannot be written.
     """
     text = write_design(design, comment=comment)
     with written_whole(path) as file:

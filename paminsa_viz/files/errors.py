@@ -32,7 +32,7 @@ def printable(text: str) -> str:
 
 
 class FileError(PaminsaError):
-    """A file that can not be read or written, and why.
+    """A file that cannot be read or written, and why.
 
     Attributes:
         source: Name of the file.

@@ -169,7 +169,7 @@ def open_lines(path: str | os.PathLike[str]) -> TextIO:
     """Open a CSV file as text, whatever its bytes are; wrong ones show up in the cell they are in.
 
     Raises:
-        TableFileError: If it can not be opened.
+        TableFileError: If it cannot be opened.
     """
     try:
         with open(path, "rb") as file:

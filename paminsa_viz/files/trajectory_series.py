@@ -27,11 +27,11 @@ from paminsa_viz.files.trajectory_columns import (
     TIME,
     part_columns,
 )
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.parameters import PARAMETERS
-from paminsa_viz.model.trajectory.analysis import TrajectoryAnalysis
-from paminsa_viz.model.trajectory.simulation import Simulation
+from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
+from paminsa_viz.trajectory.simulation import Simulation
 
 FORMAT = "paminsa_viz trajectory 1"
 """Name and version of the layout of both files."""
@@ -137,7 +137,7 @@ def write_series(path: str | os.PathLike[str], series: Series) -> None:
     """Write a table as CSV, completely or not at all.
 
     Raises:
-        FileError: If the file can not be written.
+        FileError: If the file cannot be written.
     """
     with written_whole(path) as file:
         file.write(series_csv(series).decode())
@@ -147,7 +147,7 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
     return dict(zip(names, values.T, strict=True))
 
 
-def _robot(design: Design, assembly: Assembly) -> dict[str, str]:
+def _robot(design: Design, assembly: KneeBranch) -> dict[str, str]:
     return {"design": design.name, "assembly": assembly.value}
 
 

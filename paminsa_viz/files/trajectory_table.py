@@ -28,8 +28,8 @@ from paminsa_viz.files.pose_table import (
 )
 from paminsa_viz.files.trajectory_columns import TIME, Column, match_columns
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.trajectory.imported import from_samples
-from paminsa_viz.model.trajectory.sampled import MOST_SAMPLES, Trajectory
+from paminsa_viz.trajectory.imported import from_samples
+from paminsa_viz.trajectory.sampled import MOST_SAMPLES, Trajectory
 
 
 class TrajectoryTable(PoseTable):
@@ -152,7 +152,7 @@ def read_trajectory(
     """Read a trajectory from a CSV file; see `parse_trajectory`.
 
     Raises:
-        TableFileError: If the file can not be opened or is refused.
+        TableFileError: If the file cannot be opened or is refused.
     """
     with open_lines(path) as lines:
         return parse_trajectory(lines, os.fspath(path), rest=rest, name=name)

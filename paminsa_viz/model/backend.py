@@ -156,7 +156,7 @@ def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array, out: Arra
     out[:] = np.stack(np.broadcast_arrays(*values), axis=1)
 
 
-def drive(
+def inverse_dynamics_kernel(
     m: leg.Mechanism,
     e: EnergyTerms,
     gravity: float,
@@ -164,17 +164,19 @@ def drive(
     velocity: Array,
     acceleration: Array,
 ) -> Array:
-    """Evaluate `robot.drive` on lists (n, 4); returns torques and multipliers, (n, 8)."""
+    """Evaluate `robot.inverse_dynamics_kernel` on (n, 4); return torques, multipliers (n, 8)."""
     pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
     kernels = _kernels.get(len(pose))
     if kernels is not None:
         out = np.empty((len(pose), 8))
-        kernels.drive(m, e, gravity, pose, c, s, velocity, acceleration, out)
+        kernels.inverse_dynamics_kernel(m, e, gravity, pose, c, s, velocity, acceleration, out)
         return out
     x, y, _, z = pose.T
     with np.errstate(all="ignore"):
-        values = robot.drive(m, e, gravity, x, y, c, s, z, *velocity.T, *acceleration.T)
+        values = robot.inverse_dynamics_kernel(
+            m, e, gravity, x, y, c, s, z, *velocity.T, *acceleration.T
+        )
     return np.stack(np.broadcast_arrays(*values), axis=-1)
 
 

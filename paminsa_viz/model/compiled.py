@@ -31,12 +31,12 @@ _FORMULAE = (
     leg_forces.leg_inertia,
     leg_forces.leg_regressor,
     robot.platform_determinant,
-    robot.balance,
+    robot.solve_wrench,
     robot._slope,
     robot._usable,
     robot.unit_torques,
     robot._vector,
-    robot.drive,
+    robot.inverse_dynamics_kernel,
     robot._leg_mass,
     robot.mass_matrix,
     measures.leg_margins,
@@ -47,13 +47,13 @@ _FORMULAE = (
     measures.dexterity,
 )
 
-# LLVM vectorises a loop only if the whole formula is inlined into it.
+# LLVM vectorizes a loop only if the whole formula is inlined into it.
 for _formula in _FORMULAE:
     register_jitable(forceinline=True)(_formula)
 
 
-@overload(robot.choose, jit_options={"forceinline": True})
-def _choose(condition: Any, yes: Any, no: Any) -> Any:
+@overload(robot.where, jit_options={"forceinline": True})
+def _where(condition: Any, yes: Any, no: Any) -> Any:
     def implementation(condition: Any, yes: Any, no: Any) -> Any:
         return yes if condition else no
 
@@ -120,7 +120,7 @@ def _over_poses(formula: Callable[..., Any], count: int, digest: int) -> tuple[A
 _BLOCK = 128
 """States worked on at a time: their columns lie in one small buffer that stays in the L1 cache.
 
-With a score of arrays LLVM would give up proving that none overlaps another, and not vectorise.
+With a score of arrays LLVM would give up proving that none overlaps another, and not vectorize.
 """
 
 
@@ -128,7 +128,7 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
     """Compile inverse dynamics and the mass matrix over lists of states."""
 
     @njit(**OPTIONS)
-    def drive(m, e, gravity, pose, c, s, velocity, acceleration, out):  # type: ignore[no-untyped-def]
+    def inverse_dynamics_kernel(m, e, gravity, pose, c, s, velocity, acceleration, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
         w = np.empty((22, _BLOCK))
@@ -142,7 +142,7 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
                 w[4, j] = c[start + j]
                 w[5, j] = s[start + j]
             for j in range(size):
-                values = robot.drive(
+                values = robot.inverse_dynamics_kernel(
                     m, e, gravity, w[0, j], w[1, j], w[4, j], w[5, j], w[3, j],
                     w[6, j], w[7, j], w[8, j], w[9, j], w[10, j], w[11, j], w[12, j], w[13, j],
                 )  # fmt: skip
@@ -172,7 +172,7 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
                 for i in range(10):
                     out[start + j, i] = w[6 + i, j]
 
-    return drive, mass_matrix
+    return inverse_dynamics_kernel, mass_matrix
 
 
 DIGEST = _digest()
@@ -190,7 +190,7 @@ OVER_POSES = {
 }
 """Kernels over grids and over lists of poses: ``(over_grid, over_list)``."""
 
-drive, mass_matrix = _motion_kernels(DIGEST)
+inverse_dynamics_kernel, mass_matrix = _motion_kernels(DIGEST)
 
 
 def warm_up() -> None:
@@ -202,5 +202,5 @@ def warm_up() -> None:
         count = COUNTS[name]
         over_grid(m, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
         over_list(m, pose, none, none, np.zeros((0, count)))
-    drive(m, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
+    inverse_dynamics_kernel(m, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
     mass_matrix(m, e, pose, none, none, np.zeros((0, 10)))

@@ -54,7 +54,8 @@ def _kernel(digest: int) -> Any:
             v2 = leg.LegVector(v[1, 0], v[1, 1], v[1, 2], v[1, 3], v[1, 4])
             v3 = leg.LegVector(v[2, 0], v[2, 1], v[2, 2], v[2, 3], v[2, 4])
             for i in range(3):
-                b = robot.balance(det, v1, v2, v3, 1.0 * (i == 0), 1.0 * (i == 1), 1.0 * (i == 2))
+                fx, fy, ft = 1.0 * (i == 0), 1.0 * (i == 1), 1.0 * (i == 2)
+                b = robot.solve_wrench(det, v1, v2, v3, fx, fy, ft)
                 j[i, 0], j[i, 1], j[i, 2] = b.t1 * v1.rho2, b.t2 * v2.rho2, b.t3 * v3.rho2
             for t in range(_LEG_TERMS):
                 torque[3, t] = forces[2, 0, t] + forces[2, 1, t] + forces[2, 2, t]

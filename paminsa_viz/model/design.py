@@ -17,20 +17,20 @@ from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.quantity import check_numbers, quantity
 
 
-class Assembly(Enum):
+class KneeBranch(Enum):
     """How the pantographs are put together: which of the two roots the knee 9 takes.
 
-    ``PRINTED`` is the root that Appendix 1 prints for F (the lower knee; the natural posture hangs,
-    z < 0); ``MIRROR`` is the other one.
+    ``LOWER`` is the root that Appendix 1 prints for F (the lower knee; the natural one hangs,
+    z < 0); ``UPPER`` is the other one.
     """
 
-    PRINTED = "printed"
-    MIRROR = "mirror"
+    LOWER = "printed"
+    UPPER = "mirror"
 
     @property
     def sign(self) -> float:
         """+1 for the printed root, -1 for its mirror image."""
-        return 1.0 if self is Assembly.PRINTED else -1.0
+        return 1.0 if self is KneeBranch.LOWER else -1.0
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Geometry:
             raise InvalidDesign(
                 "geometry.coupler_length",
                 self.coupler_length,
-                f"B4 and B8 can not close the pantograph with the platform at the centre: together "
+                f"B4 and B8 cannot close the pantograph with the platform at the center: together "
                 f"they reach {longest:.6g} m, and joints 8 and 5 are at least "
                 f"{self.home_span:.6g} m apart there; lengthen B4 or B8, or bring R_b and R_pl "
                 f"closer together",
@@ -131,7 +131,7 @@ class LinkMasses:
 
 @dataclass(frozen=True)
 class Inertias:
-    """Moments of inertia of the links about their mass centres (Eq. 10, Appendix 4).
+    """Moments of inertia of the links about their mass centers (Eq. 10, Appendix 4).
 
     ``axial`` is I_XX, along the tube; ``transverse`` is I_YY = I_ZZ, across it; ``vertical`` is
     about the leg axis, as the paper gives it for B2 and B10.
@@ -165,7 +165,7 @@ class Platform:
 
 @dataclass(frozen=True)
 class Payload:
-    """A body carried with its mass centre on the platform's vertical axis (none in the paper)."""
+    """A body carried with its mass center on the platform's vertical axis (none in the paper)."""
 
     mass: float = quantity(0.0, "m_load", "kg", "payload")
     inertia: float = quantity(0.0, "I_load", "kg m^2", "payload, about the vertical")
@@ -206,7 +206,7 @@ class Design:
         name: What a person calls it.
 
     Raises:
-        InvalidDesign: If a value is negative, not finite, or can not belong to a machine.
+        InvalidDesign: If a value is negative, not finite, or cannot belong to a machine.
     """
 
     geometry: Geometry = Geometry()

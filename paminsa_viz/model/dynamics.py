@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Assembly, Design, Friction
+from paminsa_viz.model.design import Design, Friction, KneeBranch
 from paminsa_viz.model.jacobian import inverse_jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
@@ -71,7 +71,7 @@ def inverse_dynamics(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> InverseDynamics:
     """Return the actuator torques for a platform motion (Eqs. 15-21).
@@ -90,7 +90,7 @@ def inverse_dynamics(
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     m = mechanism(design.geometry, assembly)
-    result = backend.drive(m, _terms(design, misprints), design.gravity, p, v, a)
+    result = backend.inverse_dynamics_kernel(m, _terms(design, misprints), design.gravity, p, v, a)
     torque = result[:, :4]
     if not frictionless(design.friction):
         torque = torque + friction_torque(design.friction, actuator_velocity(design, p, v))
@@ -113,7 +113,7 @@ def torque_breakdown(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> TorqueBreakdown:
     """Split the torque of `inverse_dynamics`, with the same arguments, by its causes.
@@ -170,13 +170,13 @@ def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
 def mass_matrix(
     design: Design,
     pose: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> Array:
     """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
 
     Symmetric positive definite wherever the pose can be taken, type-2 singularities included. NaN
-    where the bars can not close.
+    where the bars cannot close.
     """
     pose = as_vectors(pose, "pose")
     m = mechanism(design.geometry, assembly)
@@ -194,7 +194,7 @@ def forward_dynamics(
     pose: ArrayLike,
     velocity: ArrayLike,
     torque: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Array:
     """Return the platform acceleration that actuator torques cause, (..., 4).
 
@@ -206,7 +206,7 @@ def forward_dynamics(
         assembly: Root of the knee.
 
     Returns:
-        [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose can not be taken.
+        [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose cannot be taken.
     """
     shape, (p, v, q) = together(pose=pose, velocity=velocity, torque=torque)
     bias = inverse_dynamics(design, p, v, np.zeros_like(p), assembly).torque
@@ -224,7 +224,7 @@ def kinetic_energy(
     design: Design,
     pose: ArrayLike,
     velocity: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> Array:
     """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3."""

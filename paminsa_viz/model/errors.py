@@ -24,7 +24,7 @@ class InvalidDesign(PaminsaError):
 
 
 class InvalidInput(PaminsaError):
-    """An argument whose shape or values a function can not use.
+    """An argument whose shape or values a function cannot use.
 
     Attributes:
         argument: Name of the argument.
@@ -38,7 +38,7 @@ class InvalidInput(PaminsaError):
 
 
 class UnreachablePose(PaminsaError):
-    """A pose that the mechanism can not take.
+    """A pose that the mechanism cannot take.
 
     Attributes:
         pose: The pose (x, y, theta, z) [m, m, rad, m].

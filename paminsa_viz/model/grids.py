@@ -18,11 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.design import Assembly, Design, Geometry
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.reach import Limit, decode
-from paminsa_viz.model.statics import balance_distance, lift_constant
+from paminsa_viz.model.statics import lift_constant, static_imbalance
 
 COORDINATES = ("x", "y", "theta", "z")
 
@@ -142,7 +142,7 @@ class Field:
 
     grid: Grid
     geometry: Geometry
-    assembly: Assembly
+    assembly: KneeBranch
     gamma: Array
     status: NDArray[np.uint8]
     leg: NDArray[np.int8]
@@ -152,7 +152,7 @@ class Field:
 
     def torques(self, design: Design) -> Array:
         """Return the static torques for the masses of a design, (4, ...) [N m, N]."""
-        torque = balance_distance(design) * self.gamma
+        torque = static_imbalance(design) * self.gamma
         torque[3] += lift_constant(design)
         return torque
 
@@ -165,7 +165,7 @@ class Field:
             if chosen is None:
                 raise InvalidInput("quantity", f"solve the field with dexterity for {quantity}")
             return chosen
-        factor = balance_distance(design)
+        factor = static_imbalance(design)
         if quantity is Quantity.MAX_TORQUE:
             return abs(factor) * np.abs(self.gamma[:3]).max(axis=0)
         if quantity is Quantity.RMS_TORQUE:
@@ -179,7 +179,7 @@ class Field:
 def solve_field(
     geometry: Geometry,
     grid: Grid,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     dexterity: bool = False,
     threads: int | None = None,
@@ -208,15 +208,15 @@ def solve_field(
 def rotary_torques(
     design: Design,
     grid: Grid,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     threads: int | None = None,
 ) -> Array:
     """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
 
-    NaN where the pose can not be taken, and no reason for it; `solve_field` gives that.
+    NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
     """
     gamma = _evaluate(["rotary_torques"], mechanism(design.geometry, assembly), grid, threads)[0]
-    gamma *= balance_distance(design)
+    gamma *= static_imbalance(design)
     return gamma
 
 

@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg import LegMotion, LegPosition, leg_motion, leg_position, mechanism
 from paminsa_viz.model.leg_points import point_weights
 from paminsa_viz.model.reach import Reach, check_reach
 from paminsa_viz.model.robot import AXIS_X, AXIS_Y
 
 LEG_AXES: Array = np.stack([AXIS_X, AXIS_Y], axis=-1)
-"""Directions from the base centre to the leg axes, (3, 2); e_k = R_b times this."""
+"""Directions from the base center to the leg axes, (3, 2); e_k = R_b times this."""
 LEG_AXES.setflags(write=False)
 
 AXIS_ANGLES: Array = np.radians([210.0, -30.0, 90.0])
-"""Directions of the leg axes seen from the base centre, (3,) [rad]."""
+"""Directions of the leg axes seen from the base center, (3,) [rad]."""
 AXIS_ANGLES.setflags(write=False)
 
 HEADINGS: Array = np.radians([30.0, 150.0, 270.0])
@@ -36,14 +36,14 @@ def wrap(angle: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True)
-class Posture:
-    """The robot in poses of batch shape (...); what hangs on bars that can not close is NaN.
+class Configuration:
+    """The robot in poses of batch shape (...); what hangs on bars that cannot close is NaN.
 
     Attributes:
         geometry: The lengths it was solved for.
         assembly: The pantographs' assembly mode.
         pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
-        reach: Whether each pose can be taken; ask it before using numbers of a posture.
+        reach: Whether each pose can be taken; ask it before using numbers of a configuration.
         actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
         beta: (..., 3) headings of the leg planes, from the leg axis toward the platform [rad].
         psi: (..., 3) elevation of B4 and B7, seen from 9 to 5 [rad].
@@ -53,7 +53,7 @@ class Posture:
     """
 
     geometry: Geometry
-    assembly: Assembly
+    assembly: KneeBranch
     pose: Array
     reach: Reach
     actuators: Array
@@ -64,7 +64,7 @@ class Posture:
 
 
 @np.errstate(all="ignore")
-def _leg_positions(geometry: Geometry, pose: Array, assembly: Assembly) -> LegPosition:
+def _leg_positions(geometry: Geometry, pose: Array, assembly: KneeBranch) -> LegPosition:
     """Solve all three legs; every field (..., 3)."""
     x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]
     return leg_position(
@@ -73,9 +73,9 @@ def _leg_positions(geometry: Geometry, pose: Array, assembly: Assembly) -> LegPo
     )  # fmt: skip
 
 
-def solve_posture(
-    geometry: Geometry, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
-) -> Posture:
+def inverse_kinematics(
+    geometry: Geometry, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
+) -> Configuration:
     """Solve the inverse kinematics (Appendix 1).
 
     Args:
@@ -106,23 +106,23 @@ def solve_posture(
             )
     lift = (pose[..., 3:] + geometry.platform_joint_height) / geometry.magnification
     actuators = np.concatenate([wrap(beta - HEADINGS), lift + geometry.shaft_length], axis=-1)
-    return Posture(
+    return Configuration(
         geometry, assembly, pose, check_reach(geometry, pose), actuators, beta, psi, phi, points
     )
 
 
 @dataclass(frozen=True)
-class Motion:
+class JointMotion:
     """Velocities and accelerations of everything, batch shape (...).
 
     Attributes:
-        posture: The posture it starts from.
+        configuration: The configuration it starts from.
         actuators_velocity, actuators_acceleration: (..., 4) [rad/s, m/s], [rad/s^2, m/s^2].
         psi_rate, phi_rate, psi_acceleration, phi_acceleration: (..., 3) [rad/s], [rad/s^2].
         velocity, acceleration: By the paper's joint number, (..., 3 legs, 3) [m/s], [m/s^2].
     """
 
-    posture: Posture
+    configuration: Configuration
     actuators_velocity: Array
     actuators_acceleration: Array
     psi_rate: Array
@@ -134,7 +134,7 @@ class Motion:
 
 
 def leg_states(
-    geometry: Geometry, pose: Array, velocity: Array, acceleration: Array, assembly: Assembly
+    geometry: Geometry, pose: Array, velocity: Array, acceleration: Array, assembly: KneeBranch
 ) -> tuple[LegPosition, LegMotion]:
     """Return position and motion of all legs, every field (..., 3); inputs (..., 4)."""
     g = _leg_positions(geometry, pose, assembly)
@@ -144,13 +144,13 @@ def leg_states(
         return g, leg_motion(mechanism(geometry, assembly), g, *v, *a)
 
 
-def solve_motion(
+def joint_rates(
     geometry: Geometry,
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
-) -> Motion:
+    assembly: KneeBranch = KneeBranch.LOWER,
+) -> JointMotion:
     """Return velocities and accelerations of every joint for a platform motion.
 
     Args:
@@ -184,8 +184,8 @@ def solve_motion(
                 z_acc,
             )
     k = geometry.magnification
-    return Motion(
-        solve_posture(geometry, p, assembly),
+    return JointMotion(
+        inverse_kinematics(geometry, p, assembly),
         np.concatenate([q.beta_rate, v[..., 3:] / k], axis=-1),
         np.concatenate([q.beta_acc, a[..., 3:] / k], axis=-1),
         q.psi_rate, q.phi_rate, q.psi_acc, q.phi_acc,
@@ -204,7 +204,7 @@ def _in_base(g: LegPosition, radial: Array, tangential: Array, vertical: Array) 
 
 
 @dataclass(frozen=True)
-class Assemblies:
+class AssemblyModes:
     """Platform assemblies for actuator positions of batch shape (...): at most two.
 
     Attributes:
@@ -217,7 +217,7 @@ class Assemblies:
 
 
 @np.errstate(all="ignore")
-def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> Assemblies:
+def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyModes:
     """Return all poses for given actuator positions, in closed form.
 
     The closure equations (Eq. 16) are linear in x, y, cos theta and sin theta; with
@@ -259,11 +259,11 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> Assemblies:
     pose = np.stack([x, y, theta, z], axis=-1)
     along = cos_b * (x[..., None] + px) + sin_b * (y[..., None] + py)
     valid = np.isfinite(pose).all(axis=-1) & (along > 0).all(axis=-1)
-    return Assemblies(np.where(np.isfinite(x)[..., None], pose, np.nan), valid)
+    return AssemblyModes(np.where(np.isfinite(x)[..., None], pose, np.nan), valid)
 
 
 @np.errstate(all="ignore")
-def continue_pose(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) -> Array:
+def nearest_solution(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) -> Array:
     """Return the valid platform assembly that lies nearest to a given pose, (..., 4).
 
     Distance is taken in x, y and R_pl times theta. NaN where there is no valid assembly.

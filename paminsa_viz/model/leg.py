@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.design import Geometry, KneeBranch
 
 
 class Mechanism(NamedTuple):
@@ -40,7 +40,7 @@ class Mechanism(NamedTuple):
     rho2_max: float
 
 
-def mechanism(geometry: Geometry, assembly: Assembly = Assembly.PRINTED) -> Mechanism:
+def mechanism(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Mechanism:
     """Return the numbers of a geometry in the form the formulae need."""
     k = geometry.magnification
     return Mechanism(
@@ -83,7 +83,7 @@ class Pantograph(NamedTuple):
 
 
 def pantograph(m: Mechanism, rho2: Any, zeta: Any) -> Pantograph:
-    """Solve the triangle 8-9-5; NaN where the bars can not close it."""
+    """Solve the triangle 8-9-5; NaN where the bars cannot close it."""
     ratio2 = m.span_ratio * m.span_ratio
     crank2 = m.crank * m.crank
     difference = 0.5 * (crank2 - m.coupler * m.coupler)
@@ -136,7 +136,7 @@ def knee_radius(
 
 
 class LegVector(NamedTuple):
-    """Horizontal vectors of a leg: platform centre to 5 (p), leg axis to 5 (d), and rho^2."""
+    """Horizontal vectors of a leg: platform center to 5 (p), leg axis to 5 (d), and rho^2."""
 
     px: Any
     py: Any
@@ -150,7 +150,7 @@ def leg_vector(m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any) -
 
     Args:
         m: The mechanism.
-        ax, ay: Direction from the base centre to the leg axis.
+        ax, ay: Direction from the base center to the leg axis.
         x, y: Platform position [m].
         c, s: cos theta, sin theta.
     """

@@ -62,7 +62,7 @@ def leg_forces(m: Mechanism, e: EnergyTerms, g: LegPosition, q: LegMotion) -> Le
 def leg_regressor(
     m: Mechanism, g: LegPosition, q: LegMotion
 ) -> tuple[tuple[Any, ...], tuple[Any, ...], tuple[Any, ...], tuple[Any, ...]]:
-    """Return the generalised forces of unit energy terms on rho, zeta, theta_k and Z.
+    """Return the generalized forces of unit energy terms on rho, zeta, theta_k and Z.
 
     Each of the four tuples has one entry for every field of `EnergyTerms` but the last two, which
     belong to the platform. Here theta_k, rho and zeta are independent coordinates of the leg, so

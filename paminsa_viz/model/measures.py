@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from paminsa_viz.model.leg import LegVector, Mechanism, leg_vector
-from paminsa_viz.model.robot import AXIS_X, AXIS_Y, balance, choose, platform_determinant
+from paminsa_viz.model.robot import AXIS_X, AXIS_Y, platform_determinant, solve_wrench, where
 
 THIRD = 1.0 / 3.0
 INVERSE_SQRT_6 = 0.408248290463863
@@ -65,7 +65,7 @@ def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[
 def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> tuple[Any, Any]:
     """Return the lesser of two values and its tag; a first value that is NaN stays."""
     second = other < value
-    return choose(second, other, value), choose(second, other_tag, tag)
+    return where(second, other, value), where(second, other_tag, tag)
 
 
 def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) -> Any:
@@ -77,8 +77,8 @@ def _largest_eigenvalue(xx: Any, yy: Any, zz: Any, xy: Any, yz: Any, xz: Any) ->
     )
     det = dx * (dy * dz - yz * yz) - xy * (xy * dz - yz * xz) + xz * (xy * yz - dy * xz)
     cube = spread * spread * spread
-    ratio = choose(cube > 0.0, 0.5 * det / choose(cube > 0.0, cube, 1.0), 1.0)
-    ratio = choose(ratio > 1.0, 1.0, choose(ratio < -1.0, -1.0, ratio))
+    ratio = where(cube > 0.0, 0.5 * det / where(cube > 0.0, cube, 1.0), 1.0)
+    ratio = where(ratio > 1.0, 1.0, where(ratio < -1.0, -1.0, ratio))
     return mean + 2.0 * spread * np.cos(np.arccos(ratio) * THIRD)
 
 
@@ -87,7 +87,7 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
 
     The condition number is that of the 2-norm of the map from (x', y', R_pl theta') to
     (theta_1', theta_2', theta_3'): R_pl is the characteristic length. Neither depends on z, but
-    both are NaN where the pose can not be reached.
+    both are NaN where the pose cannot be reached.
     """
     v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
     v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
@@ -104,9 +104,9 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
         i1 * i1 * v1.dx * l1 + i2 * i2 * v2.dx * l2 + i3 * i3 * v3.dx * l3,
         -(i1 * i1 * v1.dy * l1 + i2 * i2 * v2.dy * l2 + i3 * i3 * v3.dy * l3),
     )
-    jx = balance(det, v1, v2, v3, 1.0, 0.0, 0.0)
-    jy = balance(det, v1, v2, v3, 0.0, 1.0, 0.0)
-    jt = balance(det, v1, v2, v3, 0.0, 0.0, m.platform_radius)
+    jx = solve_wrench(det, v1, v2, v3, 1.0, 0.0, 0.0)
+    jy = solve_wrench(det, v1, v2, v3, 0.0, 1.0, 0.0)
+    jt = solve_wrench(det, v1, v2, v3, 0.0, 0.0, m.platform_radius)
     r1, r2, r3 = v1.rho2, v2.rho2, v3.rho2
     backward = _largest_eigenvalue(
         r1 * r1 * jx.t1 * jx.t1 + r2 * r2 * jx.t2 * jx.t2 + r3 * r3 * jx.t3 * jx.t3,
@@ -116,14 +116,14 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
         r1 * r1 * jy.t1 * jt.t1 + r2 * r2 * jy.t2 * jt.t2 + r3 * r3 * jy.t3 * jt.t3,
         r1 * r1 * jx.t1 * jt.t1 + r2 * r2 * jx.t2 * jt.t2 + r3 * r3 * jx.t3 * jt.t3,
     )
-    condition = choose(det == 0.0, np.inf, np.sqrt(forward * backward))
+    condition = where(det == 0.0, np.inf, np.sqrt(forward * backward))
     worst, which = least_margin(m, x, y, c, s, z)
     # As in `reach.decode`: a guide may be used to its end.
     guide = (which == 2.0) | (which == 6.0) | (which == 10.0)
     reachable = (worst > 0.0) | ((worst == 0.0) & guide)
     return (
-        choose(reachable, det / np.sqrt(r1 * r2 * r3), np.nan),
-        choose(reachable, condition, np.nan),
+        where(reachable, det / np.sqrt(r1 * r2 * r3), np.nan),
+        where(reachable, condition, np.nan),
     )
 
 

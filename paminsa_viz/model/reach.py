@@ -1,4 +1,4 @@
-"""Which poses the robot can take; if it can not, which leg and which limit stand in the way."""
+"""Which poses the robot can take; if it cannot, which leg and which limit stand in the way."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from paminsa_viz.model.leg import mechanism
 
 
 class Limit(IntEnum):
-    """Why a pose can not be taken, or a torque not be given."""
+    """Why a pose cannot be taken, or a torque not be given."""
 
     OK = 0
     NOT_FINITE = 1
@@ -135,7 +135,7 @@ def workspace_radius(geometry: Geometry) -> float:
     """Return the radius of the smallest circle about the origin that holds every position [m].
 
     At the best theta and height all three legs have X_1 <= r. The points 5 then lie within r of
-    axes that stand off the centre by c = |R_b - R_pl|, at 120 degrees from each other.
+    axes that stand off the center by c = |R_b - R_pl|, at 120 degrees from each other.
     """
     bars = (geometry.crank_length + geometry.coupler_length) / geometry.span_ratio
     longest = min(bars, geometry.stroke * (geometry.magnification - 1))
@@ -145,7 +145,7 @@ def workspace_radius(geometry: Geometry) -> float:
 
 
 def workspace_height(geometry: Geometry) -> float:
-    """Return the largest |z_5| that the platform reaches at the centre [m]."""
+    """Return the largest |z_5| that the platform reaches at the center [m]."""
     bars = geometry.crank_length + geometry.coupler_length
     return float(np.sqrt(max(bars**2 - geometry.home_span**2, 0.0)))
 
@@ -154,7 +154,7 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
     """Check one pose.
 
     Raises:
-        UnreachablePose: If the robot can not take it; says which leg, which limit, by how much.
+        UnreachablePose: If the robot cannot take it; says which leg, which limit, by how much.
     """
     result = check_reach(geometry, pose)
     if result.ok.all():
@@ -168,7 +168,7 @@ def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:
         f"pose ({_short(1e3 * x)} mm, {_short(1e3 * y)} mm, {_short(np.degrees(theta))} deg, "
         f"{_short(1e3 * z)} mm)"
     )
-    text += f" can not be taken: {limit.explanation}"
+    text += f" cannot be taken: {limit.explanation}"
     if leg:
         text += f" (leg {leg}, by {_short(1e3 * excess, 2)} mm)"
     raise UnreachablePose(tuple(map(float, where)), leg, limit.word, excess, text)

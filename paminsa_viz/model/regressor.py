@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, together
-from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.jacobian import jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
@@ -29,7 +29,7 @@ def torque_regressor(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     gravity: float = 9.81,
     misprints: Misprint = Misprint.NONE,
@@ -37,7 +37,7 @@ def torque_regressor(
     """Return Y, (..., 4 actuators, 18 coefficients of `lumped.COEFFICIENTS`).
 
     M_p1..3 are weights, so ``gravity`` [m/s^2] enters through the platform's mass alone. Friction
-    is no part of it. NaN where the pose can not be taken.
+    is no part of it. NaN where the pose cannot be taken.
 
     Args:
         geometry: Lengths of the mechanism.
@@ -69,7 +69,7 @@ def regressor_torques(y: Array, c: Array) -> Array:
 
 @np.errstate(all="ignore")
 def _unit_terms(
-    geometry: Geometry, p: Array, v: Array, a: Array, assembly: Assembly, gravity: float
+    geometry: Geometry, p: Array, v: Array, a: Array, assembly: KneeBranch, gravity: float
 ) -> Array:
     """Return the torques of unit energy terms, (n, 4, 21), in the order of `EnergyTerms`."""
     g, q = leg_states(geometry, p, v, a, assembly)

@@ -26,15 +26,15 @@ from paminsa_viz.model.lumped import EnergyTerms
 HALF_ROOT_3 = 0.8660254037844386
 AXIS_X = (-HALF_ROOT_3, HALF_ROOT_3, 0.0)
 AXIS_Y = (-0.5, -0.5, 1.0)
-"""Directions from the base centre to the leg axes, at 210, -30 and 90 degrees (e_k / R_b)."""
+"""Directions from the base center to the leg axes, at 210, -30 and 90 degrees (e_k / R_b)."""
 
 
-def choose(condition: Any, yes: Any, no: Any) -> Any:
+def where(condition: Any, yes: Any, no: Any) -> Any:
     """Elementwise ``yes if condition else no``; compiled to a branchless select."""
     return np.where(condition, yes, no)
 
 
-class Balance(NamedTuple):
+class TangentialForces(NamedTuple):
     """Solution t of sum_k t_k (w_k rho_k, p_k x w_k rho_k) = (fx, fy, ft), w_k tangential."""
 
     t1: Any
@@ -53,9 +53,9 @@ def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
     return -3.0 * HALF_ROOT_3 * rp * (rb * c - rp) * (locus - x * x - y * y)
 
 
-def balance(
+def solve_wrench(
     determinant: Any, a: LegVector, b: LegVector, d: LegVector, fx: Any, fy: Any, ft: Any
-) -> Balance:
+) -> TangentialForces:
     """Split a horizontal force and a vertical moment on the platform over the three legs."""
     ma = a.px * a.dx + a.py * a.dy
     mb = b.px * b.dx + b.py * b.dy
@@ -76,7 +76,7 @@ def balance(
         + fy * (a.dy * mb - ma * b.dy)
         + ft * (a.dx * b.dy - a.dy * b.dx)
     )
-    return Balance(t1 * inverse, t2 * inverse, t3 * inverse)
+    return TangentialForces(t1 * inverse, t2 * inverse, t3 * inverse)
 
 
 def _slope(m: Mechanism, v: LegVector, zeta: Any) -> tuple[Any, Any]:
@@ -110,13 +110,13 @@ def unit_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[
         + f2 * (v2.px * v2.dy - v2.py * v2.dx)
         + f3 * (v3.px * v3.dy - v3.py * v3.dx)
     )
-    t = balance(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
+    t = solve_wrench(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
     usable = _usable(m, v1) & _usable(m, v2) & _usable(m, v3)
     return (
-        choose(usable, t.t1 * v1.rho2, np.nan),
-        choose(usable, t.t2 * v2.rho2, np.nan),
-        choose(usable, t.t3 * v3.rho2, np.nan),
-        choose(usable, (h1 + h2 + h3) * m.k, np.nan),
+        where(usable, t.t1 * v1.rho2, np.nan),
+        where(usable, t.t2 * v2.rho2, np.nan),
+        where(usable, t.t3 * v3.rho2, np.nan),
+        where(usable, (h1 + h2 + h3) * m.k, np.nan),
     )
 
 
@@ -124,7 +124,7 @@ def _vector(g: LegPosition) -> LegVector:
     return LegVector(g.px, g.py, g.ux * g.rho, g.uy * g.rho, g.rho * g.rho)
 
 
-class Drive(NamedTuple):
+class ActuatorForces(NamedTuple):
     """Actuator torques and the multipliers of the closure equations s_1..s_4."""
 
     tau1: Any
@@ -137,12 +137,12 @@ class Drive(NamedTuple):
     lambda4: Any
 
 
-def drive(
+def inverse_dynamics_kernel(
     m: Mechanism, e: EnergyTerms, gravity: Any,
     x: Any, y: Any, c: Any, s: Any, z: Any,
     vx: Any, vy: Any, vt: Any, vz: Any,
     ax: Any, ay: Any, at: Any, az: Any,
-) -> Drive:  # fmt: skip
+) -> ActuatorForces:  # fmt: skip
     """Inverse dynamics as the paper solves it (Eqs. 15-21).
 
     The first four Lagrange equations (x, y, theta, z) give the multipliers, the last four
@@ -170,20 +170,20 @@ def drive(
     fz = f1.vertical + f2.vertical + f3.vertical + e.mass * (az + gravity)
 
     v1, v2, v3 = _vector(g1), _vector(g2), _vector(g3)
-    t = balance(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
+    t = solve_wrench(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
     usable = _usable(m, v1) & _usable(m, v2) & _usable(m, v3)
-    # A_ij: d s_k = -rho_k^-1 (row of `balance`), d s_k / d theta_k = rho_k, d s_4 = (1/k, -1)
+    # A_ij: d s_k = -rho_k^-1 (row of `solve_wrench`), d s_k / d theta_k = rho_k, d s_4 = (1/k, -1)
     lambda1, lambda2, lambda3 = -g1.rho * t.t1, -g2.rho * t.t2, -g3.rho * t.t3
     lambda4 = fz * m.k
-    return Drive(
-        choose(usable, f1.torque - lambda1 * g1.rho, np.nan),
-        choose(usable, f2.torque - lambda2 * g2.rho, np.nan),
-        choose(usable, f3.torque - lambda3 * g3.rho, np.nan),
-        choose(usable, f1.lift + f2.lift + f3.lift + lambda4, np.nan),
-        choose(usable, lambda1, np.nan),
-        choose(usable, lambda2, np.nan),
-        choose(usable, lambda3, np.nan),
-        choose(usable, lambda4, np.nan),
+    return ActuatorForces(
+        where(usable, f1.torque - lambda1 * g1.rho, np.nan),
+        where(usable, f2.torque - lambda2 * g2.rho, np.nan),
+        where(usable, f3.torque - lambda3 * g3.rho, np.nan),
+        where(usable, f1.lift + f2.lift + f3.lift + lambda4, np.nan),
+        where(usable, lambda1, np.nan),
+        where(usable, lambda2, np.nan),
+        where(usable, lambda3, np.nan),
+        where(usable, lambda4, np.nan),
     )
 
 

@@ -1,6 +1,6 @@
 """Singularities in closed form: where the platform escapes the actuators, and how far that is.
 
-Type 2 (parallel): det = 0 exactly where cos theta = R_pl / R_b, or where the platform centre lies
+Type 2 (parallel): det = 0 exactly where cos theta = R_pl / R_b, or where the platform center lies
 on the circle x^2 + y^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. Type 1 (serial): joint 5 on its leg
 axis, or a pantograph fully stretched or folded; there the reach margins vanish (see `reach`).
 """
@@ -46,7 +46,7 @@ class Singularity:
         position_distance: Signed distance from (x, y) to the singular circle at this theta,
             positive inside [m].
         rotation_distance: Signed turn from theta to the nearest theta at which this (x, y) is
-            singular, positive where the centre at theta = 0 is: inside the singular circle, with
+            singular, positive where the center at theta = 0 is: inside the singular circle, with
             |theta| below `singular_rotation` [rad].
         serial_distance: Smallest of X_1 and the margins of the pantographs to fully stretched and
             fully folded, negative beyond them [m]: distance to type 1.
@@ -62,7 +62,7 @@ class Singularity:
 def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     """Measure poses (..., 4) [m, m, rad, m] against every singularity; both assembly modes alike.
 
-    Determinant and condition are NaN where the pose can not be taken.
+    Determinant and condition are NaN where the pose cannot be taken.
     """
     pose = as_vectors(pose, "pose")
     flat = pose.reshape(-1, 4)

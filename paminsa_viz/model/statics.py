@@ -12,9 +12,9 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Assembly, Design, Geometry
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.jacobian import jacobian
-from paminsa_viz.model.kinematics import leg_states, solve_posture
+from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.leg import LegPosition, mechanism
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
@@ -29,12 +29,12 @@ from paminsa_viz.model.parameters import PARAMETER
 
 
 def unit_torques(
-    geometry: Geometry, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+    geometry: Geometry, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
 ) -> Array:
     """Return Gamma, (..., 4): static torques [m] and force [1] of M1..M4 for M_p2 = 1 N.
 
     It depends on the geometry alone: Q_j = M_p2 Gamma_j for j = 1, 2, 3. For M4 the constant
-    `lift_constant` comes on top. NaN where the pose can not be taken, not finite at singularities.
+    `lift_constant` comes on top. NaN where the pose cannot be taken, not finite at singularities.
     """
     pose = as_vectors(pose, "pose")
     gamma = backend.over_list("unit_torques", mechanism(geometry, assembly), pose.reshape(-1, 4))
@@ -52,10 +52,12 @@ def lift_constant(design: Design) -> float:
 
 
 @np.errstate(invalid="ignore")
-def static_torques(design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED) -> Array:
+def static_torques(
+    design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
+) -> Array:
     """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the weight.
 
-    Eqs. 1-6 with Appendix 2; (..., 4). NaN where the pose can not be taken.
+    Eqs. 1-6 with Appendix 2; (..., 4). NaN where the pose cannot be taken.
 
     Args:
         design: The robot.
@@ -68,7 +70,7 @@ def static_torques(design: Design, pose: ArrayLike, assembly: Assembly = Assembl
     return torque
 
 
-def balance_distance(design: Design) -> float:
+def static_imbalance(design: Design) -> float:
     """Return M_p2 [N]: zero means that gravity asks nothing of M1..M3, anywhere (Eq. 8)."""
     return float(lumped_coefficients(design)[1])
 
@@ -104,12 +106,12 @@ BODIES: tuple[str, ...] = tuple(
 
 @np.errstate(invalid="ignore")
 def static_breakdown(
-    design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+    design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
 ) -> StaticBreakdown:
     """Split the static torques by body and leg (Eq. 1); arguments as in `static_torques`."""
     pose = as_vectors(pose, "pose")
     geometry = design.geometry
-    reachable = np.where(solve_posture(geometry, pose).reach.ok, 0.0, np.nan)
+    reachable = np.where(inverse_kinematics(geometry, pose).reach.ok, 0.0, np.nan)
     share = lumped_matrix(geometry, design.gravity) * mass_vector(design)
     index = [MASS_PATHS.index(path) for path in BODIES]
     extra = [
@@ -131,7 +133,7 @@ def static_breakdown(
     )
 
 
-def unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: Assembly) -> Array:
+def unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: KneeBranch) -> Array:
     """Return (..., 4 actuators, 3 legs): Gamma, the knee of one leg at a time.
 
     Defined beyond the limits of reach as well, where the bars can close.
@@ -162,15 +164,17 @@ def torques_of_legs(
 
 
 def potential_energy(
-    design: Design, pose: ArrayLike, assembly: Assembly = Assembly.PRINTED
+    design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
 ) -> Array:
     """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
 
     As in the paper the joints 8 and the guide links, which never change height, do not count, and
-    the platform's mass centre is at height z.
+    the platform's mass center is at height z.
     """
-    posture = solve_posture(design.geometry, pose, assembly)
+    configuration = inverse_kinematics(design.geometry, pose, assembly)
     c = lumped_coefficients(design)
-    z5, z9 = posture.points[5][..., 2], posture.points[9][..., 2]
-    legs = c[0] * z5 + c[1] * z9 + c[2] * posture.actuators[..., 3:] + potential_constant(design)
-    return c[16] * design.gravity * posture.pose[..., 3] + legs.sum(axis=-1)
+    z5, z9 = configuration.points[5][..., 2], configuration.points[9][..., 2]
+    legs = (
+        c[0] * z5 + c[1] * z9 + c[2] * configuration.actuators[..., 3:] + potential_constant(design)
+    )
+    return c[16] * design.gravity * configuration.pose[..., 3] + legs.sum(axis=-1)

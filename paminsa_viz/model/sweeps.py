@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.grids import COORDINATES, Field, Grid, Quantity, solve_field
 from paminsa_viz.model.reach import Limit
 
@@ -39,7 +39,7 @@ def sweep_blocks(
     design: Design,
     grid: Grid,
     quantities: tuple[Quantity, ...],
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     block: int = 2**20,
     threads: int | None = None,
@@ -59,7 +59,7 @@ def sweep(
     design: Design,
     grid: Grid,
     quantities: tuple[Quantity, ...] = (Quantity.MAX_TORQUE,),
-    assembly: Assembly = Assembly.PRINTED,
+    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     block: int = 2**20,
     threads: int | None = None,

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from paminsa_viz.figures.curves import curve_data
-from paminsa_viz.figures.curves_paper import render_curves
+from paminsa_viz.balancing import balance, whole_mass
 from paminsa_viz.files.design_writer import differences
-from paminsa_viz.model.balancing import balance, whole_mass
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.model.leg_points import counterweight_point
@@ -16,11 +14,13 @@ from paminsa_viz.model.lumped import (
     point_mass_column,
 )
 from paminsa_viz.model.parameters import PARAMETER
-from paminsa_viz.model.statics import balance_distance
-from paminsa_viz.model.trajectory import TrajectoryAnalysis, analyse
-from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.plots.curves import curve_data
+from paminsa_viz.plots.curves_paper import render_curves
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
 from paminsa_viz.report.design_section import change
+from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 
 MP2 = 1
 """Place of M_p2 among the lumped coefficients."""
@@ -39,7 +39,7 @@ def balance_section(analysis: TrajectoryAnalysis) -> Section:
         ),
         _contributions(design),
     ]
-    if abs(balance_distance(design)) < BALANCED:
+    if abs(static_imbalance(design)) < BALANCED:
         blocks.append(Note("The design is balanced: M1 to M3 carry no weight.", "ok"))
     else:
         blocks += _balanced(analysis)
@@ -65,7 +65,7 @@ def _contributions(design: Design) -> Table:
     rows = [
         Row((symbol, label, measured(share, "N"))) for symbol, label, share in contributions(design)
     ]
-    rows.append(Row(("M_p2", "all together", measured(balance_distance(design), "N")), "total"))
+    rows.append(Row(("M_p2", "all together", measured(static_imbalance(design), "N")), "total"))
     head = ("Symbol", "Body", "Part of M_p2")
     return Table(head, tuple(rows), "M_p2, body by body.", words=2)
 
@@ -77,7 +77,7 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
     except PaminsaError as error:
         return [Note(f"No balance was found: {error}.", "warn")]
     before, after = optimum.before, optimum.after
-    left = balance_distance(after)
+    left = static_imbalance(after)
     if reached := abs(left) < BALANCED:
         left = 0.0
     rows = [
@@ -94,16 +94,16 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
     whole = (measured(old, "kg"), measured(new, "kg"), change(new, old))
     rows.append(Row(("", "all that moves: three legs and the platform", *whole)))
     rows.append(
-        Row(("M_p2", "", measured(balance_distance(before), "N"), measured(left, "N")), "total")
+        Row(("M_p2", "", measured(static_imbalance(before), "N"), measured(left, "N")), "total")
     )
     said = (
         "The paper’s balance with the least added mass, by changing masses that M_p2 contains."
         if reached
-        else "Within these bounds M_p2 can not become zero; this comes nearest."
+        else "Within these bounds M_p2 cannot become zero; this comes nearest."
     )
     table = Table(("Symbol", "Mass", "Before", "After", "Change"), tuple(rows), said, words=2)
     blocks: list[Block] = [table]
-    lighter = analyse(after, analysis.trajectory, analysis.solved.assembly, keep=analysis.solved)
+    lighter = analyze(after, analysis.trajectory, analysis.solved.assembly, keep=analysis.solved)
     if analysis.summary and lighter.summary:
         blocks.append(_on_the_motion(analysis, lighter))
         data = curve_data("torques", lighter, reference=analysis)
@@ -121,7 +121,7 @@ def _on_the_motion(before: TrajectoryAnalysis, after: TrajectoryAnalysis) -> Tab
         cells = [f"M{j + 1}"]
         for one, two in (peaks, means):
             cells += [measured(one, unit), measured(two, unit), change(two, one)]
-        rows.append(Row(tuple(cells), colour=ACTUATOR_COLOURS[j]))
+        rows.append(Row(tuple(cells), color=ACTUATOR_COLORS[j]))
     head = ("", "Peak before", "After", "Change", "RMS before", "After", "Change")
     worse = any(abs(b.rms) > abs(a.rms) for a, b in zip(before.summary, after.summary, strict=True))
     caption = "The trajectory, before and after."

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from paminsa_viz.figures.curves_words import value
+from paminsa_viz.plots.curves_words import value
 
 NONE = "–"
 """Stands where there is no number."""
@@ -21,7 +21,7 @@ class Fact:
         label: What it is.
         value: Number with unit, or word.
         note: A few words below it.
-        kind: How it is: ``"ok"`` and ``"bad"`` are coloured.
+        kind: How it is: ``"ok"`` and ``"bad"`` are colored.
     """
 
     label: str
@@ -32,17 +32,17 @@ class Fact:
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a table: its cells, and whether it is marked, a heading, or in an actuator's colour.
+    """A row of a table: its cells, and whether it is marked, a heading, or in an actuator's color.
 
     Attributes:
         cells: Texts; missing ones at the end stay empty.
         kind: ``"group"`` spans the table, ``"marked"`` is what differs, ``"total"`` sums up.
-        colour: ``#rrggbb`` of a mark beside the first cell, or empty.
+        color: ``#rrggbb`` of a mark beside the first cell, or empty.
     """
 
     cells: tuple[str, ...]
     kind: Literal["plain", "group", "marked", "total"] = "plain"
-    colour: str = ""
+    color: str = ""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Figure:
 
     Attributes:
         svg: The picture.
-        alt: What it shows, for those who can not see it.
+        alt: What it shows, for those who cannot see it.
         caption: What stands below it; figures of the model carry their own caption.
         half: Whether it takes half the width.
     """

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from paminsa_viz.files.design_schema import KEYS, Key
 from paminsa_viz.model.design import APPENDIX_4, Design
-from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.report.blocks import NONE, Block, Note, Row, Section, Table, measured
 
 GROUPS: dict[str, str] = {
@@ -72,7 +72,7 @@ def _row(design: Design, key: Key, differs: bool) -> Row:
 
 def _counterweights(design: Design) -> Table:
     rows = tuple(
-        Row((weight.place, measured(weight.mass, "kg", 5)), colour=ACTUATOR_COLOURS[3])
+        Row((weight.place, measured(weight.mass, "kg", 5)), color=ACTUATOR_COLORS[3])
         for weight in design.counterweights
     )
     return Table(("Counterweight", "Mass, each leg"), rows, "Counterweights, on every leg.")

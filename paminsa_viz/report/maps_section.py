@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from paminsa_viz.figures.from_model import TORQUES, map_data
-from paminsa_viz.figures.map_window import cell_centres, half_width
-from paminsa_viz.figures.maps import MapData
-from paminsa_viz.figures.paper import render
-from paminsa_viz.figures.ranges import choose_scales
-from paminsa_viz.figures.scale import ScaleChoice
 from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
+from paminsa_viz.plots.from_model import TORQUES, map_data
+from paminsa_viz.plots.map_window import cell_centers, half_width
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.paper import render
+from paminsa_viz.plots.ranges import choose_scales
+from paminsa_viz.plots.scale import ScaleChoice
 from paminsa_viz.report.blocks import Block, Figure, Note, Section, measured
 from paminsa_viz.report.request import ReportRequest
 
@@ -16,15 +16,15 @@ CELLS = 200
 """Cells along each side."""
 
 DPI = 150.0
-"""Resolution of the coloured cells inside the figures."""
+"""Resolution of the colored cells inside the figures."""
 
 
 def maps_section(request: ReportRequest) -> Section:
     """Return the section."""
     geometry = request.design.geometry
-    centres = cell_centres(half_width(geometry), CELLS)
+    centers = cell_centers(half_width(geometry), CELLS)
     _, _, theta, z = request.pose
-    grid = xy_grid(centres, centres, theta, z)
+    grid = xy_grid(centers, centers, theta, z)
     field = solve_field(geometry, grid, request.assembly, dexterity=True)
 
     def maps(*quantities: Quantity) -> MapData:

@@ -10,13 +10,12 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 from markupsafe import Markup, escape
 
 import paminsa_viz
+from paminsa_viz.balancing import whole_mass
 from paminsa_viz.engines.verification import Verification
-from paminsa_viz.figures.curves_words import written
-from paminsa_viz.model.balancing import whole_mass
 from paminsa_viz.model.reach import require_reachable
-from paminsa_viz.model.statics import balance_distance
-from paminsa_viz.model.trajectory import TrajectoryAnalysis, analyse
-from paminsa_viz.palette import ACTUATOR_COLOURS, BAD, INK, MUTED, OK, WARN
+from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.palette import ACTUATOR_COLORS, BAD, INK, MUTED, OK, WARN
+from paminsa_viz.plots.curves_words import written
 from paminsa_viz.report.balance_section import balance_section
 from paminsa_viz.report.blocks import NONE, Fact, Section, measured
 from paminsa_viz.report.design_section import design_section
@@ -26,6 +25,7 @@ from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import workspace_section
+from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 
 
 def report_html(request: ReportRequest, progress: Progress = silent) -> str:
@@ -36,10 +36,10 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
         progress: Called when the next piece of work begins.
 
     Raises:
-        UnreachablePose: If the robot can not take the request's pose.
+        UnreachablePose: If the robot cannot take the request's pose.
     """
     require_reachable(request.design.geometry, request.pose)
-    analysis = analyse(request.design, request.trajectory, request.assembly)
+    analysis = analyze(request.design, request.trajectory, request.assembly)
     progress("design and workspace")
     sections = [design_section(request.design), workspace_section(request)]
     progress("torque maps")
@@ -57,8 +57,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
         lines=_head(request),
         opening=_facts(request, analysis, found),
         sections=tuple(_numbered(sections)),
-        colours={"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD},
-        actuators=ACTUATOR_COLOURS,
+        colors={"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD},
+        actuators=ACTUATOR_COLORS,
         version=paminsa_viz.__version__,
         made=request.made.strftime("%Y-%m-%d %H:%M %Z"),
     )
@@ -119,12 +119,12 @@ def _facts(
     runs = analysis.check.first is None
     facts = [
         Fact("Moving mass", measured(whole_mass(design), "kg"), "legs, platform, payload"),
-        Fact("M_p2", measured(balance_distance(design), "N", 3), "0 is static balance"),
+        Fact("M_p2", measured(static_imbalance(design), "N", 3), "0 is static balance"),
         Fact("Peak torque", torque, "M1 to M3 on the trajectory"),
         Fact("Peak force", force, "M4 on the trajectory"),
     ]
     if not runs:
-        facts.append(Fact("Trajectory", "fails", "the robot can not run it", "bad"))
+        facts.append(Fact("Trajectory", "fails", "the robot cannot run it", "bad"))
     if isinstance(found, str):
         facts.append(Fact("Verification", NONE, "not done"))
     else:

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.trajectory import Trajectory
+from paminsa_viz.trajectory import Trajectory
 
 Progress = Callable[[str], None]
 """Called with a few words whenever the next piece of work begins."""
@@ -37,7 +37,7 @@ class ReportRequest:
     """
 
     design: Design
-    assembly: Assembly
+    assembly: KneeBranch
     pose: tuple[float, float, float, float]
     trajectory: Trajectory
     made: datetime

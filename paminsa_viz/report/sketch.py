@@ -7,9 +7,9 @@ from collections.abc import Callable
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.kinematics import AXIS_ANGLES, Posture
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.palette import INK, LEG_COLOURS, LIFT_COLOUR, MUTED, PLATFORM
+from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR, MUTED, PLATFORM
 
 WIDTH = 900.0
 """Width of the drawing [its own units]."""
@@ -24,12 +24,12 @@ Point = tuple[float, float]
 Place = Callable[[Array], Point]
 
 
-def sketch(posture: Posture) -> bytes:
-    """Return both views of a posture of shape (), to one scale, as SVG."""
-    g = posture.geometry
-    joints = {n: np.asarray(posture.points[n]) for n in (2, 3, 4, 5, 7, 8, 9)}
+def sketch(configuration: Configuration) -> bytes:
+    """Return both views of a configuration of shape (), to one scale, as SVG."""
+    g = configuration.geometry
+    joints = {n: np.asarray(configuration.points[n]) for n in (2, 3, 4, 5, 7, 8, 9)}
     axes = g.base_radius * np.array([[np.cos(a), np.sin(a), 0.0] for a in AXIS_ANGLES])
-    around = max(g.base_radius, float(singular_radius(g, posture.pose[2])))
+    around = max(g.base_radius, float(singular_radius(g, configuration.pose[2])))
     ring = np.array([[s * around, t * around, 0.0] for s in (-1, 1) for t in (-1, 1)])
     plate = joints[5] - [0.0, 0.0, g.platform_joint_height]
     everything = np.concatenate([*joints.values(), axes, plate, ring])
@@ -50,31 +50,31 @@ def sketch(posture: Posture) -> bytes:
 
     above, beside = view(1, 0.0), view(2, side + GAP)
     middle = above(np.zeros(3))
-    hub = np.array([0.0, 0.0, float(posture.actuators[3])])
+    hub = np.array([0.0, 0.0, float(configuration.actuators[3])])
     ends = [beside(np.array([end, 0.0, 0.0])) for end in (low[0], high[0])]
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {tall + FOOT:.0f}" '
         'font-family="DejaVu Sans, Segoe UI, Helvetica, sans-serif" font-size="14">',
         _circle(middle, scale * g.base_radius, MUTED, 1.0),
-        _circle(middle, scale * float(singular_radius(g, posture.pose[2])), INK, 1.0, "6 5"),
+        _circle(middle, scale * float(singular_radius(g, configuration.pose[2])), INK, 1.0, "6 5"),
         _line((middle[0] - 5, middle[1]), (middle[0] + 5, middle[1]), MUTED, 1.0),
         _line((middle[0], middle[1] - 5), (middle[0], middle[1] + 5), MUTED, 1.0),
         _polygon([above(point) for point in plate]),
         _line(ends[0], ends[1], MUTED, 1.0, "2 4"),
-        *(_line(beside(hub), beside(arm), LIFT_COLOUR, 3.0) for arm in joints[2]),
+        *(_line(beside(hub), beside(arm), LIFT_COLOR, 3.0) for arm in joints[2]),
         _polygon([beside(point) for point in plate]),
         *(_line(beside(a), beside(b), INK, 1.6) for a, b in zip(plate, joints[5], strict=True)),
     ]
-    for leg, colour in enumerate(LEG_COLOURS):
+    for leg, color in enumerate(LEG_COLORS):
         points = {number: point[leg] for number, point in joints.items()}
-        parts += _leg(points, axes[leg], above, colour)
-        parts += _leg(points, axes[leg], beside, colour)
+        parts += _leg(points, axes[leg], above, color)
+        parts += _leg(points, axes[leg], beside, color)
         ahead = points[5] - axes[leg]
         aside = np.array([-ahead[1], ahead[0]]) / max(float(np.hypot(*ahead[:2])), 1e-9)
         x, y = above(axes[leg])
-        parts.append(_words((x + 18 * aside[0], y - 18 * aside[1] + 5), str(leg + 1), colour))
+        parts.append(_words((x + 18 * aside[0], y - 18 * aside[1] + 5), str(leg + 1), color))
         x, y = beside(points[2])
-        parts.append(_words((x, y - 9), str(leg + 1), colour))
+        parts.append(_words((x, y - 9), str(leg + 1), color))
     parts += [
         _words((side / 2, tall + 20), "from above: x right, y up"),
         _words((1.5 * side + GAP, tall + 20), "from the side: x right, z up"),
@@ -83,31 +83,31 @@ def sketch(posture: Posture) -> bytes:
     return "\n".join(parts).encode()
 
 
-def _leg(points: dict[int, Array], axis: Array, place: Place, colour: str) -> list[str]:
+def _leg(points: dict[int, Array], axis: Array, place: Place, color: str) -> list[str]:
     at = {number: place(point) for number, point in points.items()}
     foot = place(axis)
     return [
-        _line(foot, at[8], colour, 1.4, "5 3"),
-        _line(at[3], at[2], LIFT_COLOUR, 3.0),
-        *(_line(at[first], at[second], colour, 3.0) for first, second in BARS),
-        _circle(foot, 6.0, colour, 1.6, fill="white"),
-        *(_circle(at[number], 3.0, colour, 1.2, fill="white") for number in (3, 4, 5, 7, 8, 9)),
+        _line(foot, at[8], color, 1.4, "5 3"),
+        _line(at[3], at[2], LIFT_COLOR, 3.0),
+        *(_line(at[first], at[second], color, 3.0) for first, second in BARS),
+        _circle(foot, 6.0, color, 1.6, fill="white"),
+        *(_circle(at[number], 3.0, color, 1.2, fill="white") for number in (3, 4, 5, 7, 8, 9)),
     ]
 
 
-def _line(start: Point, end: Point, colour: str, width: float, dash: str = "") -> str:
+def _line(start: Point, end: Point, color: str, width: float, dash: str = "") -> str:
     return (
         f'<line x1="{start[0]:.2f}" y1="{start[1]:.2f}" x2="{end[0]:.2f}" y2="{end[1]:.2f}" '
-        f'stroke="{colour}" stroke-width="{width:g}" stroke-linecap="round"{_dashes(dash)}/>'
+        f'stroke="{color}" stroke-width="{width:g}" stroke-linecap="round"{_dashes(dash)}/>'
     )
 
 
 def _circle(
-    centre: Point, radius: float, colour: str, width: float, dash: str = "", fill: str = "none"
+    center: Point, radius: float, color: str, width: float, dash: str = "", fill: str = "none"
 ) -> str:
     return (
-        f'<circle cx="{centre[0]:.2f}" cy="{centre[1]:.2f}" r="{radius:.2f}" fill="{fill}" '
-        f'stroke="{colour}" stroke-width="{width:g}"{_dashes(dash)}/>'
+        f'<circle cx="{center[0]:.2f}" cy="{center[1]:.2f}" r="{radius:.2f}" fill="{fill}" '
+        f'stroke="{color}" stroke-width="{width:g}"{_dashes(dash)}/>'
     )
 
 
@@ -119,9 +119,9 @@ def _polygon(corners: list[Point]) -> str:
     )
 
 
-def _words(place: Point, text: str, colour: str = INK) -> str:
+def _words(place: Point, text: str, color: str = INK) -> str:
     x, y = place
-    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" fill="{colour}">{text}</text>'
+    return f'<text x="{x:.1f}" y="{y:.1f}" text-anchor="middle" fill="{color}">{text}</text>'
 
 
 def _dashes(dash: str) -> str:

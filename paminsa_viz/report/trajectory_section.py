@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from paminsa_viz.figures.curves import CurveKind, curve_data
-from paminsa_viz.figures.curves_paper import render_curves
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.model.trajectory import TrajectoryAnalysis
-from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.plots.curves import CurveKind, curve_data
+from paminsa_viz.plots.curves_paper import render_curves
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
+from paminsa_viz.trajectory import TrajectoryAnalysis
 
 FIGURES: tuple[CurveKind, ...] = ("pose", "torques", "breakdown", "power")
 
@@ -28,7 +28,7 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     said = f"“{t.name}”{kind}: {t.duration:.4g} s, {t.size} samples. {' '.join(t.notes)}"
     blocks: list[Block] = [Note(said.strip())]
     if check.first is not None:
-        blocks.append(Note(f"The robot can not run all of it: {check.first.explanation}.", "bad"))
+        blocks.append(Note(f"The robot cannot run all of it: {check.first.explanation}.", "bad"))
     else:
         near = check.closest
         leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
@@ -62,7 +62,7 @@ def _table(analysis: TrajectoryAnalysis) -> Table:
             measured(summary.driven, "J"),
             measured(summary.braked, "J"),
         )
-        rows.append(Row(cells, colour=ACTUATOR_COLOURS[j]))
+        rows.append(Row(cells, color=ACTUATOR_COLORS[j]))
     head = (
         "", "Peak torque, force", "At", "RMS", "Top speed", "Peak power", "Energy driving",
         "Braking",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import Verification, verify
-from paminsa_viz.figures.curves_paper import render_curves
-from paminsa_viz.figures.curves_words import written
-from paminsa_viz.figures.verified import verified_curves
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.plots.curves_paper import render_curves
+from paminsa_viz.plots.curves_words import written
+from paminsa_viz.plots.verified import verified_curves
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
 from paminsa_viz.report.request import ReportRequest
 
@@ -22,7 +22,7 @@ def checked(request: ReportRequest) -> Verification | str:
         return "Not asked for."
     try:
         return verify(request.design, request.assembly, request.trajectory, seed=request.seed)
-    except PaminsaError as error:  # an engine is missing, or the motion can not be run
+    except PaminsaError as error:  # an engine is missing, or the motion cannot be run
         return f"Not verified: {error}."
 
 
@@ -80,7 +80,7 @@ def _rows(where: str, comparison: Comparison) -> list[Row]:
             written(line["max_relative"], 2),
             written(line["rms_relative"], 2),
         )
-        rows.append(Row(cells, colour=ACTUATOR_COLOURS[j]))
+        rows.append(Row(cells, color=ACTUATOR_COLORS[j]))
     return rows
 
 

@@ -7,15 +7,15 @@ import math
 import numpy as np
 
 from paminsa_viz.engines.states import WORST_CONDITION, workspace_poses
-from paminsa_viz.model.design import Assembly, Design, Geometry
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Grid, Quantity
-from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.model.sweeps import sweep
-from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.report.blocks import (
     Block,
     Figure,
@@ -42,10 +42,10 @@ UNITS = ("N m", "N m", "N m", "N")
 def workspace_section(request: ReportRequest) -> Section:
     """Return the section."""
     design = request.design
-    posture = solve_posture(design.geometry, request.pose, request.assembly)
+    configuration = inverse_kinematics(design.geometry, request.pose, request.assembly)
     blocks: list[Block] = [
         Figure(
-            sketch(posture),
+            sketch(configuration),
             "The robot's joints and bars in the pose of the report, from above and from the side.",
             "The robot in the pose of the report, to scale. From above: thin circle through the "
             "leg axes; dashed circle of positions that are singular at this angle. From the side: "
@@ -76,7 +76,7 @@ def _sizes(g: Geometry, theta: float) -> Table:
     return Table(("Quantity", "Value"), rows, "Sizes that follow from the lengths in closed form.")
 
 
-def _shares(design: Design, assembly: Assembly) -> Table:
+def _shares(design: Design, assembly: KneeBranch) -> Table:
     """Return which share of a box around the workspace can be taken, and what stops the rest."""
     g = design.geometry
     across, up = workspace_radius(g), workspace_height(g)
@@ -122,7 +122,7 @@ def _torques(request: ReportRequest) -> list[Block]:
     rows = tuple(
         Row(
             (name, *(measured(float(figure[j]), unit) for figure in figures)),
-            colour=ACTUATOR_COLOURS[j],
+            color=ACTUATOR_COLORS[j],
         )
         for j, (name, unit) in enumerate(zip(ACTUATORS, UNITS, strict=True))
     )

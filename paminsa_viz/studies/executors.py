@@ -107,7 +107,7 @@ def cluster(address: str) -> Iterator[Workers]:
         problem = "Dask is not installed; it comes with pip install 'paminsa-viz[dask]'"
         raise InvalidInput("dask", problem) from None
     try:
-        resolve_address(address)  # a client of a place that can not be leaves slowly and noisily
+        resolve_address(address)  # a client of a place that cannot be leaves slowly and noisily
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InvalidInput("dask", f"no scheduler answers at {address[:60]}: {error}") from None
@@ -130,7 +130,7 @@ def _start_process() -> None:
     """Prepare a worker process."""
     # Ctrl-C reaches all processes; the first one tells the others when to end.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # A first process that is killed can not tell.
+    # A first process that is killed cannot tell.
     threading.Thread(target=_end_with_parent, daemon=True).start()
     backend.compile_now()
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.model.balancing.changes import whole_mass
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.balancing.changes import whole_mass
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field, Grid, Quantity, solve_field
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
-from paminsa_viz.model.statics import balance_distance
-from paminsa_viz.model.trajectory.presets import home
+from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.trajectory.presets import home
 
 MOST_CELLS = 1000
 """Most cells along a side."""
@@ -25,7 +25,7 @@ class Region:
     """The poses that designs are measured over: a disc of positions, at some angles and heights.
 
     Attributes:
-        radius: Of the disc about the centre [m].
+        radius: Of the disc about the center [m].
         theta: Angles of the platform [rad].
         z: Heights of the platform [m].
         cells: Positions along the disc's diameter.
@@ -65,8 +65,8 @@ class Region:
         return np.hypot(x[None, :], y[:, None]) <= self.radius
 
 
-def default_region(design: Design, assembly: Assembly = Assembly.PRINTED) -> Region:
-    """Return half the base radius about the centre, at 0 and 30 degrees, at the home height."""
+def default_region(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Region:
+    """Return half the base radius about the center, at 0 and 30 degrees, at the home height."""
     height = float(home(design.geometry, assembly)[3])
     return Region(design.geometry.base_radius / 2, (0.0, float(np.radians(30))), (height,))
 
@@ -103,7 +103,11 @@ METRICS: tuple[Metric, ...] = (
 
 
 def measure_design(
-    design: Design, region: Region, assembly: Assembly = Assembly.PRINTED, *, base_mass: float = 0.0
+    design: Design,
+    region: Region,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    base_mass: float = 0.0,
 ) -> tuple[float, ...]:
     """Return the `METRICS` of a design [SI]; NaN where there is none, as without a usable pose.
 
@@ -125,7 +129,7 @@ def measure_design(
     turn = max(abs(angle) for angle in region.theta)
     circle = float(singular_radius(design.geometry, region.theta).min())
     return (
-        balance_distance(design),
+        static_imbalance(design),
         mass,
         mass - base_mass,
         int(reached.sum()) / poses,

@@ -6,10 +6,10 @@ import hashlib
 
 import numpy as np
 
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.reach import Limit, status_words
-from paminsa_viz.model.trajectory import Trajectory, analyse
 from paminsa_viz.studies.metrics import Metric
+from paminsa_viz.trajectory import Trajectory, analyze
 
 MOTION_METRICS: tuple[Metric, ...] = (
     Metric("motion_peak_torque_Nm", "largest torque of M1 to M3 on the motion"),
@@ -24,15 +24,15 @@ RUNS = str(status_words(Limit.OK))
 
 
 def measure_motion(
-    design: Design, trajectory: Trajectory, assembly: Assembly = Assembly.PRINTED
+    design: Design, trajectory: Trajectory, assembly: KneeBranch = KneeBranch.LOWER
 ) -> tuple[str, float, tuple[float, ...]]:
     """Return a word, a time [s] and the `MOTION_METRICS` [SI] of a design on a motion.
 
-    The numbers are those of `analyse`, friction included. A design that can not run the whole
+    The numbers are those of `analyze`, friction included. A design that cannot run the whole
     motion has none: they are NaN, the word is what it fails at, such as ``guide:leg2`` or
     ``singular``, and the time is when. Otherwise the word is `RUNS` and the time NaN.
     """
-    analysis = analyse(design, trajectory, assembly)
+    analysis = analyze(design, trajectory, assembly)
     first = analysis.check.first
     if first is not None:
         word = str(status_words(first.limit, first.leg))

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, field
 
-from paminsa_viz.files.growing_table import GrowingTable
+from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.studies.metrics import METRICS, Metric
@@ -110,17 +110,17 @@ def run_study(
         study: What to work out.
         path: The table; one that holds a part of this very study is gone on with.
         workers: Where the work is done; the file does not depend on it.
-        restart: Begin anew, whatever the file holds.
+        restart: Begin again, whatever the file holds.
         command: How the study was asked for, for the head of a new table.
         progress: Called with the summary so far, after the rows that are there and after each part.
 
     Raises:
-        TableFileError: If the file can not be written or holds something else.
+        TableFileError: If the file cannot be written or holds something else.
         WorkersLost: If worker processes died; what is written can be gone on with.
     """
     head = study.provenance(command)
     summary = StudySummary(study)
-    with GrowingTable(path, head, study.columns, identity="study", restart=restart) as table:
+    with ResumableCsv(path, head, study.columns, identity="study", restart=restart) as table:
         for cells in table.read():
             summary.take_in(cells)
         summary.found = summary.rows

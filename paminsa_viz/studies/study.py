@@ -10,17 +10,17 @@ from functools import cached_property
 import numpy as np
 
 from paminsa_viz import __version__
+from paminsa_viz.balancing.changes import whole_mass
+from paminsa_viz.balancing.requirements import resized
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.balancing.changes import whole_mass
-from paminsa_viz.model.balancing.requirements import resized
-from paminsa_viz.model.design import Assembly, Design
+from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
-from paminsa_viz.model.trajectory import Trajectory
 from paminsa_viz.studies.metrics import METRICS, Metric, Region, measure_design
 from paminsa_viz.studies.motion_metrics import MOTION_METRICS, measure_motion, samples_hash
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
+from paminsa_viz.trajectory import Trajectory
 
 FORMAT = "paminsa_viz sweep 1"
 """Name and version of the table's layout."""
@@ -49,7 +49,7 @@ class Study:
     design: Design
     variation: DesignGrid | RandomDesigns
     region: Region
-    assembly: Assembly = Assembly.PRINTED
+    assembly: KneeBranch = KneeBranch.LOWER
     scale_bars: bool = False
     trajectory: Trajectory | None = None
 

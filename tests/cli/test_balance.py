@@ -7,11 +7,11 @@ from functools import partial
 
 import pytest
 
+from paminsa_viz.balancing import balance, whole_mass
 from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model import APPENDIX_4, Assembly, balance_distance
-from paminsa_viz.model.balancing import balance, whole_mass
-from paminsa_viz.model.trajectory import PRESET, analyse
+from paminsa_viz.model import APPENDIX_4, KneeBranch, static_imbalance
+from paminsa_viz.trajectory import PRESET, analyze
 from tests.cli import running
 
 run = partial(running.run, "balance")
@@ -36,7 +36,7 @@ def test_the_design_is_written_with_its_counterweights(capsys) -> None:
     assert "B3, 200 mm beyond joint 7: A steel disc of 43 mm radius there reaches at most" in out
     design = load_design("balanced.toml")
     assert design.name == "balanced"
-    assert abs(balance_distance(design)) < 1e-14
+    assert abs(static_imbalance(design)) < 1e-14
     assert [weight.beyond for weight in design.counterweights] == [0.2]
     assert main(["design", "show", "balanced.toml"]) == 0
     assert "200 mm beyond joint 7" in capsys.readouterr().out
@@ -61,7 +61,7 @@ def test_json_is_what_the_model_finds(capsys) -> None:
         "joints.j7": {"before": 0.28, "after": pytest.approx(found.after.joints.j7)}
     }
     assert told["gap"] <= 1e-9
-    assert told["values"][0]["before"] == balance_distance(APPENDIX_4)
+    assert told["values"][0]["before"] == static_imbalance(APPENDIX_4)
 
 
 def test_goals_on_a_motion(capsys) -> None:
@@ -73,10 +73,10 @@ def test_goals_on_a_motion(capsys) -> None:
     code, _, err = run(capsys, *words)
     assert (code, err) == (0, "")
     design = load_design("arch.toml")
-    assert balance_distance(design) <= 3 + 1e-7
+    assert static_imbalance(design) <= 3 + 1e-7
     assert whole_mass(design) - whole_mass(APPENDIX_4) <= 4 + 1e-7
-    motion = PRESET["arch"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample()
-    rms = [summary.rms**2 for summary in analyse(design, motion).summary[:3]]
+    motion = PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample()
+    rms = [summary.rms**2 for summary in analyze(design, motion).summary[:3]]
     code, out, _ = run(capsys, *words, "--json")
     told = json.loads(out)
     assert told["objective"] == pytest.approx((sum(rms) / 3) ** 0.5, rel=1e-6)
@@ -97,7 +97,7 @@ def test_a_motion_out_of_reach(capsys) -> None:
         file.write("t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,0.45,0,0,-0.5\n2,0.9,0,0,-0.5\n")
     code, _, err = run(capsys, "--goal", "peak", "--file", "far.csv")
     assert code == 1
-    assert "can not be run" in err
+    assert "cannot be run" in err
 
 
 @pytest.mark.parametrize(

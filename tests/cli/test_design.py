@@ -41,7 +41,7 @@ def test_check_goes_through_all_files(file, capsys) -> None:
     assert said.out.startswith("d.toml: fine")
     first, second = said.err.splitlines()
     assert first.startswith("paminsa-viz: bad.toml, line 2, nam: ")
-    assert second.startswith("paminsa-viz: none.toml: can not be read")
+    assert second.startswith("paminsa-viz: none.toml: cannot be read")
     assert main(["design", "check"]) == 2
 
 

@@ -1,4 +1,4 @@
-"""``evaluate``: its numbers are the robot's, and what it can not use it refuses without a trace."""
+"""``evaluate``: its numbers are the robot's, and what it cannot use it refuses without a trace."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from paminsa_viz.cli.evaluate import evaluate_table
 from paminsa_viz.files import pose_table
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.pose_columns import ACTUATORS, INPUTS, POSE, RESULTS, TORQUES
-from paminsa_viz.model.design import APPENDIX_4, Assembly
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests import oracle
 from tests.samples import random_design, random_states
 
@@ -35,7 +35,7 @@ def numbers(rows, columns):
     return np.array([[float(row[name]) for name in columns] for row in rows])
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("assembly", list(KneeBranch))
 def test_numbers_are_those_of_first_principles(folder, assembly) -> None:
     rng = np.random.default_rng(7)
     design = random_design(rng)
@@ -61,7 +61,7 @@ def test_numbers_are_those_of_first_principles(folder, assembly) -> None:
 
 
 def test_without_motion_the_torques_are_static(folder) -> None:
-    pose = random_states(np.random.default_rng(1), APPENDIX_4, Assembly.PRINTED, 5)[0]
+    pose = random_states(np.random.default_rng(1), APPENDIX_4, KneeBranch.LOWER, 5)[0]
     write(folder / "in.csv", POSE, pose)
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 0
     static = oracle.static_torques(APPENDIX_4, pose)
@@ -69,7 +69,7 @@ def test_without_motion_the_torques_are_static(folder) -> None:
 
 
 def test_an_acceleration_may_stand_without_a_velocity(folder) -> None:
-    pose, _, acceleration = random_states(np.random.default_rng(2), APPENDIX_4, Assembly.PRINTED, 5)
+    pose, _, acceleration = random_states(np.random.default_rng(2), APPENDIX_4, KneeBranch.LOWER, 5)
     write(folder / "in.csv", [*POSE, *INPUTS[8:]], np.hstack([pose, acceleration]))
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 0
     expected = oracle.inverse_dynamics(APPENDIX_4, pose, np.zeros(4), acceleration)
@@ -124,7 +124,7 @@ def test_a_table_may_be_replaced_by_its_result(folder) -> None:
 
 
 def test_the_length_of_the_pieces_changes_nothing(folder, monkeypatch) -> None:
-    pose = random_states(np.random.default_rng(3), APPENDIX_4, Assembly.PRINTED, 23)[0]
+    pose = random_states(np.random.default_rng(3), APPENDIX_4, KneeBranch.LOWER, 23)[0]
     write(folder / "in.csv", POSE, pose)
     evaluate_table(folder / "in.csv", folder / "whole.csv")
     monkeypatch.setattr(pose_table.PoseTable.pieces, "__defaults__", (5,))
@@ -151,7 +151,7 @@ def test_a_header_alone_gives_a_header(folder, capsys) -> None:
         (GOOD + "0,0,,-0.5\n", "in.csv, row 4, column theta_rad: the value is missing"),
         (GOOD.replace("z_m", "height"), "in.csv, row 1, column height: there is no such column"),
         ("", "in.csv: is empty"),
-        (None, "in.csv: can not be read: no such file"),
+        (None, "in.csv: cannot be read: no such file"),
     ],
 )
 def test_a_refused_table_leaves_no_output(folder, capsys, monkeypatch, before, text, place) -> None:
@@ -176,7 +176,7 @@ def test_a_bad_design_or_output_is_refused_in_one_line(folder, capsys) -> None:
     assert main(["evaluate", "in.csv", "--out", "out.csv", "--design", "d.toml"]) == 2
     assert "d.toml, line 3, [links] b3_kg = -1.0:" in capsys.readouterr().err
     assert main(["evaluate", "in.csv", "--out", "no/out.csv"]) == 2
-    assert "no/out.csv: can not be written" in capsys.readouterr().err
+    assert "no/out.csv: cannot be written" in capsys.readouterr().err
     assert main(["evaluate", "in.csv", "--out", "."]) == 2
     assert "it is a folder" in capsys.readouterr().err
 
@@ -190,6 +190,6 @@ def test_a_full_disk_leaves_no_output(folder, capsys, monkeypatch) -> None:
     monkeypatch.setattr("paminsa_viz.cli.evaluate.write_rows", full)
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 2
     assert capsys.readouterr().err == (
-        "paminsa-viz: out.csv: can not be written: no space left on device\n"
+        "paminsa-viz: out.csv: cannot be written: no space left on device\n"
     )
     assert [path.name for path in folder.iterdir()] == ["in.csv"]

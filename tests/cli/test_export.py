@@ -15,7 +15,7 @@ import pytest
 from paminsa_viz.cli import main
 from paminsa_viz.engines.placing import start_pose
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import APPENDIX_4, Assembly
+from paminsa_viz.model import APPENDIX_4, KneeBranch
 
 
 def glb_pose(path: str) -> dict[str, float]:
@@ -59,7 +59,7 @@ def test_another_design_and_assembly_as_zip_with_motors() -> None:
     payload = root.find(".//body[@name='payload']/inertial")
     assert payload is not None
     assert float(payload.attrib["mass"]) == 3.25
-    assert refs(text)["z"] == start_pose(design, Assembly.MIRROR)[3]
+    assert refs(text)["z"] == start_pose(design, KneeBranch.UPPER)[3]
     assert [a.tag for a in root.find("actuator") or []] == ["motor"] * 4
 
 
@@ -73,12 +73,12 @@ def test_servos_are_the_default() -> None:
     ("words", "complaint"),
     [
         ("", "nothing to write; give --glb, --mjcf or --meshes"),
-        ("--glb r.glb --pose 0 0 0 -2000", "can not be taken: the pantograph is over-stretched"),
-        ("--glb r.glb --pose 0 0 0 nan", "can not be taken: the pose is not finite"),
+        ("--glb r.glb --pose 0 0 0 -2000", "cannot be taken: the pantograph is over-stretched"),
+        ("--glb r.glb --pose 0 0 0 nan", "cannot be taken: the pose is not finite"),
         ("--glb r.glb --pose 0 0 0", "--pose"),
-        ("--mjcf no/r.xml", "no/r.xml: can not be written: its folder does not exist"),
-        ("--meshes old/deeper", "old/deeper: can not be written"),
-        ("--mjcf r.xml --glb r.glb --meshes old", "old: can not be written"),
+        ("--mjcf no/r.xml", "no/r.xml: cannot be written: its folder does not exist"),
+        ("--meshes old/deeper", "old/deeper: cannot be written"),
+        ("--mjcf r.xml --glb r.glb --meshes old", "old: cannot be written"),
         ("--glb r.glb --pose 1e300 0 0 0", "pose (1e+300 mm, 0.0 mm,"),
         ("--glb r.glb --pose x 0 0 0", "--pose: FLOAT FLOAT FLOAT FLOAT is needed, not 'x',"),
         ("--glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600", "pose: it is singular"),

@@ -16,7 +16,7 @@ from paminsa_viz.cli.map import Map, state_of
 from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import APPENDIX_4, Assembly, Quantity, backend, static_torques
+from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity, backend, static_torques
 from tests.cli import running
 
 run = partial(running.run, "map")
@@ -59,9 +59,9 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     ).content
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("assembly", list(KneeBranch))
 def test_numbers_are_static_torques(capsys, folder, assembly) -> None:
-    z = -0.5 if assembly is Assembly.PRINTED else 0.5
+    z = -0.5 if assembly is KneeBranch.LOWER else 0.5
     found = told(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
                  assembly.value, "--out", "a.npz")  # fmt: skip
     with np.load(folder / "a.npz") as arrays:

@@ -27,9 +27,9 @@ def test_one_command_makes_it(folder, capsys) -> None:
     ("words", "complaint"),
     [
         ("", "--out"),
-        ("--out r.html --pose 0 0 0 -3000", "can not be taken: the pantograph is over-stretched"),
-        ("--out no/r.html", "no/r.html: can not be written: its folder does not exist"),
-        ("--out r.html --file no.csv", "no.csv: can not be read: no such file"),
+        ("--out r.html --pose 0 0 0 -3000", "cannot be taken: the pantograph is over-stretched"),
+        ("--out no/r.html", "no/r.html: cannot be written: its folder does not exist"),
+        ("--out r.html --file no.csv", "no.csv: cannot be read: no such file"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(capsys, words, complaint) -> None:

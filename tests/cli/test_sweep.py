@@ -16,7 +16,7 @@ import pytest
 
 from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.cli.sweep import Sweep, study_of
-from paminsa_viz.model import APPENDIX_4, Assembly
+from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.studies import (
     MOTION_METRICS,
     DesignAxis,
@@ -47,7 +47,7 @@ def test_flags_become_a_study_in_si_units() -> None:
     region = study.region
     assert (region.radius, region.z, region.cells) == (0.1, (0.5,), 9)
     assert region.theta == pytest.approx((0.0, 3.14159265))
-    assert (study.assembly, study.scale_bars) == (Assembly.MIRROR, True)
+    assert (study.assembly, study.scale_bars) == (KneeBranch.UPPER, True)
 
     flags = Sweep(Path("a"), ("links.b3", "joints.j7=0.1:0.3"), random=7, seed=5, spread=0.5)
     b3 = APPENDIX_4.links.b3
@@ -83,7 +83,7 @@ def test_another_study_does_not_overwrite_a_table(capsys, folder) -> None:
     assert (code, out) == (2, "")
     assert err == (
         'paminsa-viz: a.csv: holds another study, whose region radius [m] is "0.175", not "0.05"; '
-        "take another name, or begin anew\n"
+        "take another name, or begin again\n"
     )
     assert (folder / "a.csv").read_bytes() == before
     assert run(capsys, *GRID, "--radius", "50", "--out", "a.csv", "--restart")[0] == 0

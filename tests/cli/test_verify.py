@@ -17,7 +17,7 @@ from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.trajectory_columns import WRITTEN
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.model.trajectory import PRESET, paper_like
+from paminsa_viz.trajectory import PRESET, paper_like
 
 pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
@@ -99,17 +99,17 @@ def test_every_preset_can_be_named() -> None:
     ("words", "complaint"),
     [
         ("--preset cirle", "invalid choice 'cirle'"),
-        ("--file no.csv", "no.csv: can not be read: no such file"),
+        ("--file no.csv", "no.csv: cannot be read: no such file"),
         ("--tolerance 0", "tolerance: a finite number above 0 is needed, not 0.0"),
         ("--poses 0", "poses: at least 1 is needed"),
         ("--seed -1", "seed: a whole number"),
         ("--design no.toml", "no.toml"),
-        ("--model no.xml", "no.xml: can not be read: no such file"),
+        ("--model no.xml", "no.xml: cannot be read: no such file"),
         ("--model motion.csv", "motion.csv: is no valid XML"),
         ("--model other.xml", "model: its joints are not those of this robot"),
-        ("--model broken.xml", "broken.xml: MuJoCo can not use it"),
-        ("--file motion.csv --poses 1 --figures motion.csv", "motion.csv: can not be"),
-        ("--file far.csv", "the trajectory can not be run: at 0 s"),
+        ("--model broken.xml", "broken.xml: MuJoCo cannot use it"),
+        ("--file motion.csv --poses 1 --figures motion.csv", "motion.csv: cannot be"),
+        ("--file far.csv", "the trajectory cannot be run: at 0 s"),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(motion, capsys, words, complaint) -> None:

@@ -19,20 +19,20 @@ from paminsa_viz.engines.states import workspace_poses
 from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, misprint_name, verify
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
     Friction,
     InvalidInput,
+    KneeBranch,
     Misprint,
-    balance_distance,
     check_reach,
     measure_singularity,
+    static_imbalance,
 )
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.trajectory import ImpossibleTrajectory, Trajectory, paper_like
+from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle, samples
 
-BOTH = pytest.mark.parametrize("assembly", list(Assembly), ids=lambda a: a.value)
+BOTH = pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
 RANDOM = samples.random_design(np.random.default_rng(31))
 SHARP = 1e-11
 
@@ -42,18 +42,18 @@ def mujoco() -> Any:
     return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
-def motion(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRINTED) -> Trajectory:
+def motion(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER) -> Trajectory:
     return paper_like(design.geometry, assembly).lasting(0.4).sample(50)
 
 
-def checked(design: Design = APPENDIX_4, assembly: Assembly = Assembly.PRINTED, **more: Any):
+def checked(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER, **more: Any):
     more.setdefault("poses", 20)
     return verify(design, assembly, motion(design, assembly), **more)
 
 
 @BOTH
 @pytest.mark.parametrize("design", [APPENDIX_4, RANDOM], ids=["appendix4", "random"])
-def test_the_formulae_pass(design: Design, assembly: Assembly) -> None:
+def test_the_formulae_pass(design: Design, assembly: KneeBranch) -> None:
     found = checked(design, assembly)
     assert found.passed
     assert found.worst < SHARP
@@ -69,7 +69,7 @@ def test_the_formulae_pass(design: Design, assembly: Assembly) -> None:
 
 
 @BOTH
-def test_counterweights_pass_too(assembly: Assembly) -> None:
+def test_counterweights_pass_too(assembly: KneeBranch) -> None:
     weights = (Counterweight("b8", 8, 0.1, 0.8), Counterweight("b4", 9, -0.2, 0.3))
     found = checked(replace(RANDOM, counterweights=weights), assembly, misprints=())
     assert found.worst < SHARP
@@ -115,7 +115,7 @@ def test_a_balanced_robot_is_measured_by_what_its_bodies_weigh() -> None:
     """Its torques at rest are rounding errors, which differ by all of themselves."""
     design = APPENDIX_4.vary({"joints.j7": APPENDIX_4.joints.j7 + 3 * 0.1})
     for _ in range(3):
-        more = balance_distance(design) * design.geometry.magnification / design.gravity
+        more = static_imbalance(design) * design.geometry.magnification / design.gravity
         design = design.vary({"joints.j7": design.joints.j7 + more})
     found = checked(design)
     static = found.engines[0].static
@@ -159,7 +159,7 @@ def test_a_torque_that_is_missing_fails() -> None:
     holed[1, 2] = np.nan
     assert not Comparison(whole, holed, np.ones(4)).agrees(1.0)
     poses = np.tile([0.0, 0.0, 0.0, -0.5], (3, 1))
-    assert np.isfinite(torque_scale(APPENDIX_4, poses, holed, Assembly.PRINTED)).all()
+    assert np.isfinite(torque_scale(APPENDIX_4, poses, holed, KneeBranch.LOWER)).all()
     beyond = np.vstack([workspace_poses(APPENDIX_4.geometry, 3), [0.0, 0.0, 0.0, -3.0]])
     found = checked(poses=beyond)
     assert not found.passed
@@ -207,7 +207,7 @@ def test_the_result_is_json_and_repeatable() -> None:
 def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verification, "MOST_STATES", 11)
     whole = motion()
-    found: Verification = verify(APPENDIX_4, Assembly.PRINTED, whole, poses=5, misprints=())
+    found: Verification = verify(APPENDIX_4, KneeBranch.LOWER, whole, poses=5, misprints=())
     assert found.trajectory.size == 11
     assert found.trajectory.t[[0, -1]].tolist() == whole.t[[0, -1]].tolist()
     assert np.isin(found.trajectory.t, whole.t).all()
@@ -228,7 +228,7 @@ def test_what_can_not_be_is_refused() -> None:
     beyond = near.pose - np.array([0.0, 0.0, 0.0, 1.0])
     far = Trajectory(near.t, beyond, near.velocity, near.acceleration)
     with pytest.raises(ImpossibleTrajectory):
-        verify(APPENDIX_4, Assembly.PRINTED, far)
+        verify(APPENDIX_4, KneeBranch.LOWER, far)
 
 
 def test_engines_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:

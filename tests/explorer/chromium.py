@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer import saving
-from paminsa_viz.explorer.bridge import STORE_KEY
+from paminsa_viz.explorer.browser.bridge import STORE_KEY
 
 FLAGS = [
     "--headless=new",
@@ -36,7 +36,7 @@ def browser_path() -> str:
     """Return a browser's path; without one skip the test, or fail where one is required."""
     found = next((path for name in NAMES if (path := shutil.which(name))), None)
     if found is None:
-        reason = "no Chromium or Chrome is installed, so the page can not be tried in a browser"
+        reason = "no Chromium or Chrome is installed, so the page cannot be tried in a browser"
         if os.environ.get("PAMINSA_VIZ_REQUIRE_BROWSER"):
             pytest.fail(reason)
         pytest.skip(reason)
@@ -94,7 +94,7 @@ class Tab:
         field.press("Enter")
         self.page.wait_for_timeout(80)
 
-    def settle(self, milliseconds: float) -> None:
+    def with_document(self, milliseconds: float) -> None:
         """Wait for a time and then for some frames, which may take long on a busy machine."""
         self.page.wait_for_timeout(milliseconds)
         for _ in range(3):
@@ -115,7 +115,7 @@ class Tab:
 
         def resting() -> Any:
             before = place.bounding_box()
-            self.settle(300)
+            self.with_document(300)
             return before if before == place.bounding_box() else None
 
         return until(resting, "the element stays where it is")

@@ -72,7 +72,7 @@ def one_tab(open_tab: Callable[..., Tab]) -> Tab:
 def tab(one_tab: Tab) -> Tab:
     """The shared tab, as it was at the start."""
     one_tab.page.bring_to_front()
-    one_tab.session.ask("test", lambda _: initial_state())
+    one_tab.session.dispatch("test", lambda _: initial_state())
     one_tab.open_tab("Pose")
     until(
         lambda: one_tab.state == initial_state() and one_tab.handle("x  [mm]").value == 0,

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import Document, State, initial_state
-from paminsa_viz.model import APPENDIX_4, Assembly, Design
+from paminsa_viz.model import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from tests.samples import random_design, random_poses
 
@@ -40,7 +40,7 @@ COORDINATE = st.floats(-3, 3)
 DOCUMENTS = st.builds(
     Document,
     design=designs(),
-    assembly=st.sampled_from(Assembly),
+    assembly=st.sampled_from(KneeBranch),
     pose=st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE),
     reference=st.none() | designs(),
 )

@@ -59,8 +59,8 @@ class Desk:
     def ask(self, intent: Callable[[State], State]) -> None:
         """Change the state from elsewhere, and wait until it has been taken."""
         done: list[bool] = []
-        self.session.ask("elsewhere", intent)
-        self.session.do(lambda: done.append(True))
+        self.session.dispatch("elsewhere", intent)
+        self.session.submit(lambda: done.append(True))
         eventually(lambda: done)
 
 

@@ -10,16 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS, largest, require_workable
+from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.state import Document, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
     PARAMETERS,
-    Assembly,
     InvalidDesign,
     InvalidInput,
+    KneeBranch,
 )
 from paminsa_viz.model.counterweight import Counterweight
 from tests.explorer.documents import assert_same, standing_state
@@ -31,19 +31,19 @@ def test_mirroring_the_assembly_twice_changes_nothing_and_once_turns_the_torques
     seed: int,
 ) -> None:
     state = standing_state(seed)
-    once = actions.assemble(state, Assembly.MIRROR)
-    twice = actions.assemble(once, Assembly.PRINTED)
+    once = actions.assemble(state, KneeBranch.UPPER)
+    twice = actions.assemble(once, KneeBranch.LOWER)
     assert twice.document.assembly is state.document.assembly
     assert twice.document.pose == pytest.approx(state.document.pose, abs=1e-15)
     assert once.standing.pose == once.document.pose  # the mirrored pose is within reach as well
     np.testing.assert_allclose(
         compute(once).torques[:3], -compute(state).torques[:3], rtol=1e-9, atol=1e-9
     )
-    assert actions.assemble(state, Assembly.PRINTED) is state
+    assert actions.assemble(state, KneeBranch.LOWER) is state
 
 
 def test_home_is_within_reach_in_both_assemblies() -> None:
-    for assembly in Assembly:
+    for assembly in KneeBranch:
         home = actions.go_home(actions.assemble(initial_state(), assembly))
         assert home.standing.pose == home.document.pose
         assert compute(home).health is Health.FINE
@@ -127,7 +127,7 @@ def test_the_page_refuses_counterweights_out_of_its_range() -> None:
         (Counterweight("b8", 8, 0.1, 1.0),) * (MOST_COUNTERWEIGHTS + 1),
     ):
         with pytest.raises(InvalidDesign, match="counterweights"):
-            require_workable(replace(APPENDIX_4, counterweights=weights))
+            validate_limits(replace(APPENDIX_4, counterweights=weights))
 
 
 def test_swapping_with_the_reference_twice_changes_nothing() -> None:

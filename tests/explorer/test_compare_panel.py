@@ -22,12 +22,12 @@ from paminsa_viz.explorer.panels.compare_panel import (
     torques_html,
 )
 from paminsa_viz.explorer.panels.number_row import is_changed
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
     Design,
-    balance_distance,
+    static_imbalance,
     static_torques,
 )
 
@@ -94,14 +94,14 @@ def test_torques_stand_beside_each_other() -> None:
         assert value(rows[j][3]) == pytest.approx(now[j] - then[j], abs=6e-3)
     assert len({row[4] for row in rows[:3]}) == 1  # torques scale with M_p2
     assert rows[4][4] == rows[0][4]
-    assert value(rows[4][2]) == pytest.approx(balance_distance(design), abs=1e-4)
+    assert value(rows[4][2]) == pytest.approx(static_imbalance(design), abs=1e-4)
 
 
 def test_a_reference_that_can_not_stand_here_has_no_torques() -> None:
     held = np.full(4, np.nan)
     text = torques_html(np.ones(4), held, APPENDIX_4, APPENDIX_4, "reference")
     assert [row[1] for row in cells(text)[1:5]] == ["–"] * 4
-    assert "can not take this pose" in text
+    assert "cannot take this pose" in text
     assert "nan" not in text
 
 
@@ -120,13 +120,13 @@ def test_pin_swap_and_unpin(desk: Desk) -> None:
     assert tuple(buttons.options) == (PIN,)
     desk.set(buttons, PIN)
     desk.until(lambda: tuple(buttons.options) == (PIN, SWAP, UNPIN))
-    desk.ask(lambda s: actions.vary(s, {"links.b3": 1.0}))
+    desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
     desk.until(lambda: len(cells(differences.content)) == 2)
     assert cells(differences.content)[1][1:] == ["0.406\u202fkg", "1\u202fkg", "+146 %"]
     desk.set(buttons, SWAP)
     desk.until(lambda: desk.design == APPENDIX_4)
     desk.until(lambda: cells(differences.content)[1][1:3] == ["1\u202fkg", "0.406\u202fkg"])
-    desk.ask(lambda s: actions.move(s, x=0.05))
+    desk.dispatch(lambda s: actions.move(s, x=0.05))
     desk.until(lambda: value(cells(torques.content)[1][1]) != 0)
     desk.set(buttons, UNPIN)
     desk.until(lambda: desk.state.document.reference is None)
@@ -138,5 +138,5 @@ def test_a_button_that_is_not_there_does_nothing(desk: Desk) -> None:
     before = desk.state
     desk.set(desk.panel.buttons, SWAP)
     desk.set(desk.panel.buttons, "anything")
-    desk.ask(lambda s: s)
+    desk.dispatch(lambda s: s)
     assert desk.state == before

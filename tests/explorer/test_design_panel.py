@@ -17,10 +17,10 @@ from paminsa_viz.explorer.panels.design_panel import (
     balance_hint,
     balance_html,
 )
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.model import APPENDIX_4, PARAMETERS, balance_distance, static_torques
+from paminsa_viz.model import APPENDIX_4, PARAMETERS, static_imbalance, static_torques
 from tests.explorer.design_rows import ROWS
 from tests.samples import random_design
 
@@ -35,7 +35,7 @@ def test_the_hint_says_what_a_kilogram_does_to_the_balance(path: str) -> None:
 
     design = random_design(np.random.default_rng(7))
     more = design.vary({path: design.value(path) + 1.0})
-    effect = balance_distance(more) - balance_distance(design)
+    effect = static_imbalance(more) - static_imbalance(design)
     hint = balance_hint(path, design.geometry, design.gravity)
     if abs(effect) < 1e-9:
         assert "do not depend" in hint
@@ -50,7 +50,7 @@ def test_the_hint_says_what_a_kilogram_does_to_the_balance(path: str) -> None:
 def test_the_balance_shows_zero_at_the_middle_and_minus_to_its_left() -> None:
     def places(m7: float) -> list[float]:
         state = actions.vary(initial_state(), {"joints.j7": m7})
-        text = balance_html(state, balance_distance(state.document.design))
+        text = balance_html(state, static_imbalance(state.document.design))
         return [float(v) for v in re.findall(r"left:([-\d.]+)%", text)]
 
     zero, printed, present = places(0.28)
@@ -90,12 +90,12 @@ def test_a_mass_slider_changes_the_mass_and_the_balance(desk: Desk) -> None:
     before = desk.until(lambda: desk.panel.balance.content)
     desk.set(slider(desk, "links.b3"), 0.5)
     desk.until(lambda: desk.design.links.b3 == 0.5)
-    expected = f"{balance_distance(desk.design):.3f} N"
+    expected = f"{static_imbalance(desk.design):.3f} N"
     desk.until(lambda: expected in desk.panel.balance.content)
     assert expected not in before
 
 
-def test_lengths_are_set_in_millimetres(desk: Desk) -> None:
+def test_lengths_are_set_in_millimeters(desk: Desk) -> None:
     desk.set(slider(desk, "geometry.base_radius"), 333.3)
     desk.until(lambda: desk.design.geometry.base_radius == 0.3333)
 
@@ -118,7 +118,7 @@ def test_a_typed_number_beyond_the_slider_holds_and_the_slider_grows(desk: Desk)
     desk.set(handle, 0.5)  # still in hand: the range stays as it is
     desk.until(lambda: desk.design.links.b3 == 0.5)
     assert handle.max > 12.5
-    desk.ask(lambda s: actions.reset_values(s, ("links.b3",)))
+    desk.dispatch(lambda s: actions.reset_values(s, ("links.b3",)))
     desk.until(lambda: (handle.value, handle.max) == (0.406, most))
 
 
@@ -157,7 +157,7 @@ def test_typing_through_an_impossible_number_is_not_interrupted(desk: Desk) -> N
     handle = slider(desk, "platform.mass")
     desk.set(handle, 0.0)  # "0", then "0.", then "0.5"
     desk.until(lambda: handle.value == 0.0)
-    desk.ask(lambda s: actions.move(s, x=0.01))  # a frame is drawn meanwhile
+    desk.dispatch(lambda s: actions.move(s, x=0.01))  # a frame is drawn meanwhile
     desk.until(lambda: desk.state.standing.pose[0] == 0.01)
     assert handle.value == 0.0
     desk.set(handle, 0.5)
@@ -183,14 +183,14 @@ def test_one_value_or_a_group_is_set_back_to_appendix_4(desk: Desk) -> None:
     reset = folder(desk, "links.b3").reset
     desk.until(lambda: desk.panel.balance.content)
     assert not reset.visible
-    desk.ask(lambda s: actions.vary(s, {"links.b3": 1.0, "links.b7": 1.0, "joints.j4": 1.0}))
+    desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0, "links.b7": 1.0, "joints.j4": 1.0}))
     desk.until(lambda: tuple(reset.options) == ("m_B3", "m_B7", WHOLE_GROUP))
     desk.until(lambda: reset.visible)
     desk.set(reset, "m_B3")
     desk.until(lambda: desk.design.links.b3 == 0.406)
     desk.until(lambda: tuple(reset.options) == ("m_B7",))
     assert desk.design.links.b7 == 1.0
-    desk.ask(lambda s: actions.vary(s, {"links.b3": 1.0}))
+    desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
     desk.until(lambda: WHOLE_GROUP in reset.options)
     desk.set(reset, WHOLE_GROUP)
     desk.until(lambda: desk.design.links == APPENDIX_4.links)

@@ -22,10 +22,10 @@ from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.panels import export_panel
 from paminsa_viz.explorer.panels.export_panel import ExportPanel
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import Assembly, InvalidInput, Quantity, solve_posture, static_torques
+from paminsa_viz.model import InvalidInput, KneeBranch, Quantity, inverse_kinematics, static_torques
 
 from .panel_desk import Desk, desk_with
 
@@ -126,8 +126,8 @@ class TestContents:
             io.BytesIO(exports.robot(state).content), file_type="glb", force="scene"
         )
         place = scene.graph.get("platform")[0]
-        posture = solve_posture(state.standing.geometry, state.standing.pose)
-        x, y, _, z = posture.pose
+        configuration = inverse_kinematics(state.standing.geometry, state.standing.pose)
+        x, y, _, z = configuration.pose
         np.testing.assert_allclose(place[:3, 3], (x, z, -y), atol=1e-6)  # y is up in a GLB
 
 
@@ -135,7 +135,7 @@ class TestMujocoModel:
     @pytest.fixture
     def state(self) -> State:
         """A design of its own, mirrored and posed, and then asked for too much."""
-        state = actions.assemble(initial_state(), Assembly.MIRROR)
+        state = actions.assemble(initial_state(), KneeBranch.UPPER)
         state = actions.vary(state, {"payload.mass": 3.25, "geometry.crank_length": 0.44})
         return actions.move(actions.move(state, x=0.04, y=-0.02, theta=0.5), x=9.0)
 
@@ -158,7 +158,7 @@ class TestMujocoModel:
         )
         assert found.keys() == wanted.keys()
         for key, value in wanted.items():
-            if found[key] != value:  # the command reads millimetres
+            if found[key] != value:  # the command reads millimeters
                 own, other = (np.array(text.split(), float) for text in (found[key], value))
                 np.testing.assert_allclose(own, other, atol=1e-9, err_msg=str(key))
 
@@ -254,8 +254,8 @@ class TestPanel:
         assert file["save_immediately"]
 
     def test_the_newest_state_is_saved(self, desk: Desk) -> None:
-        desk.ask(lambda s: actions.move(s, theta=0.7))
-        desk.ask(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_3))
+        desk.dispatch(lambda s: actions.move(s, theta=0.7))
+        desk.dispatch(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_3))
         desk.set(group(desk, "maps"), export_panel.ONE)
         desk.until(lambda: group(desk, "maps").value == export_panel.ONE)
         desk.set(group(desk, "data"), "NPZ")
@@ -298,5 +298,7 @@ class TestPanel:
         assert "export failed" in caplog.text
 
     def test_it_says_what_the_single_map_is(self, desk: Desk) -> None:
-        desk.ask(lambda s: replace(s, map_view=replace(s.map_view, quantity=Quantity.CONDITION)))
+        desk.dispatch(
+            lambda s: replace(s, map_view=replace(s.map_view, quantity=Quantity.CONDITION))
+        )
         desk.until(lambda: "condition number" in desk.panel._about.content)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer import actions, sharing
 from paminsa_viz.explorer.panels import patient
 from paminsa_viz.explorer.panels.file_panel import FilePanel, file_name, uploaded_design
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
@@ -115,7 +115,7 @@ def test_a_name_that_no_file_can_hold_is_told_and_set_back(desk: Desk) -> None:
 
 
 def test_a_downloaded_design_reads_back_as_it_was(desk: Desk) -> None:
-    desk.ask(lambda s: actions.rename(actions.load_design(s, LIGHT), "light arms"))
+    desk.dispatch(lambda s: actions.rename(actions.load_design(s, LIGHT), "light arms"))
     desk.page.heard()
     desk.set(desk.panel.download, True)
     files = desk.until(lambda: downloads(desk.page.heard()))
@@ -156,7 +156,7 @@ def test_a_design_without_a_name_is_called_after_its_file(desk: Desk) -> None:
     ],
 )
 def test_a_broken_upload_is_told_and_changes_nothing(desk: Desk, content: bytes, said: str) -> None:
-    desk.ask(lambda s: actions.vary(actions.move(s, x=0.03), {"links.b4": 0.7}))
+    desk.dispatch(lambda s: actions.vary(actions.move(s, x=0.03), {"links.b4": 0.7}))
     before = desk.state.document
     upload(desk, "bad.toml", content)
     desk.until(lambda: any(title == "Not possible" for title, _ in desk.told))
@@ -185,7 +185,7 @@ def test_any_upload_is_read_or_refused(content: bytes) -> None:
 
 
 def test_appendix_4_is_one_button_away(desk: Desk) -> None:
-    desk.ask(lambda s: actions.load_design(s, LIGHT))
+    desk.dispatch(lambda s: actions.load_design(s, LIGHT))
     desk.set(desk.panel.default, True)
     desk.until(lambda: desk.design == APPENDIX_4)
     assert desk.design.name == APPENDIX_4.name
@@ -196,7 +196,7 @@ def test_appendix_4_is_one_button_away(desk: Desk) -> None:
 
 def test_the_code_follows_the_document(desk: Desk) -> None:
     desk.until(lambda: desk.panel.code.value == sharing.encode(desk.state.document))
-    desk.ask(lambda s: actions.move(actions.load_design(s, LIGHT), x=0.04))
+    desk.dispatch(lambda s: actions.move(actions.load_design(s, LIGHT), x=0.04))
     desk.until(lambda: desk.panel.code.value == sharing.encode(desk.state.document))
     assert sharing.decode(desk.panel.code.value) == desk.state.document
 

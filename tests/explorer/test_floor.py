@@ -17,13 +17,13 @@ from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.scene import floor
 from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
 from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import RangeMode, initial_state
-from paminsa_viz.figures.raster import lut
-from paminsa_viz.model import APPENDIX_4, Assembly, Quantity
+from paminsa_viz.meshes.frame import plinth_radius
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity
 from paminsa_viz.model.reach import workspace_radius
-from paminsa_viz.shapes.frame import plinth_radius
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.plots.raster import lut
 
 from .panel_desk import Desk, desk_with
 
@@ -76,9 +76,9 @@ class TestPicture:
 
 
 class TestLegend:
-    @pytest.mark.parametrize("assembly", list(Assembly))
+    @pytest.mark.parametrize("assembly", list(KneeBranch))
     @pytest.mark.parametrize("base", [0.2, 0.35, 0.6])
-    def test_it_lies_on_the_plinth_beside_the_map(self, assembly: Assembly, base: float) -> None:
+    def test_it_lies_on_the_plinth_beside_the_map(self, assembly: KneeBranch, base: float) -> None:
         geometry = replace(APPENDIX_4.geometry, base_radius=base)
         (x, y), (w, _, _, k) = legend_place(geometry, assembly)
         turn = 2 * math.atan2(k, w)
@@ -94,14 +94,14 @@ class TestLegend:
         if base == 0.35:
             assert math.hypot(x, y) - LEGEND_SIZE[1] / 2 > workspace_radius(geometry)
 
-    def test_it_shows_the_colours_in_order(self) -> None:
+    def test_it_shows_the_colors_in_order(self) -> None:
         state = initial_state()
         data = STORE.data(state, COARSE, (Quantity.TAU_1,))
         (scale,) = STORE.scales(state, data, (Quantity.TAU_1,))
         image = legend_image(scale)
         row = image[image.shape[0] // 2]
-        coloured = row[row[:, 3] == 255][:, :3].astype(int)
-        blue_first = coloured[20] - coloured[-20]
+        colored = row[row[:, 3] == 255][:, :3].astype(int)
+        blue_first = colored[20] - colored[-20]
         assert blue_first[2] > 0 > blue_first[0]
         assert image[0, 0, 3] == 0
         assert image[-1, -1, 3] == 0
@@ -126,34 +126,34 @@ class TestOnTheGround:
         node = desk.panel._map
         side = 2 * half_width(APPENDIX_4.geometry)
         assert node.scale == (side, side, 1.0)
-        ground = layout(APPENDIX_4.geometry, Assembly.PRINTED).ground
+        ground = layout(APPENDIX_4.geometry, KneeBranch.LOWER).ground
         np.testing.assert_allclose(node.position, (0, 0, ground + floor.ABOVE["map"]))
 
     def test_it_moves_to_the_ground_of_the_other_assembly(self, desk: Desk) -> None:
-        desk.ask(lambda s: actions.assemble(s, Assembly.MIRROR))
-        ground = layout(APPENDIX_4.geometry, Assembly.MIRROR).ground
+        desk.dispatch(lambda s: actions.assemble(s, KneeBranch.UPPER))
+        ground = layout(APPENDIX_4.geometry, KneeBranch.UPPER).ground
         for node in (desk.panel._map, desk.panel._legend.bar, desk.panel._ring):
             desk.until(lambda node=node: abs(node.position[2] - ground) < 0.01)
 
     def test_the_mark_lies_below_the_platform_that_stands(self, desk: Desk) -> None:
-        desk.ask(lambda s: actions.move(s, x=0.05, y=-0.07))
+        desk.dispatch(lambda s: actions.move(s, x=0.05, y=-0.07))
         desk.until(lambda: tuple(desk.panel._ring.position[:2]) == (0.05, -0.07))
-        desk.ask(lambda s: actions.move(s, x=3.0))
+        desk.dispatch(lambda s: actions.move(s, x=3.0))
         assert tuple(desk.panel._ring.position[:2]) == (0.05, -0.07)
 
-    def test_the_legend_says_what_the_colours_mean(self, desk: Desk) -> None:
+    def test_the_legend_says_what_the_colors_mean(self, desk: Desk) -> None:
         view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
-        desk.ask(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_1, **view))
+        desk.dispatch(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_1, **view))
         words = desk.panel._legend._words
         desk.until(lambda: (words["low"].text, words["high"].text) == ("−2.5", "7.5"))
         assert words["name"].text == "τ₁  [N·m]"
 
     def test_a_position_draws_no_new_map(self, desk: Desk) -> None:
         before = desk.panel._map.image
-        desk.ask(lambda s: actions.move(s, x=0.05))
+        desk.dispatch(lambda s: actions.move(s, x=0.05))
         desk.until(lambda: desk.panel._ring.position[0] == 0.05)
         assert desk.panel._map.image is before
-        desk.ask(lambda s: actions.vary(s, {"links.b3": 1.0}))
+        desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
         desk.until(lambda: desk.panel._map.image is not before)
 
     def test_layers(self, desk: Desk) -> None:
@@ -165,7 +165,7 @@ class TestOnTheGround:
         }
         for name, node in switches.items():
             assert node.visible
-            desk.ask(lambda s, name=name: actions.set_layers(s, **{name: False}))
+            desk.dispatch(lambda s, name=name: actions.set_layers(s, **{name: False}))
             desk.until(lambda node=node: not node.visible)
         assert not parts._legend.visible
         assert not parts._ring.visible
@@ -174,13 +174,13 @@ class TestOnTheGround:
         self, desk: Desk, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         off = dict.fromkeys(("floor_map", "workspace", "singularity"), False)
-        desk.ask(lambda s: actions.set_layers(s, **off))
+        desk.dispatch(lambda s: actions.set_layers(s, **off))
         desk.until(lambda: not desk.panel._map.visible)
         calls: list[int] = []
         monkeypatch.setattr(maps, "solve_field", lambda *args, **kwargs: calls.append(1))
-        desk.ask(lambda s: actions.move(s, theta=1.2))
+        desk.dispatch(lambda s: actions.move(s, theta=1.2))
         desk.until(lambda: desk.state.standing.pose[2] == 1.2)
-        desk.ask(lambda s: actions.move(s, theta=1.1))
+        desk.dispatch(lambda s: actions.move(s, theta=1.1))
         assert calls == []
 
     def test_a_click_on_it_moves_the_robot(self, desk: Desk) -> None:

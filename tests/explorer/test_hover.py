@@ -13,8 +13,8 @@ from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.panels.hover import REASON_CELLS, HoverFigure
 from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.figures.live import screen_layout
 from paminsa_viz.model import Limit, Quantity
+from paminsa_viz.plots.live import screen_layout
 
 
 def unpacked(packed: dict[str, str]) -> np.ndarray:

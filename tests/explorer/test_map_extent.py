@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, cell_centres, go_to, half_width
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, cell_centers, go_to, half_width
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, check_reach
 from tests.explorer.map_poses import at
@@ -56,9 +56,9 @@ class TestExtent:
         assert radius > 0.9 * half_width(APPENDIX_4.geometry)
 
     def test_cells_are_equal_and_symmetric(self) -> None:
-        centres = cell_centres(0.3, 7)
-        np.testing.assert_allclose(np.diff(centres), 0.6 / 7)
-        np.testing.assert_allclose(centres, -centres[::-1], atol=1e-16)
+        centers = cell_centers(0.3, 7)
+        np.testing.assert_allclose(np.diff(centers), 0.6 / 7)
+        np.testing.assert_allclose(centers, -centers[::-1], atol=1e-16)
 
 
 class TestGoTo:

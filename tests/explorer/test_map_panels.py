@@ -11,16 +11,16 @@ import pytest
 import viser
 
 from paminsa_viz.explorer import actions, maps
-from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS, choose_quantity, show_figure_3
 from paminsa_viz.explorer.panels.map_picture import caption
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import RangeMode, initial_state
-from paminsa_viz.figures.from_model import LEGENDS
 from paminsa_viz.model import Quantity
+from paminsa_viz.plots.from_model import LEGENDS
 
 from .panel_desk import Desk, desk_with
 
@@ -28,7 +28,7 @@ STORE = MapStore()
 
 
 class TestClicks:
-    def test_millimetres_become_metres(self) -> None:
+    def test_millimeters_become_meters(self) -> None:
         assert clicked_place({"title": "torques", "x": 120, "y": -35.5}) == (0.12, -0.0355)
         assert clicked_place({"title": "single", "x": 0, "y": 0.0}) == (0.0, 0.0)
 
@@ -121,10 +121,10 @@ class TestPanel:
         desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
         assert (desk.state.map_view.low, desk.state.map_view.high) == (-2.5, 4.0)
         desk.until(lambda: desk.panel._torques.scales[0].low == -2.5)
-        desk.until(lambda: named(desk, "colours").value == "manual")
+        desk.until(lambda: named(desk, "colors").value == "manual")
 
-    def test_lengths_are_set_in_millimetres(self, desk: Desk) -> None:
-        desk.ask(lambda s: choose_quantity(s, Quantity.REACH_MARGIN))
+    def test_lengths_are_set_in_millimeters(self, desk: Desk) -> None:
+        desk.dispatch(lambda s: choose_quantity(s, Quantity.REACH_MARGIN))
         desk.set(named(desk, "ends"), [10.0, 120.0])
         desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
         view = desk.state.map_view
@@ -132,7 +132,7 @@ class TestPanel:
         assert view.quantity is Quantity.REACH_MARGIN
 
     def test_torques_in_other_units_make_the_range_one_of_torques(self, desk: Desk) -> None:
-        desk.ask(lambda s: choose_quantity(s, Quantity.F_4))
+        desk.dispatch(lambda s: choose_quantity(s, Quantity.F_4))
         desk.set(named(desk, "from–to"), [-1.0, 1.0])
         desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
         assert desk.state.map_view.quantity is Quantity.MAX_TORQUE
@@ -141,7 +141,7 @@ class TestPanel:
         ends = named(desk, "from–to")
         desk.until(lambda: ends.value == (-8.0, 8.0))
         desk.set(ends, [-8.0, 5e10])
-        desk.until(lambda: any("colour range" in body for _, body in desk.told))
+        desk.until(lambda: any("color range" in body for _, body in desk.told))
         desk.until(lambda: ends.value == (-8.0, 8.0))
         assert desk.state.map_view.range_mode is RangeMode.AUTO
 
@@ -151,12 +151,12 @@ class TestPanel:
         desk.set(switch, True)
         desk.until(lambda: any("reference" in body for _, body in desk.told))
         desk.until(lambda: switch.value is False)
-        desk.ask(actions.pin_reference)
+        desk.dispatch(actions.pin_reference)
         desk.until(lambda: not switch.disabled)
         desk.set(switch, True)
         desk.until(lambda: desk.state.map_view.difference)
         desk.until(lambda: desk.panel._torques.data.names[0] == "Δτ₁")
-        desk.ask(actions.unpin_reference)
+        desk.dispatch(actions.unpin_reference)
         desk.until(lambda: switch.disabled and not switch.value)
 
     def test_quantity_and_switches(self, desk: Desk) -> None:
@@ -185,6 +185,6 @@ class TestPanel:
         desk.set(inbox, json.dumps([report]))
         desk.until(lambda: single.data is not None and single.data.x.size == FULL)
         before = torques.data
-        desk.ask(lambda s: actions.move(s, theta=0.2))
+        desk.dispatch(lambda s: actions.move(s, theta=0.2))
         desk.until(lambda: single.data.theta == 0.2)
         assert torques.data is before

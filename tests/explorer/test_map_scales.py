@@ -1,4 +1,4 @@
-"""The maps' colour ranges."""
+"""The maps' color ranges."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from paminsa_viz.model import Quantity
 from tests.explorer.map_poses import CELLS, at
 
 
-class TestColours:
+class TestColors:
     def scales(self, view: MapView, quantities=(Quantity.TAU_1, Quantity.TAU_2)):  # type: ignore[no-untyped-def]
         store = MapStore()
         state = replace(at(), map_view=view)

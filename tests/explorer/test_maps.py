@@ -11,7 +11,7 @@ from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
+    KneeBranch,
     Limit,
     Quantity,
     check_reach,
@@ -36,8 +36,8 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 class TestNumbers:
-    @pytest.mark.parametrize("assembly", list(Assembly))
-    def test_torques_are_the_model_s(self, assembly: Assembly) -> None:
+    @pytest.mark.parametrize("assembly", list(KneeBranch))
+    def test_torques_are_the_model_s(self, assembly: KneeBranch) -> None:
         state = actions.assemble(at(), assembly)
         data = MapStore().data(state, CELLS)
         poses = poses_of(data)
@@ -51,7 +51,7 @@ class TestNumbers:
 
     @pytest.mark.parametrize("quantity", list(Quantity))
     def test_each_quantity_at_the_present_pose(self, quantity: Quantity) -> None:
-        """The cell under a pose holds what the model says at that cell's centre."""
+        """The cell under a pose holds what the model says at that cell's center."""
         store = MapStore()
         state = at()
         data = store.data(state, CELLS, (quantity,))
@@ -97,7 +97,7 @@ class TestWhatIsSolved:
         np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
         assert abs(ratio[0] - 1) > 0.1
 
-    def test_a_position_or_a_colour_solves_nothing(self, solved: list[int]) -> None:
+    def test_a_position_or_a_color_solves_nothing(self, solved: list[int]) -> None:
         store, state = MapStore(), at()
         store.data(state, CELLS)
         moved = store.data(actions.move(state, x=0.05, y=-0.02), CELLS)

@@ -12,12 +12,12 @@ import pytest
 
 from paminsa_viz.explorer.motion_page import MOST_FRAMES, PAUSE, frame_times, motion_html
 from paminsa_viz.explorer.scene.bodies import node_name
-from paminsa_viz.model import APPENDIX_4, Assembly, InvalidInput
-from paminsa_viz.model.kinematics import solve_posture
-from paminsa_viz.model.trajectory import (
+from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
-    analyse,
+    analyze,
     home,
     move,
 )
@@ -26,7 +26,7 @@ from tests.explorer.chromium import PATIENCE, until
 NAME = "<b>& </script> “näme”"
 
 
-def planned(key: str, assembly: Assembly = Assembly.PRINTED):
+def planned(key: str, assembly: KneeBranch = KneeBranch.LOWER):
     return PRESET[key].build(APPENDIX_4.geometry, assembly)
 
 
@@ -53,8 +53,8 @@ def node(data: dict, key: str, name: str, width: int) -> np.ndarray:
     return numbers(data, key)[:, width * place : width * (place + 1)]
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
-def test_the_page_holds_the_motion(assembly: Assembly) -> None:
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_the_page_holds_the_motion(assembly: KneeBranch) -> None:
     trajectory = planned("paper-like", assembly).sample(200)
     data = held(motion_html(APPENDIX_4, assembly, trajectory))
     times = frame_times(0.0, trajectory.duration)
@@ -66,18 +66,18 @@ def test_the_page_holds_the_motion(assembly: Assembly) -> None:
     np.testing.assert_allclose(platform, pose[:, [0, 1, 3]], atol=1e-7)
     turn = node(data, "turns", node_name("platform"), 4)
     np.testing.assert_allclose(2 * np.arctan2(turn[:, 3], turn[:, 0]), pose[:, 2], atol=1e-6)
-    posture = solve_posture(APPENDIX_4.geometry, pose, assembly)
+    configuration = inverse_kinematics(APPENDIX_4.geometry, pose, assembly)
     carriage = node(data, "positions", node_name("carriage"), 3)
-    np.testing.assert_allclose(carriage[:, 2], posture.actuators[:, 3], atol=1e-7)
+    np.testing.assert_allclose(carriage[:, 2], configuration.actuators[:, 3], atol=1e-7)
 
-    analysis = analyse(APPENDIX_4, trajectory, assembly)
+    analysis = analyze(APPENDIX_4, trajectory, assembly)
     torque = numbers(data, "torques")
     np.testing.assert_allclose(torque[[0, -1]], analysis.torque[[0, -1]], rtol=1e-6)
 
 
 def test_only_what_moves_is_held() -> None:
     lift = move(home(APPENDIX_4.geometry), np.add(home(APPENDIX_4.geometry), (0, 0, 0, 0.05)))
-    data = held(motion_html(APPENDIX_4, Assembly.PRINTED, lift.sample(100)))
+    data = held(motion_html(APPENDIX_4, KneeBranch.LOWER, lift.sample(100)))
     assert not {node_name(f"leg{k}") for k in (1, 2, 3)} & set(data["turned"])
     assert node_name("leg1/slider") not in data["moved"]
     assert node_name("leg1/b8") in data["turned"]
@@ -85,13 +85,13 @@ def test_only_what_moves_is_held() -> None:
 
 def test_a_closed_motion_starts_again_at_once() -> None:
     circle = planned("circle").sample(100)
-    assert held(motion_html(APPENDIX_4, Assembly.PRINTED, circle))["pause"] == 0.0
+    assert held(motion_html(APPENDIX_4, KneeBranch.LOWER, circle))["pause"] == 0.0
 
 
 def test_a_failing_motion_is_played_up_to_there() -> None:
     trajectory = beyond()
-    page = motion_html(APPENDIX_4, Assembly.PRINTED, trajectory)
-    first = analyse(APPENDIX_4, trajectory).check.first
+    page = motion_html(APPENDIX_4, KneeBranch.LOWER, trajectory)
+    first = analyze(APPENDIX_4, trajectory).check.first
     assert first is not None
     assert 0 < first.t - held(page)["duration"] < 0.006
     assert np.isfinite(numbers(held(page), "torques")).all()
@@ -100,13 +100,13 @@ def test_a_failing_motion_is_played_up_to_there() -> None:
 
 def test_names_are_words_and_nothing_else() -> None:
     trajectory = replace(planned("line").sample(50), name=NAME)
-    page = motion_html(replace(APPENDIX_4, name=NAME), Assembly.PRINTED, trajectory).decode()
+    page = motion_html(replace(APPENDIX_4, name=NAME), KneeBranch.LOWER, trajectory).decode()
     assert NAME not in page
     assert "<title>PAMINSA: &lt;b&gt;&amp; &lt;/script&gt; “näme”</title>" in page
 
 
 def test_nothing_is_announced(capfd: pytest.CaptureFixture) -> None:
-    motion_html(APPENDIX_4, Assembly.PRINTED, planned("line").sample(20))
+    motion_html(APPENDIX_4, KneeBranch.LOWER, planned("line").sample(20))
     assert capfd.readouterr() == ("", "")
 
 
@@ -119,20 +119,20 @@ def test_frames_are_bounded() -> None:
 @pytest.mark.parametrize("rate", [0.0, -1.0, 61.0, np.nan])
 def test_impossible_rates_are_refused(rate: float) -> None:
     with pytest.raises(InvalidInput, match="frame_rate"):
-        motion_html(APPENDIX_4, Assembly.PRINTED, planned("line").sample(20), frame_rate=rate)
+        motion_html(APPENDIX_4, KneeBranch.LOWER, planned("line").sample(20), frame_rate=rate)
 
 
 def test_a_motion_that_fails_at_once_is_refused() -> None:
     start = np.add(home(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
     with pytest.raises(ImpossibleTrajectory, match="leg 1"):
-        motion_html(APPENDIX_4, Assembly.PRINTED, move(start, start + 0.1).sample(20))
+        motion_html(APPENDIX_4, KneeBranch.LOWER, move(start, start + 0.1).sample(20))
 
 
 @pytest.mark.browser
 def test_a_browser_plays_it_from_a_file_offline(browser, tmp_path) -> None:
     trajectory = planned("circle").sample(500)
     file = tmp_path / "motion.html"
-    file.write_bytes(motion_html(APPENDIX_4, Assembly.PRINTED, trajectory))
+    file.write_bytes(motion_html(APPENDIX_4, KneeBranch.LOWER, trajectory))
     context = browser.new_context(viewport={"width": 480, "height": 360}, offline=True)
     page = context.new_page()
     page.set_default_timeout(1000 * PATIENCE)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.model import APPENDIX_4, balance_distance, solve_posture, static_torques
+from paminsa_viz.model import APPENDIX_4, inverse_kinematics, static_imbalance, static_torques
 from tests.explorer.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -51,14 +51,14 @@ def test_a_pose_slider_moves_the_right_parts(
     until(lambda: tab.place(node) != before, f"{node} moves")
     until(lambda: tab.handle(SLIDERS[index]).value != 0 or index == 3, "the slider holds it")
     settled(tab)
-    posture = solve_posture(APPENDIX_4.geometry, tab.state.standing.pose)
+    configuration = inverse_kinematics(APPENDIX_4.geometry, tab.state.standing.pose)
     x, y, theta, z = tab.state.standing.pose
     until(lambda: abs(platform_turn(tab) - theta) < 1e-6, "the platform is turned")
     until(
         lambda: np.allclose(tab.place("/robot/platform")[:3], [x, y, z], atol=1e-6),
         "the platform stands where the slider says",
     )
-    assert not np.isnan(posture.actuators).any()
+    assert not np.isnan(configuration.actuators).any()
     if others is not None:
         assert tab.place(others) == still
 
@@ -81,30 +81,30 @@ def settled(tab: Tab) -> None:
         )
 
     until(agree, "inputs and state agree")
-    tab.settle(150)
+    tab.with_document(150)
     until(agree, "inputs and state still agree")
 
 
-def test_a_mass_scales_the_torques_and_the_colours(tab: Tab) -> None:
-    tab.session.ask("test", lambda s: actions.move(s, x=0.06, y=-0.04, theta=0.5))
+def test_a_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
+    tab.session.dispatch("test", lambda s: actions.move(s, x=0.06, y=-0.04, theta=0.5))
     tab.wait_pose(0, 0.06)
     until(lambda: abs(shown_torques(tab)[0]) > 0.1, "the readout follows")
     before = shown_torques(tab)
-    colours = until(lambda: colour_range(tab), "a colour range")
+    colors = until(lambda: color_range(tab), "a color range")
     tab.open_tab("Design")
     tab.type_number("m_B4 bar 9–4–5", 2.5)
     until(lambda: tab.state.document.design.links.b4 == 2.5, "the mass is set")
-    factor = balance_distance(tab.state.document.design) / balance_distance(APPENDIX_4)
+    factor = static_imbalance(tab.state.document.design) / static_imbalance(APPENDIX_4)
     assert factor > 1.9
     tab.open_tab("Pose")
     until(lambda: abs(shown_torques(tab)[0] / before[0] - factor) < 0.02, "τ₁ in proportion")
     np.testing.assert_allclose(shown_torques(tab)[:3], factor * np.array(before[:3]), atol=3e-3)
-    # limits of a colour range are round numbers, next to the proportional ones
-    until(lambda: 0.8 < colour_range(tab) / colours / factor < 1.25, "colours in proportion")
+    # limits of a color range are round numbers, next to the proportional ones
+    until(lambda: 0.8 < color_range(tab) / colors / factor < 1.25, "colors in proportion")
 
 
-def colour_range(tab: Tab) -> float:
-    """Return the upper end of the torque maps' colour range, as the page shows it."""
+def color_range(tab: Tab) -> float:
+    """Return the upper end of the torque maps' color range, as the page shows it."""
     return float(tab.handle("from–to").value[1])
 
 

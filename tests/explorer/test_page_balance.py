@@ -9,8 +9,8 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
-from paminsa_viz.explorer.balancing.wishes import Arm
-from paminsa_viz.model import APPENDIX_4, balance_distance
+from paminsa_viz.explorer.balancing.settings import CounterweightSlot
+from paminsa_viz.model import APPENDIX_4, static_imbalance
 from tests.explorer.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.browser
 @pytest.fixture
 def balance(tab: Tab) -> Tab:
     """The tab with the balance in sight and the robot at a pose that gravity pulls at."""
-    tab.session.ask("test", lambda s: actions.move(s, x=0.1, y=-0.05, theta=0.3))
+    tab.session.dispatch("test", lambda s: actions.move(s, x=0.1, y=-0.05, theta=0.3))
     until(lambda: tab.state.document.pose[0] == 0.1, "the pose")
     tab.open_tab("Balance")
     return tab
@@ -42,7 +42,7 @@ def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
     page = balance.page
     press(balance, "Balance as in the paper")
     page.get_by_test_id("balance-status").get_by_text("Balanced").wait_for()
-    assert balance_distance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
+    assert static_imbalance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
     assert balance.state.document.reference == APPENDIX_4
     text = until(lambda: balance.text("balance-result"), "the tables")
     assert re.search(r"m7 \[kg\]\s+0.28\s+3.063\s+\+2.783", text)
@@ -56,8 +56,11 @@ def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
 
 
 def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> None:
-    balance.session.ask(
-        "test", lambda s: requests.wish(s, arm_b3=Arm(0.1, 0.0), arm_b8=Arm(0.1, 0.5))
+    balance.session.dispatch(
+        "test",
+        lambda s: requests.wish(
+            s, arm_b3=CounterweightSlot(0.1, 0.0), arm_b8=CounterweightSlot(0.1, 0.5)
+        ),
     )
     balance.page.get_by_text("Other masses, other goals").click()
     press(balance, "Find the best masses")
@@ -66,7 +69,7 @@ def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> 
     status.get_by_text("The bounds do not allow it").wait_for()
     assert "raise weight on B8 past 8 from 0.5 to 3.896 kg" in status.inner_text()
     assert balance.state.document.design == APPENDIX_4
-    balance.session.ask("test", lambda s: requests.wish(s, arm_b8=Arm(0.1, 5.0)))
+    balance.session.dispatch("test", lambda s: requests.wish(s, arm_b8=CounterweightSlot(0.1, 5.0)))
     press(balance, "Find the best masses")
     status.get_by_text("Balanced").wait_for()
     node = "/robot/leg2/slider/b8/weight1"

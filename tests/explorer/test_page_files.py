@@ -43,7 +43,7 @@ def as_picture(content: bytes) -> np.ndarray:
 @pytest.fixture
 def posed(tab: Tab) -> Tab:
     """The tab at a pose with torques."""
-    tab.session.ask("test", lambda s: actions.move(s, x=0.05, y=-0.03, theta=0.4))
+    tab.session.dispatch("test", lambda s: actions.move(s, x=0.05, y=-0.03, theta=0.4))
     tab.wait_pose(0, 0.05)
     return tab
 
@@ -108,7 +108,9 @@ def test_the_mujoco_model_runs(posed: Tab) -> None:
 
 
 def test_a_saved_design_restores_it(tab: Tab) -> None:
-    tab.session.ask("test", lambda s: actions.vary(s, {"links.b3": 0.777, "payload.mass": 3.0}))
+    tab.session.dispatch(
+        "test", lambda s: actions.vary(s, {"links.b3": 0.777, "payload.mass": 3.0})
+    )
     until(lambda: tab.state.document.design.links.b3 == 0.777, "the design changes")
     saved = tab.state.document.design
     tab.open_tab("File")

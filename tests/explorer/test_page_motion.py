@@ -12,7 +12,7 @@ from paminsa_viz.explorer.motion import requests, uplot
 from paminsa_viz.explorer.motion.description import Kind, Timing
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.panels.motion_playback import TIME
-from paminsa_viz.model.trajectory import Trajectory, analyse
+from paminsa_viz.trajectory import Trajectory, analyze
 from tests.explorer.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -23,7 +23,7 @@ def motion(tab: Tab) -> Tab:
     """The tab with the motion's controls and curves in sight, and a circle chosen."""
     tab.open_tab("Motion")
     tab.open_tab("Motion plots")
-    tab.session.ask("test", lambda s: requests.choose_preset(s, "circle"))
+    tab.session.dispatch("test", lambda s: requests.choose_preset(s, "circle"))
     until(lambda: len(page_curves(tab)) == 2, "two charts")
     until(lambda: "circle" in tab.page.inner_text("body"), "the caption")
     return tab
@@ -63,7 +63,7 @@ def platform(tab: Tab) -> np.ndarray:
 
 
 def test_the_robot_stands_at_the_plotted_instant(motion: Tab) -> None:
-    motion.session.ask("test", lambda s: requests.choose_preset(s, "paper-like"))
+    motion.session.dispatch("test", lambda s: requests.choose_preset(s, "paper-like"))
     until(lambda: planned(motion).duration < 1.3, "another motion")
     for time in (0.1, 0.617, 1.2):
         motion.type_number(TIME, time)
@@ -87,7 +87,7 @@ def test_a_click_on_a_curve_goes_there(motion: Tab) -> None:
 
 
 def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
-    motion.session.ask(
+    motion.session.dispatch(
         "test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=1.2, kind=Kind.MOVE)
     )
     until(lambda: planned(motion).duration == 1.2, "a short motion")
@@ -107,7 +107,7 @@ def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
 
 
 def test_a_pose_slider_stops_the_playing(motion: Tab) -> None:
-    motion.session.ask("test", lambda s: requests.play(requests.set_playback(s, loop=True)))
+    motion.session.dispatch("test", lambda s: requests.play(requests.set_playback(s, loop=True)))
     until(lambda: motion.state.playback.time > 0.1, "it plays")
     motion.open_tab("Pose")
     motion.type_number("z  [mm]", -480)
@@ -125,13 +125,13 @@ def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
     motion.press("m_B4 bar 9–4–5", "End")
     until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
     until(lambda: np.abs(torques()).max() > 1.2 * np.abs(before).max(), "the curves move")
-    motion.settle(300)
+    motion.with_document(300)
     design = motion.state.document.design
 
     def as_the_model() -> bool:
         series = np.array(page_curves(motion)[0])
         rows = np.searchsorted(planned(motion).t, series[0])
-        wanted = analyse(design, planned(motion)).torque[rows, :3].T
+        wanted = analyze(design, planned(motion)).torque[rows, :3].T
         return bool(np.abs(series[3:6] - wanted).max() < 1e-9)
 
     until(as_the_model, "the page draws the model's torques")
@@ -139,8 +139,8 @@ def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
 
 
 def test_a_pinned_design_and_misprints_stand_beside(motion: Tab) -> None:
-    motion.session.ask("pin", actions.pin_reference)
-    motion.session.ask("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
+    motion.session.dispatch("pin", actions.pin_reference)
+    motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
     switch = motion.handle("formulae as printed")._impl.uuid
     motion.page.locator(f'[id="{switch}"]').click()
     until(lambda: motion.state.plots.printed, "the switch is read")
@@ -161,23 +161,25 @@ def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -
         assert len(apart) >= 25
         assert max(map(abs, apart)) < 1e-9
     # Another design has no marks until the engine has spoken of it.
-    motion.session.ask("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
+    motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
     until(lambda: motion.state.engine_answer is not answer, "the engine is asked again")
-    motion.session.ask("test", lambda s: requests.set_plots(s, plot=Plot.DIFFERENCE, printed=True))
+    motion.session.dispatch(
+        "test", lambda s: requests.set_plots(s, plot=Plot.DIFFERENCE, printed=True)
+    )
     until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
     assert motion.text("motion-numbers").count("FAIL") == 4
     motion.page.get_by_text("the misprints").wait_for()
 
 
 def test_an_impossible_motion_is_reported(motion: Tab) -> None:
-    motion.session.ask(
+    motion.session.dispatch(
         "test",
         lambda s: requests.change(
             requests.choose_kind(s, Kind.LINE), start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55)
         ),
     )
     until(lambda: "Not possible" in motion.text("motion-status"), "the status")
-    first = analyse(motion.state.document.design, planned(motion)).check.first
+    first = analyze(motion.state.document.design, planned(motion)).check.first
     assert first is not None
     until(lambda: first.explanation in motion.text("motion-status"), "when and why")
     until(lambda: any(np.array(page_curves(motion)[0][2]) == 1.0), "failures are shaded")
@@ -195,7 +197,7 @@ def upload(tab: Tab, name: str, text: str) -> None:
 
 
 def test_a_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
-    motion.session.ask("test", lambda s: requests.choose_kind(s, Kind.TABLE))
+    motion.session.dispatch("test", lambda s: requests.choose_kind(s, Kind.TABLE))
     until(lambda: "No motion yet" in motion.text("motion-status"), "a file is missing")
     rows = io.StringIO()
     rows.write("t_s,x_mm,y_mm,theta_deg,z_mm\n")
@@ -222,7 +224,7 @@ def test_a_simulation_shows_its_error(motion: Tab) -> None:
 
 
 def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
-    motion.session.ask("test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=2.5))
+    motion.session.dispatch("test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=2.5))
     until(lambda: planned(motion).duration == 2.5, "another duration")
     wanted = motion.state.document.motion
     motion.wait_saved()

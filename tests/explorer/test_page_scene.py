@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.meshes.layout import layout
 from tests.explorer.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -32,31 +32,31 @@ FRAMES = "() => window.__viserMutable.scene.__r3f.root.getState().gl.info.render
 
 
 def test_without_a_graphics_card_a_change_takes_few_pictures(tab: Tab) -> None:
-    tab.settle(1500)
+    tab.with_document(1500)
     before = tab.page.evaluate(FRAMES)
-    tab.session.ask("test", lambda s: actions.move(s, x=0.07))
+    tab.session.dispatch("test", lambda s: actions.move(s, x=0.07))
     until(lambda: tab.place("/robot/platform")[0] == pytest.approx(0.07), "the robot moves")
-    tab.settle(1000)
+    tab.with_document(1000)
     # The robot, the mark on the floor, a late one, one a second; viser alone draws twelve.
     assert 1 <= tab.page.evaluate(FRAMES) - before <= 9
 
 
 def test_the_handle_drags_the_platform(tab: Tab) -> None:
-    tab.session.ask("test", lambda s: actions.set_layers(s, gizmo=True))
+    tab.session.dispatch("test", lambda s: actions.set_layers(s, gizmo=True))
     until(lambda: tab.place("/gizmo"), "the handle is there")
-    tab.settle(600)
+    tab.with_document(600)
     start = np.array(tab.state.standing.pose)
     # Along the arrow of x, by its own length on the screen.
     (x0, y0), (x1, y1) = (on_screen(tab, "/gizmo", (way, 0.0, 0.0)) for way in (0.13, 0.19))
     tab.page.mouse.move(x0, y0)
-    tab.settle(200)
+    tab.with_document(200)
     tab.page.mouse.down()
     for part in np.linspace(0.2, 1.0, 5):
         tab.page.mouse.move(x0 + part * (x1 - x0), y0 + part * (y1 - y0))
-        tab.settle(80)
+        tab.with_document(80)
     tab.page.mouse.up()
     until(lambda: tab.state.standing.pose[0] > start[0] + 0.04, "the platform follows the handle")
-    tab.settle(400)
+    tab.with_document(400)
     pose = np.array(tab.state.standing.pose)
     assert pose[0] == pytest.approx(start[0] + 0.06, abs=0.015)
     np.testing.assert_allclose(pose[1:], start[1:], atol=1e-4)
@@ -74,7 +74,7 @@ def test_a_click_on_the_floor_map_goes_there(tab: Tab) -> None:
     geometry = tab.state.document.design.geometry
     ground = layout(geometry).ground
     goal = (0.12, -0.16)
-    tab.settle(600)
+    tab.with_document(600)
     x, y = on_screen(tab, "/robot/base", (*goal, ground))
     tab.page.mouse.click(x, y)
     until(

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.panels.pose_panel import ASSEMBLY_LABELS, PosePanel
 from paminsa_viz.explorer.panels.pose_slider import GRAIN, heights, holding, pose_limits
-from paminsa_viz.explorer.server import open_server
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import home_pose
-from paminsa_viz.model import APPENDIX_4, Assembly, check_reach
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from tests.samples import random_design
 
 from .panel_desk import Desk, desk_with
@@ -25,9 +25,9 @@ from .panel_desk import Desk, desk_with
 HOME = -552.0
 
 
-@given(seed=st.integers(0, 10**6), assembly=st.sampled_from(Assembly))
+@given(seed=st.integers(0, 10**6), assembly=st.sampled_from(KneeBranch))
 def test_heights_are_clear_of_the_frame_or_on_the_way_to_home(
-    seed: int, assembly: Assembly
+    seed: int, assembly: KneeBranch
 ) -> None:
     geometry = random_design(np.random.default_rng(seed)).geometry
     low, high = heights(geometry, assembly)
@@ -41,8 +41,8 @@ def test_heights_are_clear_of_the_frame_or_on_the_way_to_home(
         assert clear[0] <= low < high <= clear[1]
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
-def test_the_ends_of_the_sliders_are_in_reach_at_the_centre(assembly: Assembly) -> None:
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_the_ends_of_the_sliders_are_in_reach_at_the_center(assembly: KneeBranch) -> None:
     limits = pose_limits(APPENDIX_4.geometry, assembly)
     for z in limits[3]:
         for theta in limits[2]:
@@ -88,14 +88,14 @@ def test_a_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
     desk.set(slider, -600.0)
     desk.until(lambda: desk.state.standing.pose[3] == pytest.approx(-0.6))
     assert ends(desk) == (-910.0, -230.0)
-    desk.ask(actions.go_home)
+    desk.dispatch(actions.go_home)
     desk.until(lambda: (slider.value, ends(desk)) == (HOME, (-830.0, -230.0)))
 
 
 def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
     sliders = [row.slider for row in desk.panel.sliders]
     far = replace(desk.state.document, pose=(2.0, -3.0, 4.0, 5.0))
-    desk.ask(lambda s: actions.restore(s, far))
+    desk.dispatch(lambda s: actions.restore(s, far))
     desk.until(lambda: sliders[3].max >= sliders[3].value == 5000.0)
     for slider in sliders:
         assert slider.min <= slider.value <= slider.max
@@ -106,21 +106,21 @@ def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
 
 def test_the_range_follows_assembly_and_lengths(desk: Desk) -> None:
     slider = desk.panel.sliders[3].slider
-    desk.set(desk.panel.assembly, ASSEMBLY_LABELS[Assembly.MIRROR])
-    mirrored = heights(APPENDIX_4.geometry, Assembly.MIRROR)
+    desk.set(desk.panel.assembly, ASSEMBLY_LABELS[KneeBranch.UPPER])
+    mirrored = heights(APPENDIX_4.geometry, KneeBranch.UPPER)
     desk.until(lambda: ends(desk) == mirrored)
     assert mirrored[0] <= slider.value <= mirrored[1]
-    desk.ask(lambda s: actions.vary(s, {"geometry.crank_length": 0.5}))
-    longer = heights(desk.design.geometry, Assembly.MIRROR)
+    desk.dispatch(lambda s: actions.vary(s, {"geometry.crank_length": 0.5}))
+    longer = heights(desk.design.geometry, KneeBranch.UPPER)
     assert longer != mirrored
     desk.until(lambda: ends(desk) == longer)
 
 
 def test_a_pose_that_other_lengths_put_out_of_the_range_keeps_its_place(desk: Desk) -> None:
     slider = desk.panel.sliders[3].slider
-    desk.ask(lambda s: actions.move(s, z=-0.82))
-    desk.ask(lambda s: actions.vary(s, {"geometry.shaft_length": 0.4}))
-    low, high = heights(desk.design.geometry, Assembly.PRINTED)
+    desk.dispatch(lambda s: actions.move(s, z=-0.82))
+    desk.dispatch(lambda s: actions.vary(s, {"geometry.shaft_length": 0.4}))
+    low, high = heights(desk.design.geometry, KneeBranch.LOWER)
     assert low > -820.0
     desk.until(lambda: ends(desk) == (-820.0, high))
     assert slider.value == -820.0

@@ -11,7 +11,7 @@ import viser
 from viser import _messages
 from websockets.exceptions import InvalidStatus
 
-from paminsa_viz.explorer.server import (
+from paminsa_viz.explorer.server.listening import (
     CannotListen,
     PortTaken,
     ViserChanged,

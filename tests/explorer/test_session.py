@@ -119,7 +119,7 @@ def test_the_first_frame_is_drawn_without_being_asked_for(desk: Desk) -> None:
 
 def test_five_hundred_requests_end_at_the_last_one(desk: Desk) -> None:
     for i in range(1, 501):
-        desk.session.ask("slider", to(i / 5000))
+        desk.session.dispatch("slider", to(i / 5000))
     eventually(lambda: desk.x == 0.1)
     desk.rest()
     for watch in (desk.first, desk.later):
@@ -143,11 +143,11 @@ def test_of_what_came_while_drawing_only_the_newest_of_each_control_runs(desk: D
         return run
 
     desk.first.hold()
-    desk.session.ask("x", to(0.01))
+    desk.session.dispatch("x", to(0.01))
     assert desk.first.inside.wait(PATIENCE)
     for i in range(100):
-        desk.session.ask("x", counted(f"x{i}", to(i / 1000)))
-        desk.session.ask("y", counted(f"y{i}", lambda s, i=i: actions.move(s, y=i / 1000)))
+        desk.session.dispatch("x", counted(f"x{i}", to(i / 1000)))
+        desk.session.dispatch("y", counted(f"y{i}", lambda s, i=i: actions.move(s, y=i / 1000)))
     desk.first.gate.set()
     eventually(lambda: desk.session.state.document.pose[:2] == (0.099, 0.099))
     desk.rest()
@@ -163,7 +163,7 @@ def test_a_request_that_raises_changes_nothing_is_told_and_is_set_back(
 
     desk.rest()
     before, drawn = desk.session.state, len(desk.first.drawn)
-    desk.session.ask("wrong", wrong)
+    desk.session.dispatch("wrong", wrong)
     eventually(lambda: desk.page.told)
     eventually(lambda: len(desk.first.drawn) > drawn)  # so that the input is set back
     assert desk.session.state == before
@@ -182,12 +182,12 @@ def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
     done = threading.Event()
     desk.rest()
     desk.first.hold()
-    desk.session.ask("start", to(0.01))
+    desk.session.dispatch("start", to(0.01))
     assert desk.first.inside.wait(PATIENCE)
-    desk.session.ask("wrong", wrong)
-    desk.session.ask("x", to(0.02))
-    desk.session.do(wrong_job)
-    desk.session.do(done.set)
+    desk.session.dispatch("wrong", wrong)
+    desk.session.dispatch("x", to(0.02))
+    desk.session.submit(wrong_job)
+    desk.session.submit(done.set)
     desk.first.gate.set()
     assert done.wait(PATIENCE)
     desk.rest()
@@ -198,10 +198,10 @@ def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
 def test_a_view_that_fails_does_not_end_the_session(desk: Desk) -> None:
     desk.rest()
     desk.first.trouble = RuntimeError("broken")
-    desk.session.ask("x", to(0.01))
+    desk.session.dispatch("x", to(0.01))
     eventually(lambda: desk.page.told)
     desk.first.trouble = None
-    desk.session.ask("x", to(0.02))
+    desk.session.dispatch("x", to(0.02))
     eventually(lambda: desk.x == 0.02)
     desk.rest()
 
@@ -213,10 +213,10 @@ def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> 
     views = (desk.later, second)  # they take turns, so that either may be the first
     for view in views:
         view.hold()
-    desk.session.ask("x", to(0.01))
+    desk.session.dispatch("x", to(0.01))
     eventually(lambda: any(view.inside.is_set() for view in views))
     waiting = next(view for view in views if not view.inside.is_set())
-    desk.session.ask("x", to(0.02))  # while the first of the slow views draws,
+    desk.session.dispatch("x", to(0.02))  # while the first of the slow views draws,
     time.sleep(2 * session.PATIENCE)  # and draws
     for view in views:
         view.gate.set()
@@ -234,7 +234,7 @@ def test_the_scene_goes_first_then_the_numbers_then_what_is_slow(desk: Desk) -> 
     ):
         view = SimpleNamespace(draw=lambda frame, moving, name=name: order.append(name))
         views.append(cast(session.View, view))
-    desk.session.ask("x", to(0.03))
+    desk.session.dispatch("x", to(0.03))
     eventually(lambda: len(order) == 6)  # while the hand moves, and once more when it rests
     assert order == 2 * ["first", "words", "later"]
 
@@ -242,7 +242,7 @@ def test_the_scene_goes_first_then_the_numbers_then_what_is_slow(desk: Desk) -> 
 def test_undo_and_redo_go_step_by_step(desk: Desk) -> None:
     assert not desk.session.can_undo
     for name, x in (("a", 0.01), ("b", 0.02), ("c", 0.03)):
-        desk.session.ask(name, to(x))
+        desk.session.dispatch(name, to(x))
         eventually(lambda x=x: desk.x == x)
     for x in (0.02, 0.01, 0.0):
         desk.session.undo()
@@ -262,8 +262,8 @@ def test_a_closed_session_does_nothing_more(desk: Desk) -> None:
     desk.session._thread.join(PATIENCE)
     assert not desk.session._thread.is_alive()
     drawn = len(desk.first.drawn)
-    desk.session.ask("x", to(0.05))
-    desk.session.do(lambda: desk.page.told.append(("", "")))
+    desk.session.dispatch("x", to(0.05))
+    desk.session.submit(lambda: desk.page.told.append(("", "")))
     assert desk.x == 0.0
     assert len(desk.first.drawn) == drawn
     assert not desk.page.told
@@ -275,7 +275,7 @@ def test_a_tab_that_goes_while_it_is_drawn_leaves_quietly(
     desk.rest()
     desk.first.hold()
     desk.first.trouble = RuntimeError("the socket is gone")
-    desk.session.ask("x", to(0.01))
+    desk.session.dispatch("x", to(0.01))
     assert desk.first.inside.wait(PATIENCE)
     desk.session.close()
     desk.first.gate.set()
@@ -311,7 +311,7 @@ def test_a_value_that_was_set_while_another_frame_is_drawn_is_not_lost(desk: Des
     )
     desk.session.first.append(control)
     handle.value = 0.07  # the callback is still on its way
-    desk.session.ask("y", lambda state: actions.move(state, y=0.02))
+    desk.session.dispatch("y", lambda state: actions.move(state, y=0.02))
     eventually(lambda: desk.session.state.document.pose[1] == 0.02)
     desk.rest()
     assert handle.value == 0.07

@@ -51,7 +51,7 @@ def test_appendix_4_is_the_same_to_the_last_digit_after_a_visit_to_the_page() ->
         assert edge(path).inside(edge(path).shown(value)) == value
 
 
-def test_lengths_are_in_millimetres() -> None:
+def test_lengths_are_in_millimeters() -> None:
     assert edge("geometry.guide_link_length").text(0.3635) == "363.5 mm"
     assert edge("links.b3").text(0.406) == "0.406 kg"
     assert edge("geometry.magnification").text(3.0) == "3"

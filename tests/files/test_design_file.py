@@ -142,11 +142,11 @@ def test_a_name_that_no_file_can_hold_is_refused_before_anything_is_written(tmp_
 
 
 def test_files_that_can_not_be_reached(tmp_path) -> None:
-    with pytest.raises(DesignFileError, match=r"none\.toml: can not be read: no such file"):
+    with pytest.raises(DesignFileError, match=r"none\.toml: cannot be read: no such file"):
         load_design(tmp_path / "none.toml")
-    with pytest.raises(DesignFileError, match="can not be read: is a directory"):
+    with pytest.raises(DesignFileError, match="cannot be read: is a directory"):
         load_design(tmp_path)
-    with pytest.raises(DesignFileError, match="can not be read"):
+    with pytest.raises(DesignFileError, match="cannot be read"):
         load_design("nul\0byte")
     with pytest.raises(FileError, match="its folder does not exist"):
         save_design(APPENDIX_4, tmp_path / "no" / "robot.toml")

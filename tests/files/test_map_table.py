@@ -13,10 +13,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.figures.maps import MapData, difference
 from paminsa_viz.files.map_table import map_columns, map_csv, map_npz
 from paminsa_viz.model import APPENDIX_4, Quantity
-from tests.figures.samples import SOURCE, made_up, real
+from paminsa_viz.plots.maps import MapData, difference
+from tests.plots.samples import SOURCE, made_up, real
 
 COLUMNS = ["x_m", "y_m", "theta_rad", "z_m", "tau1_Nm", "tau2_Nm", "tau3_Nm", "status"]
 

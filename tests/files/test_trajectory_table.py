@@ -21,8 +21,8 @@ from paminsa_viz.files.trajectory_series import (
     write_series,
 )
 from paminsa_viz.files.trajectory_table import parse_trajectory, read_trajectory
-from paminsa_viz.model import APPENDIX_4, Assembly, Misprint
-from paminsa_viz.model.trajectory import Control, Controller, Trajectory, analyse, move, simulate
+from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
+from paminsa_viz.trajectory import Control, Controller, Trajectory, analyze, move, simulate
 
 HEAD = "t_s,x_m,y_m,theta_rad,z_m"
 ROWS = "0,0,0,0,-0.5\n0.5,0.01,0,0,-0.5\n"
@@ -161,9 +161,9 @@ def test_names_rest_and_files(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("samples", [SAMPLES, LEAVING], ids=["possible", "leaving"])
-@pytest.mark.parametrize("assembly", Assembly)
+@pytest.mark.parametrize("assembly", KneeBranch)
 def test_a_written_trajectory_comes_back(samples, assembly, tmp_path) -> None:
-    found = analyse(APPENDIX_4, samples, assembly)
+    found = analyze(APPENDIX_4, samples, assembly)
     path = tmp_path / "out.csv"
     write_series(path, analysis_series(found))
     back = read_trajectory(path)
@@ -173,7 +173,7 @@ def test_a_written_trajectory_comes_back(samples, assembly, tmp_path) -> None:
 
 
 def test_what_a_written_table_holds() -> None:
-    found = analyse(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
+    found = analyze(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
     series = analysis_series(found)
     assert set(series.columns) == {*WRITTEN, *RESULTS} - {"status"}
     text = series_csv(series).decode()
@@ -196,7 +196,7 @@ def test_what_a_written_table_holds() -> None:
 
 
 def test_npz_holds_the_same() -> None:
-    found = analyse(APPENDIX_4, SAMPLES)
+    found = analyze(APPENDIX_4, SAMPLES)
     series = analysis_series(found)
     data = np.load(io.BytesIO(series_npz(series)))
     for name, column in series.columns.items():
@@ -226,7 +226,7 @@ def test_hostile_names_stay_on_one_line() -> None:
     samples = Trajectory(
         SAMPLES.t, SAMPLES.pose, SAMPLES.velocity, SAMPLES.acceleration, "a\nt_s,b"
     )
-    found = analyse(APPENDIX_4.vary({}), samples)
+    found = analyze(APPENDIX_4.vary({}), samples)
     text = series_csv(analysis_series(found)).decode()
     assert parse(text).size == samples.size
     with pytest.raises(FileError):

@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, Assembly, Design, Geometry
+from paminsa_viz.model import APPENDIX_4, Design, Geometry, KneeBranch
 from tests import oracle, samples
 
-BOTH = pytest.mark.parametrize("assembly", list(Assembly))
+BOTH = pytest.mark.parametrize("assembly", list(KneeBranch))
 """Runs a test in both assembly modes."""
 
-OTHER = {Assembly.PRINTED: Assembly.MIRROR, Assembly.MIRROR: Assembly.PRINTED}
+OTHER = {KneeBranch.LOWER: KneeBranch.UPPER, KneeBranch.UPPER: KneeBranch.LOWER}
 """The assembly mode that a robot is not in."""
 
 BY_HAND = np.array([[0.0, 0.0, 0.0, -0.5], [0.05, -0.03, 0.4, -0.6], [-0.04, 0.06, -0.7, -0.45]])
@@ -33,7 +33,7 @@ class Case:
     """A random robot in one of the assembly modes, and poses and motions of it."""
 
     seed: int
-    assembly: Assembly
+    assembly: KneeBranch
 
     @property
     def design(self) -> Design:
@@ -66,7 +66,7 @@ def _design(seed: int) -> Design:
 
 
 @cache
-def _poses(seed: int, assembly: Assembly, n: int, natural: bool) -> Any:
+def _poses(seed: int, assembly: KneeBranch, n: int, natural: bool) -> Any:
     rng = np.random.default_rng(1000 + seed)
     poses = samples.random_poses(rng, _design(seed), assembly, n, natural=natural)
     poses.setflags(write=False)
@@ -74,7 +74,7 @@ def _poses(seed: int, assembly: Assembly, n: int, natural: bool) -> Any:
 
 
 @cache
-def _states(seed: int, assembly: Assembly, n: int) -> tuple[Any, Any, Any]:
+def _states(seed: int, assembly: KneeBranch, n: int) -> tuple[Any, Any, Any]:
     rng = np.random.default_rng(2000 + seed)
     states = samples.random_states(rng, _design(seed), assembly, n)
     for array in states:
@@ -98,7 +98,7 @@ def _driving_torques(case: Case, n: int) -> Any:
 
 def cases() -> st.SearchStrategy[Case]:
     """Draw a robot, number 0 being Appendix 4's, in one of the assembly modes."""
-    return st.builds(Case, st.integers(0, ROBOTS - 1), st.sampled_from(Assembly))
+    return st.builds(Case, st.integers(0, ROBOTS - 1), st.sampled_from(KneeBranch))
 
 
 def worst(actual: Any, expected: Any) -> float:

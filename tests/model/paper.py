@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model import Assembly, Design, Geometry, Misprint
+from paminsa_viz.model import Design, Geometry, KneeBranch, Misprint
 from tests.jets import Jet, cos, sin, sqrt
 
 STEP = 1e-30
@@ -53,7 +53,7 @@ def base_points(g: Geometry) -> list[tuple[float, float]]:
     return [(e11, e21), (e12, e22), (e13, e23)]
 
 
-def appendix_1(g: Geometry, q: Any, assembly: Assembly) -> list[PaperLeg]:
+def appendix_1(g: Geometry, q: Any, assembly: KneeBranch) -> list[PaperLeg]:
     """Appendix 1 for the eight coordinates q = (x, y, theta, z, theta_1, theta_2, theta_3, Z)."""
     x, y, theta, z, *thetas, _ = q
     k, rpl = g.magnification, g.platform_radius
@@ -89,7 +89,7 @@ def closure(g: Geometry, q: Any) -> list[Any]:
     """s_1..s_4, Eqs. 16 and 17."""
     found = [
         (leg.x5 - leg.e1) * sin(leg.beta) - (leg.y5 - leg.e2) * cos(leg.beta)
-        for leg in appendix_1(g, q, Assembly.PRINTED)
+        for leg in appendix_1(g, q, KneeBranch.LOWER)
     ]
     return [*found, (q[3] + g.platform_joint_height) / g.magnification - q[7] + g.shaft_length]
 
@@ -168,7 +168,7 @@ def appendix_3(design: Design, misprints: Misprint = Misprint.NONE) -> dict[str,
 
 
 def kinetic(
-    design: Design, q: Any, v: Any, assembly: Assembly, misprints: Misprint = Misprint.NONE
+    design: Design, q: Any, v: Any, assembly: KneeBranch, misprints: Misprint = Misprint.NONE
 ) -> Any:
     """T of Eqs. 12 to 14 at the eight coordinates q and their rates v."""
     g = design.geometry
@@ -213,7 +213,7 @@ def kinetic(
     return total
 
 
-def potential(design: Design, q: Any, assembly: Assembly) -> Any:
+def potential(design: Design, q: Any, assembly: KneeBranch) -> Any:
     """V of Eq. 11 at the eight coordinates q."""
     c = appendix_2(design)
     mass = design.platform.mass + design.payload.mass
@@ -238,7 +238,7 @@ def lagrange(
     q: Any,
     v: Any,
     a: Any,
-    assembly: Assembly,
+    assembly: KneeBranch,
     misprints: Misprint = Misprint.NONE,
 ) -> Any:
     """d/dt(dL/dq') - dL/dq of Eq. 15 for arrays q, v, a (..., 8), as (..., 8)."""

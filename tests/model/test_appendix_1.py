@@ -1,4 +1,4 @@
-"""The formulae of Appendix 1 as they stand in the text, against the solved posture."""
+"""The formulae of Appendix 1 as they stand in the text, against the solved configuration."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from hypothesis import given
 
-from paminsa_viz.model import APPENDIX_4, Assembly, Geometry, closure, solve_posture
+from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch, closure, inverse_kinematics
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from tests.model import paper
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
 
 
-def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: Assembly) -> Any:
+def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: KneeBranch) -> Any:
     """P_9k of Appendix 1, letter by letter, (..., 3 legs, 3)."""
     x, y, theta, z = np.moveaxis(pose, -1, 0)
     k, lb3, lb4 = geometry.magnification, geometry.crank_length, geometry.coupler_length
@@ -41,7 +41,7 @@ def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: Assembl
         D = 2 * B * (X4 - A)
         E = -(B**2 + 1)
         K = np.sqrt(D**2 - 4 * E * C)
-        F = -(D - K) / (2 * E) if assembly is Assembly.PRINTED else -(D + K) / (2 * E)
+        F = -(D - K) / (2 * E) if assembly is KneeBranch.LOWER else -(D + K) / (2 * E)
         H = A + B * F
         knees.append([e1[i] + H * np.cos(beta[i]), e2[i] + H * np.sin(beta[i]), F])
     return np.moveaxis(np.array(knees), (0, 1), (-2, -1))
@@ -50,20 +50,20 @@ def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: Assembl
 @given(case=cases())
 def test_the_printed_formulae_give_joint_9(case: Case) -> None:
     pose = case.poses(32)
-    posture = solve_posture(case.geometry, pose, case.assembly)
-    knees = typed_knees(case.geometry, pose, posture.actuators, case.assembly)
-    assert_within(posture.points[9], knees, 1e-12 * case.geometry.coupler_length)
+    configuration = inverse_kinematics(case.geometry, pose, case.assembly)
+    knees = typed_knees(case.geometry, pose, configuration.actuators, case.assembly)
+    assert_within(configuration.points[9], knees, 1e-12 * case.geometry.coupler_length)
 
 
 @BOTH
-def test_the_printed_root_is_the_lower_knee(assembly: Assembly) -> None:
-    """Of the two roots of F in one posture; both close the pantograph."""
+def test_the_printed_root_is_the_lower_knee(assembly: KneeBranch) -> None:
+    """Of the two roots of F in one configuration; both close the pantograph."""
     geometry = APPENDIX_4.geometry
-    actuators = solve_posture(geometry, BY_HAND).actuators
+    actuators = inverse_kinematics(geometry, BY_HAND).actuators
     knee = typed_knees(geometry, BY_HAND, actuators, assembly)
     other = typed_knees(geometry, BY_HAND, actuators, OTHER[assembly])
-    assert np.all((knee[..., 2] < other[..., 2]) == (assembly is Assembly.PRINTED))
-    solved = solve_posture(geometry, BY_HAND, assembly).points
+    assert np.all((knee[..., 2] < other[..., 2]) == (assembly is KneeBranch.LOWER))
+    solved = inverse_kinematics(geometry, BY_HAND, assembly).points
     assert_within(solved[9], knee, 1e-14)
 
 
@@ -71,19 +71,19 @@ def test_the_printed_root_is_the_lower_knee(assembly: Assembly) -> None:
 def test_the_second_typing_agrees(case: Case) -> None:
     """`tests.model.paper`, which the Lagrange tests stand on, and its closure equations."""
     pose = case.poses()
-    posture = solve_posture(case.geometry, pose, case.assembly)
-    q = np.moveaxis(np.concatenate([pose, posture.actuators], axis=-1), -1, 0)
+    configuration = inverse_kinematics(case.geometry, pose, case.assembly)
+    q = np.moveaxis(np.concatenate([pose, configuration.actuators], axis=-1), -1, 0)
     legs = paper.appendix_1(case.geometry, q, case.assembly)
     for index, leg in enumerate(legs):
         for number, point in ((5, (leg.x5, leg.y5, leg.z5)), (9, (leg.x9, leg.y9, leg.z9))):
-            solved = posture.points[number][:, index]
+            solved = configuration.points[number][:, index]
             assert_within(solved, np.stack(point, -1), 1e-12 * case.geometry.coupler_length)
     typed = np.stack(paper.closure(case.geometry, q), -1)
     assert_within(typed, np.zeros_like(typed), 1e-14)
-    off = np.random.default_rng(case.seed).normal(size=posture.actuators.shape)
+    off = np.random.default_rng(case.seed).normal(size=configuration.actuators.shape)
     q[4:] += off.T
     typed = np.stack(paper.closure(case.geometry, q), -1)
-    assert_within(closure(case.geometry, pose, posture.actuators + off), typed, 1e-14)
+    assert_within(closure(case.geometry, pose, configuration.actuators + off), typed, 1e-14)
     assert np.abs(typed).max() > 1e-3
 
 
@@ -108,17 +108,17 @@ def test_base_points_with_their_indices_put_right() -> None:
     assert [len(by_coordinate[leg]) for leg in (1, 2, 3)] == [3, 3, 0]
 
 
-def test_leg_planes_face_the_centre_at_zero() -> None:
+def test_leg_planes_face_the_center_at_zero() -> None:
     """beta_k = theta_k + 30, 150, 270 degrees: the platform's side of axes at 210, -30, 90."""
-    posture = solve_posture(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -0.5])
-    assert_within(posture.actuators[:3], np.zeros(3), 1e-15)
-    assert_within(np.cos(posture.beta - HEADINGS), np.ones(3), 1e-15)
+    configuration = inverse_kinematics(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -0.5])
+    assert_within(configuration.actuators[:3], np.zeros(3), 1e-15)
+    assert_within(np.cos(configuration.beta - HEADINGS), np.ones(3), 1e-15)
     towards = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)], axis=-1)
     assert_within(towards, -LEG_AXES, 1e-15)
 
 
 def test_no_length_of_appendix_4_is_written_into_the_formulae() -> None:
-    """A robot of twice the size has postures of twice the size."""
+    """A robot of twice the size has configurations of twice the size."""
     g = APPENDIX_4.geometry
     twice = replace(
         g,
@@ -130,8 +130,8 @@ def test_no_length_of_appendix_4_is_written_into_the_formulae() -> None:
         platform_joint_height=2 * g.platform_joint_height,
         guide_link_length=2 * g.guide_link_length,
     )
-    small = solve_posture(g, BY_HAND)
-    large = solve_posture(twice, BY_HAND * [2.0, 2.0, 1.0, 2.0])
+    small = inverse_kinematics(g, BY_HAND)
+    large = inverse_kinematics(twice, BY_HAND * [2.0, 2.0, 1.0, 2.0])
     for number, points in small.points.items():
         assert_within(large.points[number], 2 * points, 1e-14)
     assert_within(large.actuators[:, :3], small.actuators[:, :3], 1e-14)

@@ -13,12 +13,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import paminsa_viz.model as model
-from paminsa_viz.model import APPENDIX_4, Assembly, Design, InvalidInput, backend, compiled
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, backend, compiled
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
 from tests.model.cases import BOTH, BY_HAND, Case, cases
 
-Call = Callable[[Design, Any, Any, Any, Assembly], list[Any]]
+Call = Callable[[Design, Any, Any, Any, KneeBranch], list[Any]]
 """A function of the model on (design, pose, velocity, third, assembly), and its arrays."""
 
 
@@ -30,7 +30,7 @@ def breakdown(parts: TorqueBreakdown) -> list[Any]:
     return [parts.gravity, parts.inertial, parts.velocity, parts.friction, parts.total]
 
 
-def posture(found: model.Posture) -> list[Any]:
+def configuration(found: model.Configuration) -> list[Any]:
     return [found.actuators, found.beta, found.psi, found.phi, *found.points.values()]
 
 
@@ -40,12 +40,14 @@ def motion(found: model.Motion) -> list[Any]:
 
 
 CALLS: dict[str, Call] = {
-    "solve_posture": lambda d, p, v, a, m: posture(model.solve_posture(d.geometry, p, m)),
-    "solve_motion": lambda d, p, v, a, m: motion(model.solve_motion(d.geometry, p, v, a, m)),
+    "inverse_kinematics": lambda d, p, v, a, m: configuration(
+        model.inverse_kinematics(d.geometry, p, m)
+    ),
+    "joint_rates": lambda d, p, v, a, m: motion(model.joint_rates(d.geometry, p, v, a, m)),
     "forward_kinematics": lambda d, p, v, a, m: [
         *vars(model.forward_kinematics(d.geometry, p)).values()
     ],
-    "continue_pose": lambda d, p, v, a, m: [model.continue_pose(d.geometry, p, v)],
+    "nearest_solution": lambda d, p, v, a, m: [model.nearest_solution(d.geometry, p, v)],
     "closure": lambda d, p, v, a, m: [model.closure(d.geometry, p, v)],
     "closure_matrix": lambda d, p, v, a, m: [model.closure_matrix(d.geometry, p, v)],
     "jacobian": lambda d, p, v, a, m: [model.jacobian(d.geometry, p)],
@@ -74,14 +76,14 @@ CALLS: dict[str, Call] = {
 EACH = pytest.mark.parametrize("name", CALLS)
 THIRD = {"forward_dynamics": "torque", "actuator_power": "torque"}
 NEEDS = {
-    "velocity": {"solve_motion", "inverse_jacobian_rate", "kinetic_energy", "actuator_velocity",
+    "velocity": {"joint_rates", "inverse_jacobian_rate", "kinetic_energy", "actuator_velocity",
                  "actuator_power", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
                  "torque_regressor"},
-    "third": {"solve_motion", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
+    "third": {"joint_rates", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
               "torque_regressor", "actuator_power"},
 }  # fmt: skip
-FIRST = {"forward_kinematics": "actuators", "continue_pose": "actuators"}
-SECOND = {"continue_pose": "near", "closure": "actuators", "closure_matrix": "actuators"}
+FIRST = {"forward_kinematics": "actuators", "nearest_solution": "actuators"}
+SECOND = {"nearest_solution": "near", "closure": "actuators", "closure_matrix": "actuators"}
 
 
 def near(got: Any, expected: Any, name: str, relative: float = 1e-11) -> None:
@@ -147,7 +149,7 @@ def test_numbers_of_any_kind(name: str) -> None:
     call = CALLS[name]
     pose, v, a = [[0, 0, 0, -0.5], [0.25, -0.125, 0.5, -0.625]], [1, -1, 2, 0], [0, 3, -4, 1]
     expected = call(APPENDIX_4, np.array(pose), np.array(v, float), np.array(a, float),
-                    Assembly.PRINTED)  # fmt: skip
+                    KneeBranch.LOWER)  # fmt: skip
     for made in (
         (pose, v, a),
         (tuple(map(tuple, pose)), tuple(v), tuple(a)),
@@ -155,7 +157,7 @@ def test_numbers_of_any_kind(name: str) -> None:
         (np.array(pose), np.array(v, np.int8), np.array(a, np.int64)),
         (np.asfortranarray(pose), np.array(v)[::-1][::-1], np.array(a)),
     ):
-        results = call(APPENDIX_4, *made, Assembly.PRINTED)
+        results = call(APPENDIX_4, *made, KneeBranch.LOWER)
         for result in results:
             assert np.asarray(result).dtype in (np.float64, np.uint8, np.int8, np.bool_)
         near(results, expected, name, 1e-13)
@@ -172,14 +174,14 @@ def test_the_argument_that_can_not_be_used_is_named(name: str, bad: Any) -> None
         wrong[THIRD.get(name, "acceleration")] = (*good[:2], bad)
     for argument, states in wrong.items():
         with pytest.raises(InvalidInput) as caught:
-            CALLS[name](APPENDIX_4, *states, Assembly.PRINTED)
+            CALLS[name](APPENDIX_4, *states, KneeBranch.LOWER)
         assert caught.value.argument == argument
         assert ("4 entries" in caught.value.problem) or ("real numbers" in caught.value.problem)
 
 
 @EACH
 @BOTH
-def test_inputs_are_left_alone(name: str, assembly: Assembly) -> None:
+def test_inputs_are_left_alone(name: str, assembly: KneeBranch) -> None:
     arrays = BY_HAND.copy(), np.full((3, 4), 0.1), np.full((3, 4), 0.2)
     copies = [array.copy() for array in arrays]
     CALLS[name](APPENDIX_4, *arrays, assembly)

@@ -11,16 +11,16 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
+    KneeBranch,
     Quantity,
-    balance_distance,
     inverse_dynamics,
     lift_constant,
     lumped_matrix,
     mass_vector,
     solve_field,
     static_breakdown,
+    static_imbalance,
     static_torques,
     xy_grid,
 )
@@ -42,7 +42,7 @@ def balanced(design: Design, path: str) -> Design:
         design = design.vary({"links.b3": 0.0})
     design = design.vary({path: 0.0, ("joints.j7" if path == "links.b7" else "links.b7"): 0.0})
     share = lumped_matrix(design.geometry, design.gravity)[1, MASS_PATHS.index(path)]
-    missing = balance_distance(design)
+    missing = static_imbalance(design)
     assert share < 0 < missing
     return design.vary({path: -missing / share})
 
@@ -51,7 +51,7 @@ def balanced(design: Design, path: str) -> Design:
 def test_a_balanced_robot_holds_itself_everywhere(case: Case, path: str) -> None:
     design = balanced(case.design, path)
     weight = design.gravity * mass_vector(design)[:14].sum()
-    assert abs(balance_distance(design)) < 1e-14 * weight
+    assert abs(static_imbalance(design)) < 1e-14 * weight
     pose = case.poses(32)
     torque = static_torques(design, pose, case.assembly)
     size = np.abs(static_torques(case.design, pose, case.assembly)).max() + weight
@@ -78,10 +78,10 @@ def test_balance_holds_with_a_payload_and_at_rest_only(case: Case, path: str) ->
 
 
 @BOTH
-def test_the_counterweight_of_appendix_4(assembly: Assembly) -> None:
+def test_the_counterweight_of_appendix_4(assembly: KneeBranch) -> None:
     """m_7 that balances: 0.28 kg + 3 * 9.10041/9.81 kg = 3.063 kg, since its share is -g/k."""
     design = APPENDIX_4.vary({"joints.j7": 0.28 + 3 * 9.10041 / 9.81})
-    assert abs(balance_distance(design)) < 1e-14
+    assert abs(static_imbalance(design)) < 1e-14
     assert design.joints.j7 == pytest.approx(3.063, abs=1e-12)
     axis = np.linspace(-0.4, 0.4, 41)
     field = solve_field(design.geometry, xy_grid(axis, axis, np.pi / 3, -0.5), assembly)
@@ -101,7 +101,7 @@ def test_a_balanced_robot_is_quiet_on_the_singular_circle() -> None:
             **{f"links.{b}": 0.0 for b in ("b3", "b4", "b7", "b8")},
         }
     )
-    assert balance_distance(design) == 0.0
+    assert static_imbalance(design) == 0.0
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         torque = static_torques(design, [[0.25, 0.0, 0.0, -0.5], [0.1, 0.0, 0.0, -0.5]])

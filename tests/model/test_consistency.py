@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
     Grid,
+    KneeBranch,
     Limit,
     check_reach,
     forward_dynamics,
     inverse_dynamics,
+    inverse_kinematics,
     measure_singularity,
     rotary_torques,
     solve_field,
-    solve_posture,
     static_breakdown,
     static_torques,
     torque_breakdown,
@@ -110,7 +110,7 @@ def test_maps_agree_with_reach(case: Case, stroke: float, clearance: float) -> N
 def test_a_guide_is_used_to_its_end_and_no_further(case: Case, side: int) -> None:
     """A billionth of the stroke decides between a torque and none."""
     pose = case.poses(1)[0]
-    p = solve_posture(case.geometry, pose).points
+    p = inverse_kinematics(case.geometry, pose).points
     travel = np.linalg.norm((p[8] - p[3])[:, :2], axis=-1)
     stroke = float(travel.max()) * (1 + side * 1e-9)
     design = replace(case.design, geometry=replace(case.geometry, guide_stroke=stroke))
@@ -127,7 +127,7 @@ def test_a_guide_is_used_to_its_end_and_no_further(case: Case, side: int) -> Non
 
 
 @BOTH
-def test_exactly_at_the_end_of_a_guide_everything_is_known(assembly: Assembly) -> None:
+def test_exactly_at_the_end_of_a_guide_everything_is_known(assembly: KneeBranch) -> None:
     """Lengths that are exact in binary: |X_4| of leg 3 is the stroke to the last bit."""
     design = APPENDIX_4.vary(
         {
@@ -182,7 +182,7 @@ NOT_FINITE += [(i, 1e200) for i in (0, 1, 3)]  # squares of it are infinite
 @pytest.mark.parametrize(("coordinate", "bad"), NOT_FINITE)
 @BOTH
 def test_poses_that_are_not_finite_are_quiet_and_named(
-    assembly: Assembly, coordinate: int, bad: float
+    assembly: KneeBranch, coordinate: int, bad: float
 ) -> None:
     """Warnings are errors in this suite."""
     pose = np.array([0.01, 0.02, 0.1, -0.5])
@@ -207,7 +207,7 @@ def test_poses_that_are_not_finite_are_quiet_and_named(
 
 
 @BOTH
-def test_on_a_singularity_there_is_a_reason_instead_of_a_torque(assembly: Assembly) -> None:
+def test_on_a_singularity_there_is_a_reason_instead_of_a_torque(assembly: KneeBranch) -> None:
     """Lengths that are exact in binary, so that the determinant is exactly zero."""
     design = APPENDIX_4.vary({"geometry.base_radius": 0.5, "geometry.platform_radius": 0.25})
     pose = [[0.25, 0.0, 0.0, -0.5], [0.1, 0.0, 0.0, -0.5]]

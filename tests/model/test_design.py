@@ -125,7 +125,7 @@ def test_bars_that_can_not_close_the_pantograph_are_refused(seed: int, short: fl
     k = geometry.magnification
     span = k / (k - 1) * abs(geometry.base_radius - geometry.platform_radius)
     scale = short * span / (geometry.crank_length + geometry.coupler_length)
-    with pytest.raises(InvalidDesign, match="can not close the pantograph") as caught:
+    with pytest.raises(InvalidDesign, match="cannot close the pantograph") as caught:
         replace(
             geometry,
             crank_length=scale * geometry.crank_length,

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
     Friction,
     InvalidInput,
+    KneeBranch,
     Limit,
     actuator_power,
     actuator_velocity,
@@ -179,7 +179,7 @@ def test_time_can_run_backwards(case: Case) -> None:
 
 
 @BOTH
-def test_at_rest_the_torques_are_the_static_ones(assembly: Assembly) -> None:
+def test_at_rest_the_torques_are_the_static_ones(assembly: KneeBranch) -> None:
     still = np.zeros(4)
     for design in (APPENDIX_4, rubbing(APPENDIX_4)):
         result = inverse_dynamics(design, BY_HAND, still, still, assembly)

@@ -14,9 +14,9 @@ from paminsa_viz.model import (
     Geometry,
     InvalidInput,
     closure,
-    continue_pose,
     forward_kinematics,
-    solve_posture,
+    inverse_kinematics,
+    nearest_solution,
 )
 from paminsa_viz.model.kinematics import HEADINGS, wrap
 from tests import oracle
@@ -33,7 +33,7 @@ def apart(a: Any, b: Any) -> Any:
 @given(case=cases())
 def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
     pose = case.poses(32)
-    actuators = solve_posture(case.geometry, pose, case.assembly).actuators
+    actuators = inverse_kinematics(case.geometry, pose, case.assembly).actuators
     found = forward_kinematics(case.geometry, actuators)
     assert found.pose.shape == (32, 2, 4)
     distance = np.where(found.valid, apart(found.pose, pose[:, None]), np.inf)
@@ -44,7 +44,9 @@ def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
 def test_every_assembly_found_has_these_actuators(case: Case) -> None:
     """Also for actuators that were not made from a pose: both closure and inverse agree."""
     rng = np.random.default_rng(case.seed)
-    chosen = solve_posture(case.geometry, case.poses(32)).actuators + rng.normal(0, 0.4, (32, 4))
+    chosen = inverse_kinematics(case.geometry, case.poses(32)).actuators + rng.normal(
+        0, 0.4, (32, 4)
+    )
     found = forward_kinematics(case.geometry, chosen)
     exists = np.isfinite(found.pose).all(axis=-1)
     assert exists.any()
@@ -54,7 +56,7 @@ def test_every_assembly_found_has_these_actuators(case: Case) -> None:
     size = 1 + np.hypot(found.pose[..., 0], found.pose[..., 1])
     residual = np.abs(closure(case.geometry, found.pose, chosen[:, None])).max(axis=-1) / size
     assert residual[exists].max() < 1e-12
-    back = solve_posture(case.geometry, found.pose[found.valid]).actuators
+    back = inverse_kinematics(case.geometry, found.pose[found.valid]).actuators
     wanted = np.broadcast_to(chosen[:, None], found.pose.shape)[found.valid]
     assert_within(wrap(back[:, :3] - wanted[:, :3]), np.zeros((len(back), 3)), 1e-9)
     assert_within(back[:, 3], wanted[:, 3], 1e-12)
@@ -67,7 +69,7 @@ def test_an_assembly_is_valid_where_all_legs_point_at_the_platform(case: Case) -
     chosen = rng.uniform(-1, 1, (200, 4)) * rng.choice([0.3, np.pi], (200, 1))
     found = forward_kinematics(case.geometry, chosen)
     exists = np.isfinite(found.pose).all(axis=-1)
-    p5 = solve_posture(case.geometry, found.pose).points[5][..., :2]
+    p5 = inverse_kinematics(case.geometry, found.pose).points[5][..., :2]
     axes = np.stack([np.cos(oracle.AXIS_ANGLES), np.sin(oracle.AXIS_ANGLES)], -1)
     heading = chosen[:, None, :3] + HEADINGS
     ahead = np.stack([np.cos(heading), np.sin(heading)], -1)
@@ -102,7 +104,7 @@ def test_there_are_no_more_than_those_found(case: Case) -> None:
 
 
 def test_poses_of_appendix_4_by_hand() -> None:
-    actuators = solve_posture(APPENDIX_4.geometry, BY_HAND).actuators
+    actuators = inverse_kinematics(APPENDIX_4.geometry, BY_HAND).actuators
     found = forward_kinematics(APPENDIX_4.geometry, actuators)
     assert found.valid.any(axis=-1).all()
     # At home the legs also point at the platform if it is turned by 180 degrees.
@@ -118,7 +120,7 @@ def test_parallel_and_concurrent_leg_lines_leave_no_isolated_pose() -> None:
     found = forward_kinematics(geometry, parallel)
     assert np.isnan(found.pose).all()
     assert not found.valid.any()
-    assert np.isnan(continue_pose(geometry, parallel, BY_HAND[0])).all()
+    assert np.isnan(nearest_solution(geometry, parallel, BY_HAND[0])).all()
 
 
 @given(values=st.lists(st.sampled_from([np.nan, np.inf, -np.inf, 0.1]), min_size=4, max_size=4))
@@ -133,9 +135,9 @@ def test_the_continued_pose_is_the_one_it_came_from(case: Case, turns: int) -> N
     """Also after whole turns of the platform, whose count is kept."""
     pose = case.poses(16) + np.array([0.0, 0.0, 2 * np.pi * turns, 0.0])
     rng = np.random.default_rng(case.seed)
-    actuators = solve_posture(case.geometry, pose).actuators
+    actuators = inverse_kinematics(case.geometry, pose).actuators
     near = pose + 1e-3 * rng.normal(size=pose.shape)
-    assert_within(continue_pose(case.geometry, actuators, near), pose, 1e-11)
+    assert_within(nearest_solution(case.geometry, actuators, near), pose, 1e-11)
 
 
 def test_continuing_follows_a_path_around_the_workspace() -> None:
@@ -144,32 +146,32 @@ def test_continuing_follows_a_path_around_the_workspace() -> None:
     path = np.stack(
         [0.06 * np.cos(t), 0.05 * np.sin(t), 0.5 * np.sin(2 * t), -0.5 + 0.1 * np.sin(t)], -1
     )
-    actuators = solve_posture(APPENDIX_4.geometry, path).actuators
+    actuators = inverse_kinematics(APPENDIX_4.geometry, path).actuators
     pose = path[0]
     for wanted, q in zip(path, actuators, strict=True):
-        pose = continue_pose(APPENDIX_4.geometry, q, pose)
+        pose = nearest_solution(APPENDIX_4.geometry, q, pose)
         assert_within(pose, wanted, 1e-12)
 
 
 def test_the_nearer_of_two_assemblies_is_taken() -> None:
     geometry = APPENDIX_4.geometry
-    actuators = solve_posture(geometry, BY_HAND).actuators
+    actuators = inverse_kinematics(geometry, BY_HAND).actuators
     found = forward_kinematics(geometry, actuators)
     for q, poses, valid in zip(actuators, found.pose, found.valid, strict=True):
         for pose in poses[valid]:
-            assert apart(continue_pose(geometry, q, pose), pose) < 1e-12
+            assert apart(nearest_solution(geometry, q, pose), pose) < 1e-12
 
 
 def test_batches_broadcast() -> None:
     geometry = APPENDIX_4.geometry
-    actuators = solve_posture(geometry, BY_HAND).actuators
+    actuators = inverse_kinematics(geometry, BY_HAND).actuators
     assert forward_kinematics(geometry, actuators[0]).pose.shape == (2, 4)
     assert forward_kinematics(geometry, np.zeros((0, 4))).valid.shape == (0, 2)
     assert forward_kinematics(geometry, np.zeros((2, 3, 4))).pose.shape == (2, 3, 2, 4)
-    one_to_many = continue_pose(geometry, actuators[1], np.stack([BY_HAND[1]] * 5))
+    one_to_many = nearest_solution(geometry, actuators[1], np.stack([BY_HAND[1]] * 5))
     assert_within(one_to_many, np.stack([BY_HAND[1]] * 5), 1e-12)
-    assert continue_pose(geometry, actuators, BY_HAND[0]).shape == (3, 4)
+    assert nearest_solution(geometry, actuators, BY_HAND[0]).shape == (3, 4)
     with pytest.raises(InvalidInput, match="actuators"):
         forward_kinematics(geometry, np.zeros(3))
     with pytest.raises(InvalidInput, match="near"):
-        continue_pose(geometry, np.zeros(4), np.zeros(3))
+        nearest_solution(geometry, np.zeros(4), np.zeros(3))

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
     Field,
     Grid,
     InvalidInput,
+    KneeBranch,
     Limit,
     Quantity,
     backend,
@@ -48,7 +48,7 @@ def near(got: Any, expected: Any, relative: float = 1e-11) -> None:
     np.testing.assert_allclose(got, expected, rtol=relative, atol=relative * size)
 
 
-def check_field(field: Field, design: Design, pose: Any, assembly: Assembly) -> None:
+def check_field(field: Field, design: Design, pose: Any, assembly: KneeBranch) -> None:
     """Compare a field with the pointwise functions at its poses."""
     geometry = design.geometry
     reach = check_reach(geometry, pose)
@@ -94,7 +94,7 @@ def test_any_axes_in_any_order(names: tuple[str, ...]) -> None:
         if name not in names:
             np.testing.assert_array_equal(pose[..., index], FIXED[index])
     field = solve_field(APPENDIX_4.geometry, grid, dexterity=True)
-    check_field(field, APPENDIX_4, pose, Assembly.PRINTED)
+    check_field(field, APPENDIX_4, pose, KneeBranch.LOWER)
     assert field.gamma.shape == (4, *grid.shape)
     torques = rotary_torques(APPENDIX_4, grid)
     near(torques, field.torques(APPENDIX_4)[:3])
@@ -106,7 +106,7 @@ def test_any_robot(case: Case, names: tuple[str, ...]) -> None:
     g = case.geometry
     size = {"x": g.base_radius, "y": g.base_radius, "theta": np.pi, "z": 2 * g.coupler_length}
     axes = {name: rng.uniform(-1, 1, rng.integers(1, 7)) * size[name] for name in names}
-    # off the centre, where legs would tie for the worst
+    # off the center, where legs would tie for the worst
     fixed = [0.011 * g.base_radius, -0.023 * g.base_radius, 0.1, -0.6 * g.coupler_length]
     grid = Grid.over(fixed, **axes)
     field = solve_field(g, grid, case.assembly, dexterity=True)
@@ -144,7 +144,7 @@ def test_blocks_and_threads_change_nothing(
 
 
 @BOTH
-def test_masked_cells_carry_their_reason(assembly: Assembly) -> None:
+def test_masked_cells_carry_their_reason(assembly: KneeBranch) -> None:
     """Stretched, folded, guide, axis, not finite and singular ones in one map; no warning."""
     design = APPENDIX_4.vary(
         {

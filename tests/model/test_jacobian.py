@@ -14,12 +14,12 @@ from paminsa_viz.model import (
     actuator_velocity,
     closure,
     closure_matrix,
-    continue_pose,
     inverse_jacobian,
     inverse_jacobian_rate,
+    inverse_kinematics,
     jacobian,
-    solve_motion,
-    solve_posture,
+    joint_rates,
+    nearest_solution,
 )
 from tests import oracle
 from tests.model import paper
@@ -35,7 +35,7 @@ def eight(pose: Any, actuators: Any) -> list[Any]:
 def test_closure_is_zero_on_every_posture(case: Case) -> None:
     pose = case.poses(32)
     for assembly_pose in (pose, pose + np.array([0.0, 0.0, 2 * np.pi, 0.0])):
-        actuators = solve_posture(case.geometry, assembly_pose, case.assembly).actuators
+        actuators = inverse_kinematics(case.geometry, assembly_pose, case.assembly).actuators
         s = closure(case.geometry, assembly_pose, actuators)
         assert_within(s, np.zeros_like(s), 1e-14)
 
@@ -44,7 +44,7 @@ def test_closure_is_zero_on_every_posture(case: Case) -> None:
 def test_a_ij_are_the_derivatives_of_the_printed_closure(case: Case) -> None:
     """Complex steps through Eqs. 16 and 17, also at actuators that do not fit the pose."""
     pose = case.poses()
-    fitting = solve_posture(case.geometry, pose).actuators
+    fitting = inverse_kinematics(case.geometry, pose).actuators
     rng = np.random.default_rng(case.seed)
     for actuators in (fitting, fitting + rng.normal(size=fitting.shape)):
         exact = paper.slopes(
@@ -57,7 +57,7 @@ def test_a_ij_are_the_derivatives_of_the_printed_closure(case: Case) -> None:
 def test_a_ij_are_the_derivatives_of_the_closure_function(case: Case) -> None:
     pose, h = case.poses(), 1e-5
     rng = np.random.default_rng(case.seed)
-    actuators = solve_posture(case.geometry, pose).actuators + rng.normal(size=pose.shape)
+    actuators = inverse_kinematics(case.geometry, pose).actuators + rng.normal(size=pose.shape)
     matrix = closure_matrix(case.geometry, pose, actuators)
     for j in range(8):
         step = np.zeros(8)
@@ -71,7 +71,7 @@ def test_a_ij_are_the_derivatives_of_the_closure_function(case: Case) -> None:
 def test_the_closure_stays_closed_along_a_motion(case: Case) -> None:
     """A (v, q') = 0: the actuators follow the platform."""
     pose, v, _ = case.states()
-    actuators = solve_posture(case.geometry, pose).actuators
+    actuators = inverse_kinematics(case.geometry, pose).actuators
     rates = np.concatenate([v, actuator_velocity(case.design, pose, v)], -1)
     gap = np.einsum("nij,nj->ni", closure_matrix(case.geometry, pose, actuators), rates)
     assert_within(gap, np.zeros_like(gap), 1e-13)
@@ -97,7 +97,7 @@ def test_the_inverse_jacobian_is_the_slope_of_the_postures(case: Case) -> None:
         step = np.zeros(4)
         step[j] = h
         ahead, behind = (
-            solve_posture(case.geometry, pose + s * step).actuators for s in (1.0, -1.0)
+            inverse_kinematics(case.geometry, pose + s * step).actuators for s in (1.0, -1.0)
         )
         assert_within(exact[..., j], (ahead - behind) / (2 * h), 1e-6 * np.abs(exact).max())
 
@@ -115,13 +115,13 @@ def test_jacobian_and_inverse_jacobian_undo_each_other(case: Case) -> None:
 @given(case=cases())
 def test_the_jacobian_is_the_slope_of_forward_kinematics(case: Case) -> None:
     pose, h = case.poses(), 1e-5
-    actuators = solve_posture(case.geometry, pose).actuators
+    actuators = inverse_kinematics(case.geometry, pose).actuators
     exact = jacobian(case.geometry, pose)
     for j in range(4):
         step = np.zeros(4)
         step[j] = h
         ahead, behind = (
-            continue_pose(case.geometry, actuators + s * step, pose) for s in (1.0, -1.0)
+            nearest_solution(case.geometry, actuators + s * step, pose) for s in (1.0, -1.0)
         )
         assert_within(exact[..., j], (ahead - behind) / (2 * h), 1e-6 * np.abs(exact).max())
 
@@ -134,7 +134,7 @@ def test_the_rate_is_the_change_of_the_inverse_jacobian(case: Case) -> None:
     ahead, behind = (inverse_jacobian(case.geometry, pose + s * h * v) for s in (1.0, -1.0))
     assert_within(rate, (ahead - behind) / (2 * h), 1e-6 * np.abs(rate).max())
     # and to rounding: the actuators' accelerations are G a + G' v
-    exact = solve_motion(case.geometry, pose, v, a).actuators_acceleration
+    exact = joint_rates(case.geometry, pose, v, a).actuators_acceleration
     got = np.einsum("nij,nj->ni", inverse_jacobian(case.geometry, pose), a)
     got += np.einsum("nij,nj->ni", rate, v)
     assert_within(got, exact, 1e-12 * np.abs(exact).max())
@@ -143,7 +143,7 @@ def test_the_rate_is_the_change_of_the_inverse_jacobian(case: Case) -> None:
 @given(case=cases())
 def test_actuator_velocity_is_that_of_the_motion(case: Case) -> None:
     pose, v, a = case.states()
-    exact = solve_motion(case.geometry, pose, v, a).actuators_velocity
+    exact = joint_rates(case.geometry, pose, v, a).actuators_velocity
     assert_within(actuator_velocity(case.design, pose, v), exact, 1e-12 * np.abs(exact).max())
 
 
@@ -164,7 +164,7 @@ def test_joint_5_on_its_axis_has_no_inverse_jacobian() -> None:
 
 def test_batches_broadcast() -> None:
     geometry = APPENDIX_4.geometry
-    q = solve_posture(geometry, BY_HAND).actuators
+    q = inverse_kinematics(geometry, BY_HAND).actuators
     assert closure(geometry, BY_HAND[0], q).shape == (3, 4)
     assert closure_matrix(geometry, BY_HAND, q[0]).shape == (3, 4, 8)
     assert inverse_jacobian_rate(geometry, BY_HAND, np.zeros(4)).shape == (3, 4, 4)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, Assembly, InvalidInput, Limit, solve_posture
+from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, Limit, inverse_kinematics
 from paminsa_viz.model.kinematics import wrap
 from tests import oracle
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
@@ -25,9 +25,9 @@ def length(a: Any, b: Any) -> Any:
 def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
     g, k = case.geometry, case.geometry.magnification
     pose = case.poses(32)
-    posture = solve_posture(g, pose, case.assembly)
-    assert sorted(posture.points) == list(JOINTS)
-    p = posture.points
+    configuration = inverse_kinematics(g, pose, case.assembly)
+    assert sorted(configuration.points) == list(JOINTS)
+    p = configuration.points
     rounding = 1e-13 * (g.crank_length + g.coupler_length)
     for a, b, wanted in (
         (2, 3, g.shaft_length),
@@ -51,12 +51,12 @@ def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
     assert_within(p[8][..., 2], np.zeros((32, 3)), 0.0)
     for number in (2, 3):
         assert_within(p[number][..., :2], np.broadcast_to(axis, (32, 3, 2)), rounding)
-    assert_within(p[2][..., 2], np.broadcast_to(posture.actuators[:, 3:], (32, 3)), 1e-15)
+    assert_within(p[2][..., 2], np.broadcast_to(configuration.actuators[:, 3:], (32, 3)), 1e-15)
     # every joint lies in the leg's plane, whose heading is beta
-    aside = np.stack([-np.sin(posture.beta), np.cos(posture.beta)], axis=-1)
+    aside = np.stack([-np.sin(configuration.beta), np.cos(configuration.beta)], axis=-1)
     for points in p.values():
         assert_within(np.sum((points[..., :2] - axis) * aside, -1), np.zeros((32, 3)), rounding)
-    ahead = np.stack([np.cos(posture.beta), np.sin(posture.beta)], axis=-1)
+    ahead = np.stack([np.cos(configuration.beta), np.sin(configuration.beta)], axis=-1)
     assert np.all(np.sum((p[5][..., :2] - axis) * ahead, -1) > 0)
     assert np.all(np.sum((p[8][..., :2] - axis) * ahead, -1) < 0)
 
@@ -65,7 +65,7 @@ def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
 def test_joint_5_turns_with_the_platform(case: Case) -> None:
     pose = case.poses()
     g = case.geometry
-    p5 = solve_posture(g, pose, case.assembly).points[5]
+    p5 = inverse_kinematics(g, pose, case.assembly).points[5]
     angle = pose[:, 2:3] + oracle.AXIS_ANGLES
     x = pose[:, 0:1] + g.platform_radius * np.cos(angle)
     y = pose[:, 1:2] + g.platform_radius * np.sin(angle)
@@ -76,25 +76,25 @@ def test_joint_5_turns_with_the_platform(case: Case) -> None:
 @given(case=cases())
 def test_points_and_actuators_are_those_of_first_principles(case: Case) -> None:
     pose = case.poses()
-    posture = solve_posture(case.geometry, pose, case.assembly)
+    configuration = inverse_kinematics(case.geometry, pose, case.assembly)
     size = case.geometry.crank_length + case.geometry.coupler_length
     for index in range(3):
         leg = oracle.leg(case.design, oracle.split(pose), index, case.assembly)
         for number, point in leg.points.items():
             expected = np.stack(np.broadcast_arrays(*point, pose[:, 0])[:3], -1)
-            assert_within(posture.points[number][:, index], expected, 1e-13 * size)
-    turn = posture.actuators - oracle.actuators(case.design, pose)
+            assert_within(configuration.points[number][:, index], expected, 1e-13 * size)
+    turn = configuration.actuators - oracle.actuators(case.design, pose)
     assert_within(wrap(turn[:, :3]), np.zeros((len(pose), 3)), 1e-13)
     assert_within(turn[:, 3], np.zeros(len(pose)), 1e-15)
 
 
 @given(case=cases())
 def test_angles_are_the_elevations_of_the_bars(case: Case) -> None:
-    posture = solve_posture(case.geometry, case.poses(), case.assembly)
-    p = posture.points
-    for angle, start, end in ((posture.psi, 9, 5), (posture.phi, 8, 9)):
+    configuration = inverse_kinematics(case.geometry, case.poses(), case.assembly)
+    p = configuration.points
+    for angle, start, end in ((configuration.psi, 9, 5), (configuration.phi, 8, 9)):
         bar = p[end] - p[start]
-        along = bar[..., 0] * np.cos(posture.beta) + bar[..., 1] * np.sin(posture.beta)
+        along = bar[..., 0] * np.cos(configuration.beta) + bar[..., 1] * np.sin(configuration.beta)
         assert_within(wrap(angle - np.arctan2(bar[..., 2], along)), np.zeros((8, 3)), 1e-12)
     # B7 is parallel to B4, B3 to B8
     for ours, theirs in (((8, 7), (9, 5)), ((7, 4), (8, 9))):
@@ -106,8 +106,8 @@ def test_angles_are_the_elevations_of_the_bars(case: Case) -> None:
 @given(case=cases())
 def test_the_assembly_decides_the_side_of_the_knee(case: Case) -> None:
     pose = case.poses()
-    for assembly in Assembly:
-        p = solve_posture(case.geometry, pose, assembly).points
+    for assembly in KneeBranch:
+        p = inverse_kinematics(case.geometry, pose, assembly).points
         line = p[5] - p[8]
         knee = p[9] - p[8]
         # vertical distance of the knee from the line 8-5, above it positive
@@ -124,8 +124,8 @@ def test_the_mirror_image_has_the_other_knee(case: Case) -> None:
     pose = case.poses()
     mirrored = pose.copy()
     mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
-    one = solve_posture(case.geometry, pose, case.assembly)
-    two = solve_posture(case.geometry, mirrored, OTHER[case.assembly])
+    one = inverse_kinematics(case.geometry, pose, case.assembly)
+    two = inverse_kinematics(case.geometry, mirrored, OTHER[case.assembly])
     for number in (3, 4, 5, 7, 8, 9):
         assert_within(two.points[number], one.points[number] * [1, 1, -1], 1e-13)
     assert_within(two.actuators[:, :3], one.actuators[:, :3], 1e-14)
@@ -142,8 +142,8 @@ def test_a_third_of_a_turn_renames_the_legs(case: Case, turns: int) -> None:
     around = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     turned = pose.copy()
     turned[:, :2] = pose[:, :2] @ around[:2, :2].T
-    one = solve_posture(case.geometry, pose, case.assembly)
-    two = solve_posture(case.geometry, turned, case.assembly)
+    one = inverse_kinematics(case.geometry, pose, case.assembly)
+    two = inverse_kinematics(case.geometry, turned, case.assembly)
     # Leg 1 at 210 degrees goes to leg 2 at 330, that to leg 3 at 90.
     legs = (np.arange(3) + turns) % 3
     for number in JOINTS:
@@ -160,7 +160,7 @@ def test_a_third_of_a_turn_renames_the_legs(case: Case, turns: int) -> None:
 def test_whole_turns_of_the_platform_change_nothing(case: Case, turns: int) -> None:
     pose = case.poses()
     turned = pose + np.array([0.0, 0.0, 2 * np.pi * turns, 0.0])
-    one, two = (solve_posture(case.geometry, p, case.assembly) for p in (pose, turned))
+    one, two = (inverse_kinematics(case.geometry, p, case.assembly) for p in (pose, turned))
     assert_within(two.actuators, one.actuators, 1e-12)
 
 
@@ -189,7 +189,7 @@ def test_actuators_stay_within_half_a_turn_of_home() -> None:
         x = x - geometry.platform_radius * np.cos(angle) + 0.01 * np.cos(around)
         y = y - geometry.platform_radius * np.sin(angle) + 0.01 * np.sin(around)
         pose = np.stack([x, y, 0 * x, 0 * x - 0.4], -1)
-        turn = solve_posture(geometry, pose).actuators[:, leg]
+        turn = inverse_kinematics(geometry, pose).actuators[:, leg]
         assert turn.min() > -np.pi
         assert turn.max() <= np.pi
         assert np.ptp(turn) > 2 * np.pi - 0.02
@@ -197,20 +197,22 @@ def test_actuators_stay_within_half_a_turn_of_home() -> None:
 
 
 @BOTH
-def test_outside_its_reach_a_posture_is_nan_and_says_why(assembly: Assembly) -> None:
-    posture = solve_posture(APPENDIX_4.geometry, [[0.0, 0.0, 0.0, -1.2], *BY_HAND], assembly)
-    assert posture.reach.status.tolist() == [Limit.STRETCHED, 0, 0, 0]
+def test_outside_its_reach_a_posture_is_nan_and_says_why(assembly: KneeBranch) -> None:
+    configuration = inverse_kinematics(
+        APPENDIX_4.geometry, [[0.0, 0.0, 0.0, -1.2], *BY_HAND], assembly
+    )
+    assert configuration.reach.status.tolist() == [Limit.STRETCHED, 0, 0, 0]
     for number in (4, 7, 9):
-        assert np.isnan(posture.points[number][0]).all()
-    assert np.isnan(posture.psi[0]).all()
-    assert np.isnan(posture.phi[0]).all()
+        assert np.isnan(configuration.points[number][0]).all()
+    assert np.isnan(configuration.psi[0]).all()
+    assert np.isnan(configuration.phi[0]).all()
     # what does not hang on the knee is known all the same
     for number in (2, 3, 5, 8):
-        assert np.isfinite(posture.points[number][0]).all()
-    assert np.isfinite(posture.actuators).all()
-    assert all(np.isfinite(points[1:]).all() for points in posture.points.values())
+        assert np.isfinite(configuration.points[number][0]).all()
+    assert np.isfinite(configuration.actuators).all()
+    assert all(np.isfinite(points[1:]).all() for points in configuration.points.values())
 
 
 def test_pose_of_another_shape_is_refused() -> None:
     with pytest.raises(InvalidInput, match="pose: the last axis has to have 4 entries"):
-        solve_posture(APPENDIX_4.geometry, np.zeros((2, 3)))
+        inverse_kinematics(APPENDIX_4.geometry, np.zeros((2, 3)))

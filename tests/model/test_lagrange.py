@@ -14,13 +14,13 @@ from hypothesis import given
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Design,
+    KneeBranch,
     Misprint,
     actuator_velocity,
     closure_matrix,
     inverse_dynamics,
-    solve_motion,
+    joint_rates,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.model import paper
@@ -28,12 +28,12 @@ from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, 
 
 
 def solve_eq_15(
-    design: Design, states: Any, assembly: Assembly, misprints: Misprint = Misprint.NONE
+    design: Design, states: Any, assembly: KneeBranch, misprints: Misprint = Misprint.NONE
 ) -> tuple[Any, Any]:
     """Multipliers from the first four Lagrange equations, torques from the last four."""
     pose, v, a = (np.asarray(s, float) for s in states)
-    motion = solve_motion(design.geometry, pose, v, a, assembly)
-    q = np.concatenate([pose, motion.posture.actuators], -1)
+    motion = joint_rates(design.geometry, pose, v, a, assembly)
+    q = np.concatenate([pose, motion.configuration.actuators], -1)
     v8 = np.concatenate([v, motion.actuators_velocity], -1)
     a8 = np.concatenate([a, motion.actuators_acceleration], -1)
     left = paper.lagrange(design, q, v8, a8, assembly, misprints)
@@ -77,8 +77,8 @@ def test_the_closure_forces_do_no_work(case: Case) -> None:
     """sum lambda_i A_ij q_j' = 0: what they take from the platform they give to the actuators."""
     pose, v, a = case.states()
     result = inverse_dynamics(case.design, pose, v, a, case.assembly)
-    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
-    matrix = closure_matrix(case.geometry, pose, motion.posture.actuators)
+    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
+    matrix = closure_matrix(case.geometry, pose, motion.configuration.actuators)
     forces = np.einsum("nij,ni->nj", matrix, result.multipliers)
     given_away = np.sum(forces[:, :4] * v, axis=-1)
     rates = actuator_velocity(case.design, pose, v)
@@ -87,14 +87,14 @@ def test_the_closure_forces_do_no_work(case: Case) -> None:
 
 
 @BOTH
-def test_with_a_heavy_platform_alone_the_multipliers_carry_it(assembly: Assembly) -> None:
+def test_with_a_heavy_platform_alone_the_multipliers_carry_it(assembly: KneeBranch) -> None:
     """Newton's law of the platform: sum lambda_i A_ij (j = x, y, theta, z) = (m a, m (g + a_z))."""
     design = APPENDIX_4.vary(dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 7.0})
     design = design.vary({"platform.inertia": 0.3})
     v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
     result = inverse_dynamics(design, BY_HAND, v, a, assembly)
-    motion = solve_motion(design.geometry, BY_HAND, v, a, assembly)
-    matrix = closure_matrix(design.geometry, BY_HAND, motion.posture.actuators)[..., :4]
+    motion = joint_rates(design.geometry, BY_HAND, v, a, assembly)
+    matrix = closure_matrix(design.geometry, BY_HAND, motion.configuration.actuators)[..., :4]
     forces = np.einsum("nij,ni->nj", matrix, result.multipliers)
     wanted = [7.0 * a[0], 7.0 * a[1], 0.3 * a[2], 7.0 * (a[3] + design.gravity)]
     # Eq. 15 has the multipliers on the side of the torques: they push the platform.

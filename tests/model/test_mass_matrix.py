@@ -10,17 +10,17 @@ from hypothesis import given
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
+    KneeBranch,
     Limit,
     Misprint,
     check_reach,
     forward_dynamics,
     inverse_dynamics,
     inverse_jacobian,
+    inverse_kinematics,
     kinetic_energy,
     mass_matrix,
     measure_singularity,
-    solve_posture,
     torque_breakdown,
 )
 from tests import oracle
@@ -36,7 +36,7 @@ def test_it_is_symmetric_and_positive_definite(case: Case) -> None:
 
 
 @BOTH
-def test_it_is_so_at_every_pose_that_can_be_taken(assembly: Assembly) -> None:
+def test_it_is_so_at_every_pose_that_can_be_taken(assembly: KneeBranch) -> None:
     """Type-2 singularities included: the platform has inertia wherever it is.
 
     With joint 5 on its leg axis (type 1) the smallest motion would turn the leg without bound.
@@ -128,12 +128,12 @@ def test_forward_dynamics_is_its_inverse_times_the_forces(case: Case) -> None:
 @pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
 @BOTH
 def test_with_misprints_it_is_the_second_degree_of_the_printed_energy(
-    misprints: Misprint, assembly: Assembly
+    misprints: Misprint, assembly: KneeBranch
 ) -> None:
     """Eq. 13's Z' is linear and has no place in a mass matrix; everything else has."""
     v = np.array([0.3, -0.2, 0.8, 0.1])
     rates = inverse_jacobian(APPENDIX_4.geometry, BY_HAND) @ v
-    actuators = solve_posture(APPENDIX_4.geometry, BY_HAND, assembly).actuators
+    actuators = inverse_kinematics(APPENDIX_4.geometry, BY_HAND, assembly).actuators
     q = list(np.concatenate([BY_HAND, actuators], -1).T)
     qdot = np.concatenate([np.broadcast_to(v, (3, 4)), rates], -1)
     typed = paper.kinetic(APPENDIX_4, q, list(qdot.T), assembly, misprints)
@@ -147,7 +147,7 @@ def test_with_misprints_it_is_the_second_degree_of_the_printed_energy(
 
 
 @BOTH
-def test_out_of_reach_there_is_no_acceleration(assembly: Assembly) -> None:
+def test_out_of_reach_there_is_no_acceleration(assembly: KneeBranch) -> None:
     pose = np.array([[0.0, 0.0, 0.0, -1.2], BY_HAND[1], [0.0, np.nan, 0.0, -0.5]])
     assert np.isnan(mass_matrix(APPENDIX_4, pose, assembly)[[0, 2]]).all()
     a = forward_dynamics(APPENDIX_4, pose, np.zeros(4), np.zeros(4), assembly)

@@ -20,7 +20,7 @@ from hypothesis import given
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
+    KneeBranch,
     Misprint,
     inverse_dynamics,
     kinetic_energy,
@@ -74,12 +74,12 @@ ALONE = {
 
 
 @cache
-def exact(assembly: Assembly) -> Any:
+def exact(assembly: KneeBranch) -> Any:
     """The torques of the move from first principles, (n, 4)."""
     return oracle.inverse_dynamics(APPENDIX_4, *STATES, assembly)
 
 
-def disagreement(misprints: Misprint, assembly: Assembly = Assembly.PRINTED) -> Any:
+def disagreement(misprints: Misprint, assembly: KneeBranch = KneeBranch.LOWER) -> Any:
     """Largest error on each actuator during the move, (4,) [N m, N]."""
     torque = inverse_dynamics(APPENDIX_4, *STATES, assembly, misprints).torque
     return np.abs(torque - exact(assembly)).max(axis=0)
@@ -89,7 +89,7 @@ def test_the_move_is_the_one_stated() -> None:
     translation = STATES[2][:, [0, 1, 3]]
     assert np.linalg.norm(translation, axis=-1).max() == pytest.approx(1.297, abs=1e-3)
     assert np.linalg.norm((END - START)[[0, 1, 3]]) == pytest.approx(0.2247, abs=1e-4)
-    dynamic = exact(Assembly.PRINTED) - oracle.static_torques(APPENDIX_4, STATES[0])
+    dynamic = exact(KneeBranch.LOWER) - oracle.static_torques(APPENDIX_4, STATES[0])
     np.testing.assert_allclose(np.abs(dynamic).max(axis=0), [0.836, 2.361, 1.749, 9.774], atol=1e-3)
 
 
@@ -117,7 +117,7 @@ def test_each_alone(misprint: Misprint) -> None:
 
 
 @BOTH
-def test_only_without_any_misprint_is_the_model_right(assembly: Assembly) -> None:
+def test_only_without_any_misprint_is_the_model_right(assembly: KneeBranch) -> None:
     """All 31 ways to leave some in."""
     for value in range(1, Misprint.ALL.value + 1):
         assert disagreement(Misprint(value), assembly).max() > 1e-3
@@ -129,13 +129,13 @@ def test_m_c4_and_eq_14_together_are_a_tenth_of_the_dynamic_torque() -> None:
     three = Misprint.APP3_MC4 | Misprint.EQ14_PHI_SPEED | Misprint.EQ14_SINE_SIGNS
     error = disagreement(three)
     assert error[:3].max() == pytest.approx(0.2720, abs=6e-5)
-    dynamic = exact(Assembly.PRINTED) - static_torques(APPENDIX_4, STATES[0])
+    dynamic = exact(KneeBranch.LOWER) - static_torques(APPENDIX_4, STATES[0])
     share = error[1] / np.abs(dynamic[:, 1]).max()
     assert share == pytest.approx(0.115, abs=1e-3)
 
 
 @BOTH
-def test_standing_still_no_misprint_matters(assembly: Assembly) -> None:
+def test_standing_still_no_misprint_matters(assembly: KneeBranch) -> None:
     still = np.zeros(4)
     right = inverse_dynamics(APPENDIX_4, STATES[0], still, still, assembly).torque
     for misprint in (*TABLE, Misprint.ALL):

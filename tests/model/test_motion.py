@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from hypothesis import given
 
-from paminsa_viz.model import APPENDIX_4, Assembly, Design, solve_motion, solve_posture
+from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics, joint_rates
 from paminsa_viz.model.kinematics import LEG_AXES, wrap
 from paminsa_viz.model.leg import leg_motion, leg_position, mechanism
 from tests import oracle
@@ -21,7 +21,7 @@ def largest(*arrays: Any) -> float:
     return max(float(np.abs(a).max()) for a in arrays)
 
 
-def joint_jets(design: Design, pose: Any, v: Any, a: Any, assembly: Assembly) -> list[Any]:
+def joint_jets(design: Design, pose: Any, v: Any, a: Any, assembly: KneeBranch) -> list[Any]:
     return [
         oracle.leg(design, oracle.jets(pose, v, a), index, assembly).points for index in range(3)
     ]
@@ -31,7 +31,7 @@ def joint_jets(design: Design, pose: Any, v: Any, a: Any, assembly: Assembly) ->
 def test_joints_move_as_first_principles_say(case: Case) -> None:
     """Exact derivatives of the oracle's joint points along the motion."""
     pose, v, a = case.states()
-    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
+    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
     legs = joint_jets(case.design, pose, v, a, case.assembly)
     for number in JOINTS:
         for index, points in enumerate(legs):
@@ -45,7 +45,7 @@ def test_joints_move_as_first_principles_say(case: Case) -> None:
 def test_bars_turn_as_first_principles_say(case: Case) -> None:
     """psi' and phi' from the directions of B4 and B8; the leg plane from its heading."""
     pose, v, a = case.states()
-    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
+    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
     q = oracle.jets(pose, v, a)
     for index in range(3):
         leg = oracle.leg(case.design, q, index, case.assembly)
@@ -80,13 +80,13 @@ def differences(f: Callable[[float], Any], h: float = 5e-4) -> tuple[Any, Any]:
 
 @given(case=cases())
 def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
-    """Nothing but `solve_posture` itself, a little before and after."""
+    """Nothing but `inverse_kinematics` itself, a little before and after."""
     pose, v, a = case.states()
-    motion = solve_motion(case.geometry, pose, v, a, case.assembly)
-    now = solve_posture(case.geometry, pose, case.assembly)
+    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
+    now = inverse_kinematics(case.geometry, pose, case.assembly)
 
     def at(t: float, of: Callable[[Any], Any]) -> Any:
-        return of(solve_posture(case.geometry, pose + v * t + a * t * t / 2, case.assembly))
+        return of(inverse_kinematics(case.geometry, pose + v * t + a * t * t / 2, case.assembly))
 
     def check(of: Callable[[Any], Any], rate: Any, second: Any) -> None:
         first, twice = differences(lambda t: at(t, of))
@@ -139,22 +139,22 @@ def test_the_formulae_carry_complex_steps(case: Case) -> None:
 
 
 @BOTH
-def test_a_robot_at_rest_does_not_move(assembly: Assembly) -> None:
+def test_a_robot_at_rest_does_not_move(assembly: KneeBranch) -> None:
     still = np.zeros(4)
-    motion = solve_motion(APPENDIX_4.geometry, BY_HAND, still, still, assembly)
+    motion = joint_rates(APPENDIX_4.geometry, BY_HAND, still, still, assembly)
     for points in (*motion.velocity.values(), *motion.acceleration.values()):
         np.testing.assert_array_equal(points, np.zeros((3, 3, 3)))
     np.testing.assert_array_equal(motion.actuators_velocity, np.zeros((3, 4)))
-    np.testing.assert_array_equal(motion.posture.pose, BY_HAND)
-    assert motion.posture.assembly is assembly
+    np.testing.assert_array_equal(motion.configuration.pose, BY_HAND)
+    assert motion.configuration.assembly is assembly
 
 
 def test_the_lift_copies_the_height_divided_by_k() -> None:
     """The decoupling of the paper: x, y, theta do not move Z, and z does not move M1..M3."""
-    level = solve_motion(APPENDIX_4.geometry, BY_HAND, [0.4, -0.3, 0.8, 0.0], [1.0, 2.0, 3.0, 0.0])
+    level = joint_rates(APPENDIX_4.geometry, BY_HAND, [0.4, -0.3, 0.8, 0.0], [1.0, 2.0, 3.0, 0.0])
     np.testing.assert_array_equal(level.actuators_velocity[:, 3], 0.0)
     np.testing.assert_array_equal(level.actuators_acceleration[:, 3], 0.0)
-    upright = solve_motion(APPENDIX_4.geometry, BY_HAND, [0.0, 0.0, 0.0, 0.6], [0.0, 0.0, 0.0, 1.5])
+    upright = joint_rates(APPENDIX_4.geometry, BY_HAND, [0.0, 0.0, 0.0, 0.6], [0.0, 0.0, 0.0, 1.5])
     np.testing.assert_array_equal(upright.actuators_velocity[:, :3], 0.0)
     assert_within(upright.actuators_velocity[:, 3], np.full(3, 0.2), 1e-15)
     assert_within(upright.actuators_acceleration[:, 3], np.full(3, 0.5), 1e-15)
@@ -162,7 +162,7 @@ def test_the_lift_copies_the_height_divided_by_k() -> None:
 
 
 def test_joints_that_do_not_hang_on_the_knee_are_known_out_of_reach() -> None:
-    motion = solve_motion(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -1.2], np.ones(4), np.ones(4))
+    motion = joint_rates(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -1.2], np.ones(4), np.ones(4))
     for number in (2, 3, 5, 8):
         assert np.isfinite(motion.velocity[number]).all()
         assert np.isfinite(motion.acceleration[number]).all()

@@ -1,4 +1,4 @@
-"""Which poses are refused, for which reason, and by how many metres."""
+"""Which poses are refused, for which reason, and by how many meters."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from paminsa_viz.model import (
     PaminsaError,
     UnreachablePose,
     check_reach,
+    inverse_kinematics,
     require_reachable,
-    solve_posture,
 )
 from paminsa_viz.model.kinematics import AXIS_ANGLES, LEG_AXES
 from paminsa_viz.model.reach import (
@@ -71,10 +71,10 @@ def test_stretched(case: Case, leg: int, amount: float) -> None:
     zeta = -np.sqrt((reach + amount) ** 2 - (g.span_ratio * rho) ** 2)
     pose = place(g, leg, rho, zeta)
     expect(g, pose, Limit.STRETCHED, leg, amount)
-    assert np.isnan(solve_posture(g, pose).points[9][leg]).all()
+    assert np.isnan(inverse_kinematics(g, pose).points[9][leg]).all()
     longer = replace(g, coupler_length=g.coupler_length + amount * (1 + 1e-6))
     assert check_reach(longer, pose).ok
-    assert np.isfinite(solve_posture(longer, pose).points[9]).all()
+    assert np.isfinite(inverse_kinematics(longer, pose).points[9]).all()
 
 
 @given(case=cases(), leg=LEGS, amount=st.floats(1e-6, 0.1))
@@ -86,7 +86,7 @@ def test_folded(case: Case, leg: int, amount: float) -> None:
     near = difference - amount
     pose = place(g, leg, 0.8 * near / g.span_ratio, 0.6 * near, theta=0.1)
     expect(g, pose, Limit.FOLDED, leg, amount)
-    assert np.isnan(solve_posture(g, pose).points[9][leg]).all()
+    assert np.isnan(inverse_kinematics(g, pose).points[9][leg]).all()
     closer = replace(g, crank_length=g.crank_length + amount * (1 + 1e-6))
     assert check_reach(closer, pose).ok
     expect(replace(g, crank_length=g.coupler_length + difference), pose, Limit.FOLDED, leg, amount)
@@ -101,7 +101,7 @@ def test_guide(case: Case, leg: int, amount: float) -> None:
     amount = amount * travel
     pose = place(g, leg, rho, -0.5)
     assert check_reach(g, pose).ok
-    x8 = solve_posture(g, pose).points[8][leg, :2] - g.base_radius * LEG_AXES[leg]
+    x8 = inverse_kinematics(g, pose).points[8][leg, :2] - g.base_radius * LEG_AXES[leg]
     assert np.hypot(*x8) == pytest.approx(travel, rel=1e-12)
     for short in (
         replace(g, guide_stroke=travel - amount),
@@ -150,7 +150,7 @@ def test_margins_are_distances_between_joints(case: Case) -> None:
     g, pose = case.geometry, wide_poses(case)
     found = check_reach(g, pose)
     assert found.margins.shape == (400, 3, 4)
-    p = solve_posture(g, pose).points
+    p = inverse_kinematics(g, pose).points
     span = np.linalg.norm(p[5] - p[8], axis=-1)
     axis = g.base_radius * LEG_AXES
     near = np.hypot(*np.moveaxis(p[5][..., :2] - axis, -1, 0))
@@ -177,10 +177,10 @@ def test_margins_are_distances_between_joints(case: Case) -> None:
 
 @given(case=cases())
 def test_the_bars_close_exactly_where_reach_says_so(case: Case) -> None:
-    """By the triangle inequality, and by whether the posture has a knee."""
+    """By the triangle inequality, and by whether the configuration has a knee."""
     g, pose = case.geometry, wide_poses(case)
     margins = check_reach(g, pose).margins
-    knee = solve_posture(g, pose, case.assembly).points[9]
+    knee = inverse_kinematics(g, pose, case.assembly).points[9]
     clear = np.abs(margins[..., :2]).min(axis=-1) > 1e-9
     closes = (margins[..., :2] > 0).all(axis=-1)
     np.testing.assert_array_equal(np.isfinite(knee).all(axis=-1)[clear], closes[clear])
@@ -234,9 +234,9 @@ def test_the_workspace_lies_within_its_radius_and_height(case: Case) -> None:
     ok = check_reach(g, pose).ok
     radius, height = workspace_radius(g), workspace_height(g)
     assert np.hypot(pose[ok, 0], pose[ok, 1]).max() <= radius
-    centre = pose * [0.0, 0.0, 1.0, 1.0]
-    ok = check_reach(g, centre).ok
-    assert np.abs(centre[ok, 3] + g.platform_joint_height).max() <= height
+    center = pose * [0.0, 0.0, 1.0, 1.0]
+    ok = check_reach(g, center).ok
+    assert np.abs(center[ok, 3] + g.platform_joint_height).max() <= height
 
 
 def test_the_radius_and_height_of_appendix_4_are_reached() -> None:
@@ -268,7 +268,7 @@ def test_the_error_says_which_leg_and_how_far() -> None:
     assert error.limit == Limit(int(found.status)).word == "stretched"
     assert error.leg == int(found.leg) + 1
     assert error.excess == float(found.excess)
-    assert "pose (100.0 mm, 50.0 mm, 11.5 deg, -1100.0 mm) can not be taken" in str(error)
+    assert "pose (100.0 mm, 50.0 mm, 11.5 deg, -1100.0 mm) cannot be taken" in str(error)
     assert f"(leg {error.leg}, by {1e3 * error.excess:.2f} mm)" in str(error)
     assert isinstance(error, PaminsaError)
 

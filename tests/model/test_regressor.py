@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from paminsa_viz.model import (
     APPENDIX_4,
     COEFFICIENTS,
-    Assembly,
     InvalidInput,
+    KneeBranch,
     Misprint,
     backend,
     inverse_dynamics,
@@ -61,7 +61,7 @@ def test_one_regressor_serves_all_masses(case: Case, other: int) -> None:
 
 
 @BOTH
-def test_at_rest_its_columns_are_the_static_maps(assembly: Assembly) -> None:
+def test_at_rest_its_columns_are_the_static_maps(assembly: KneeBranch) -> None:
     still = np.zeros(4)
     y = torque_regressor(APPENDIX_4.geometry, BY_HAND, still, still, assembly)
     named = dict(zip(COEFFICIENTS, np.moveaxis(y, -1, 0), strict=True))
@@ -75,7 +75,7 @@ def test_at_rest_its_columns_are_the_static_maps(assembly: Assembly) -> None:
 
 
 @BOTH
-def test_gravity_enters_through_the_platforms_mass_alone(assembly: Assembly) -> None:
+def test_gravity_enters_through_the_platforms_mass_alone(assembly: KneeBranch) -> None:
     v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
     heavy, light = (
         torque_regressor(APPENDIX_4.geometry, BY_HAND, v, a, assembly, gravity=g)

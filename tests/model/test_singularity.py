@@ -16,10 +16,10 @@ from paminsa_viz.model import (
     InvalidInput,
     check_reach,
     inverse_jacobian,
+    inverse_kinematics,
     measure_singularity,
     singular_radius,
     singular_rotation,
-    solve_posture,
 )
 from paminsa_viz.model.kinematics import LEG_AXES, wrap
 from tests import oracle
@@ -200,7 +200,7 @@ def test_serial_distance_is_the_room_to_stretch_fold_and_axis(case: Case) -> Non
     """The guide's stroke is no singularity, and a clearance moves no axis."""
     g, pose = case.geometry, case.poses(16)
     for geometry in (g, replace(g, axis_clearance=0.02, guide_stroke=10.0)):
-        p = solve_posture(geometry, pose).points
+        p = inverse_kinematics(geometry, pose).points
         span = np.linalg.norm(p[5] - p[8], axis=-1)
         near = np.linalg.norm(p[5][..., :2] - g.base_radius * LEG_AXES, axis=-1)
         room = np.minimum(g.crank_length + g.coupler_length - span, near)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
-    Assembly,
     Design,
+    KneeBranch,
     inverse_jacobian,
     lift_constant,
     potential_energy,
@@ -178,7 +178,7 @@ def test_each_part_is_the_torque_of_that_body_alone(case: Case) -> None:
 @settings(max_examples=8)
 @given(case=cases())
 def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
-    """m g dz/dq_j of one body of one leg, through the oracle's places of the mass centres."""
+    """m g dz/dq_j of one body of one leg, through the oracle's places of the mass centers."""
     pose, step = case.poses(4), 1e-30
     parts = static_breakdown(case.design, pose, case.assembly)
     size = np.abs(static_torques(case.design, pose, case.assembly)).max()
@@ -187,7 +187,7 @@ def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
     for j, e in enumerate(np.eye(4)):
         moved = oracle.bodies(case.design, oracle.split(pose + 1j * step * e), case.assembly)
         for body in moved:
-            height = np.broadcast_to(body.centre[2], len(pose))
+            height = np.broadcast_to(body.center[2], len(pose))
             slopes[body.name, j] = body.mass * case.design.gravity * height.imag / step
     for leg in range(3):
         for number, path in enumerate(BODIES):
@@ -199,7 +199,7 @@ def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
 
 
 @BOTH
-def test_bodies_that_stay_at_their_height_ask_for_nothing(assembly: Assembly) -> None:
+def test_bodies_that_stay_at_their_height_ask_for_nothing(assembly: KneeBranch) -> None:
     """Joint 8 and the guide link only turn and slide in their plane."""
     parts = static_breakdown(APPENDIX_4, BY_HAND, assembly)
     for path in ("joints.j8", "links.b10"):
@@ -212,7 +212,7 @@ def test_bodies_that_stay_at_their_height_ask_for_nothing(assembly: Assembly) ->
 
 
 def test_home_by_hand() -> None:
-    """At the centre the legs pull alike, so M1..M3 hold nothing, and F_4 = k dV/dz."""
+    """At the center the legs pull alike, so M1..M3 hold nothing, and F_4 = k dV/dz."""
     torque = static_torques(APPENDIX_4, BY_HAND[0])
     assert_within(torque[:3], np.zeros(3), 1e-13)
     h = 1e-4

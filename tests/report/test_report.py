@@ -13,11 +13,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model import APPENDIX_4, Assembly, Design, UnreachablePose, balance_distance
-from paminsa_viz.model.balancing import balance
+from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, UnreachablePose, static_imbalance
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.trajectory import Trajectory, analyse, home, paper_like
 from paminsa_viz.report import ReportRequest, report_html
 from paminsa_viz.report.balance_section import balance_section, contributions
 from paminsa_viz.report.blocks import Note, Row, Table, measured
@@ -25,6 +24,7 @@ from paminsa_viz.report.design_section import change, design_section
 from paminsa_viz.report.page import symbols
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
+from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
 from tests.samples import random_design
 
 HEAVY = replace(
@@ -36,7 +36,7 @@ WHEN = datetime(2025, 3, 4, 5, 6, tzinfo=UTC)
 
 
 def request_for(
-    design: Design = HEAVY, assembly: Assembly = Assembly.PRINTED, **more: Any
+    design: Design = HEAVY, assembly: KneeBranch = KneeBranch.LOWER, **more: Any
 ) -> ReportRequest:
     return ReportRequest(
         design=design,
@@ -151,23 +151,23 @@ def test_bodies_add_up_to_mp2(seed: int) -> None:
     weights = (Counterweight("b3", 7, 0.05, 0.3), Counterweight("b4", 9, -0.1, 0.2))
     design = replace(random_design(rng), counterweights=weights)
     parts = [share for _, _, share in contributions(design)]
-    assert sum(parts) == pytest.approx(balance_distance(design), rel=1e-12)
+    assert sum(parts) == pytest.approx(static_imbalance(design), rel=1e-12)
     assert len(parts) == 9
 
 
 def test_balance_is_shown_or_found_to_be_there() -> None:
     motion = request_for().trajectory
-    section = balance_section(analyse(APPENDIX_4, motion))
+    section = balance_section(analyze(APPENDIX_4, motion))
     tables = [block for block in section.blocks if isinstance(block, Table)]
     last = tables[1].rows[-1]
     assert last == Row(("M_p2", "", "9.1 N", "0 N"), "total")
     assert "+994 %" in tables[1].rows[0].cells
     after = balance(APPENDIX_4).after
-    peaks = analyse(after, motion).summary
+    peaks = analyze(after, motion).summary
     assert [row.cells[2] for row in tables[2].rows] == [
         measured(abs(s.peak), "N m" if j < 3 else "N") for j, s in enumerate(peaks)
     ]
-    notes = [b.text for b in balance_section(analyse(after, motion)).blocks if isinstance(b, Note)]
+    notes = [b.text for b in balance_section(analyze(after, motion)).blocks if isinstance(b, Note)]
     assert any("is balanced" in text for text in notes)
 
 
@@ -195,14 +195,14 @@ def test_a_motion_that_fails_is_named() -> None:
     near = request_for(APPENDIX_4).trajectory
     sinking = near.pose - np.linspace(0, 0.6, near.size)[:, None] * [0, 0, 0, 1]
     motion = Trajectory(near.t, sinking, near.velocity, near.acceleration)
-    section = trajectory_section(analyse(APPENDIX_4, motion))
+    section = trajectory_section(analyze(APPENDIX_4, motion))
     bad = [b.text for b in section.blocks if isinstance(b, Note) and b.kind == "bad"]
     assert len(bad) == 1
     assert "over-stretched" in bad[0]
     html = report_html(replace(request_for(APPENDIX_4, verified=True), trajectory=motion))
     page = Reader(html)
-    assert "the robot can not run it" in page.text
-    assert "Not verified: the trajectory can not be run" in page.text
+    assert "the robot cannot run it" in page.text
+    assert "Not verified: the trajectory cannot be run" in page.text
 
 
 def test_a_pose_out_of_reach_is_refused() -> None:

@@ -7,19 +7,19 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from paminsa_viz.model import APPENDIX_4, Assembly, solve_posture
-from paminsa_viz.palette import LEG_COLOURS
+from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics
+from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.report.sketch import sketch
 from tests import samples
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-@pytest.mark.parametrize("assembly", list(Assembly), ids=lambda a: a.value)
-def test_bars_have_their_projected_lengths(assembly: Assembly) -> None:
+@pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
+def test_bars_have_their_projected_lengths(assembly: KneeBranch) -> None:
     pose = samples.random_poses(np.random.default_rng(4), assembly=assembly)[0]
-    posture = solve_posture(APPENDIX_4.geometry, pose, assembly)
-    root = ET.fromstring(sketch(posture))
+    configuration = inverse_kinematics(APPENDIX_4.geometry, pose, assembly)
+    root = ET.fromstring(sketch(configuration))
     width, height = map(float, root.attrib["viewBox"].split()[2:])
     circle = root.find(f"{SVG}circle")
     assert circle is not None
@@ -27,7 +27,7 @@ def test_bars_have_their_projected_lengths(assembly: Assembly) -> None:
     bars = [
         line.attrib
         for line in root.iter(f"{SVG}line")
-        if line.attrib["stroke"] in LEG_COLOURS and line.attrib["stroke-width"] == "3"
+        if line.attrib["stroke"] in LEG_COLORS and line.attrib["stroke-width"] == "3"
     ]
     assert len(bars) == 3 * 2 * 4
     found = sorted(
@@ -37,7 +37,7 @@ def test_bars_have_their_projected_lengths(assembly: Assembly) -> None:
     expected = []
     for axes in ([0, 1], [0, 2]):
         for first, second in ((9, 5), (8, 9), (4, 7), (7, 8)):
-            along = (posture.points[first] - posture.points[second])[:, axes]
+            along = (configuration.points[first] - configuration.points[second])[:, axes]
             expected += (scale * np.hypot(*along.T)).tolist()
     np.testing.assert_allclose(found, sorted(expected), atol=0.02)
     places = [(float(b[x]), float(b[y])) for b in bars for x, y in (("x1", "y1"), ("x2", "y2"))]

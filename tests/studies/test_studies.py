@@ -13,14 +13,13 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    Assembly,
     Counterweight,
     InvalidInput,
+    KneeBranch,
     check_reach,
     measure_singularity,
     static_torques,
 )
-from paminsa_viz.model.trajectory import PRESET, Trajectory, analyse, check_path
 from paminsa_viz.studies import (
     METRICS,
     MOTION_METRICS,
@@ -39,6 +38,7 @@ from paminsa_viz.studies import (
     run_study,
 )
 from paminsa_viz.studies.motion_metrics import samples_hash
+from paminsa_viz.trajectory import PRESET, Trajectory, analyze, check_path
 from tests.samples import random_design
 
 NAMES = [metric.column for metric in METRICS]
@@ -59,7 +59,7 @@ RANDOM = replace(
 )
 
 
-MOTION = PRESET["arch"].build(APPENDIX_4.geometry, Assembly.PRINTED).sample(200.0)
+MOTION = PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200.0)
 MOVED = replace(
     RANDOM,
     trajectory=MOTION,
@@ -103,7 +103,7 @@ def test_random_values_fill_their_ranges_evenly() -> None:
     assert abs(np.corrcoef(drawn.T)[0, 1]) < 0.1
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("assembly", list(KneeBranch))
 @pytest.mark.parametrize("seed", range(6))
 def test_metrics_are_those_of_the_poses(seed, assembly) -> None:
     rng = np.random.default_rng(seed)
@@ -148,7 +148,7 @@ def test_a_row_has_what_the_design_needs_on_the_motion(variation) -> None:
     for index in range(study.size):
         row = dict(zip(study.columns, study.row(index), strict=True))
         words.add(row["motion"].partition(":")[0])
-        analysis = analyse(study.vary(variation.values(index)), MOTION)
+        analysis = analyze(study.vary(variation.values(index)), MOTION)
         cells = [row[metric.column] for metric in MOTION_METRICS]
         if not analysis.check.ok:
             event = analysis.check.first
@@ -312,7 +312,7 @@ def test_every_difference_makes_another_table() -> None:
         replace(SMALL, design=APPENDIX_4.vary({"links.b4": 0.5})),
         replace(SMALL, design=replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1),))),
         replace(SMALL, region=replace(SMALL.region, cells=9)),
-        replace(SMALL, assembly=Assembly.MIRROR),
+        replace(SMALL, assembly=KneeBranch.UPPER),
         replace(SMALL, scale_bars=True),
         replace(SMALL, variation=DesignGrid(GRID.axes[:1])),
         RANDOM,

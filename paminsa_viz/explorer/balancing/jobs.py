@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-from paminsa_viz.explorer.balancing.wishes import Wishes
-from paminsa_viz.model import Assembly, Design, PaminsaError
-from paminsa_viz.model.balancing import Front, Optimum, Tornado
-from paminsa_viz.model.trajectory import Trajectory
+from paminsa_viz.balancing import Front, Optimum, Tornado
+from paminsa_viz.explorer.balancing.settings import BalanceSettings
+from paminsa_viz.model import Design, KneeBranch, PaminsaError
+from paminsa_viz.trajectory import Trajectory
 
 
 class Task(Enum):
@@ -32,17 +32,17 @@ class Job:
             [rad, m].
         trajectory: The present motion, or None.
         problem: Why there is no motion.
-        wishes: What a person set.
+        settings: What a person set.
     """
 
     task: Task
     design: Design
-    assembly: Assembly
+    assembly: KneeBranch
     theta: float
     z: float
     trajectory: Trajectory | None
     problem: str
-    wishes: Wishes
+    settings: BalanceSettings
 
 
 @dataclass(frozen=True)
@@ -85,16 +85,16 @@ class Balancing:
     """The balancing of a session.
 
     Attributes:
-        wishes: What a person set.
+        settings: What a person set.
         running: The job that runs, or None.
         done: What part of it is done, 0 to 1.
         outcome: The last better design, or why there is none, or None.
         front: The last front, likewise.
         tornado: What each value matters, likewise.
-        output: Which of `paminsa_viz.model.balancing.OUTPUTS` the tornado chart shows.
+        output: Which of `paminsa_viz.balancing.OUTPUTS` the tornado chart shows.
     """
 
-    wishes: Wishes = field(default_factory=Wishes)
+    settings: BalanceSettings = field(default_factory=BalanceSettings)
     running: Job | None = None
     done: float = 0.0
     outcome: Outcome | None = None

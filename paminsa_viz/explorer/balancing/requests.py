@@ -5,44 +5,44 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.actions import honestly_named
+from paminsa_viz.balancing import OUTPUTS
+from paminsa_viz.explorer.actions import renamed_if_changed
 from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
+from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal, require_possible
 from paminsa_viz.explorer.balancing.solving import run
-from paminsa_viz.explorer.balancing.wishes import Arm, Goal, require_possible
-from paminsa_viz.explorer.bounds import require_workable
+from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.motion import requests as motions
-from paminsa_viz.explorer.state import State, settle
+from paminsa_viz.explorer.state import State, with_document
 from paminsa_viz.model import Design, InvalidInput
-from paminsa_viz.model.balancing import OUTPUTS
 from paminsa_viz.model.counterweight import Counterweight
 
 
 def wish(state: State, **changes: Any) -> State:
-    """Change what may change, and what is to be small; a refusal of earlier wishes is forgotten.
+    """Change what may change, and what is to be small; a refusal of earlier settings is forgotten.
 
     Raises:
         InvalidInput: If a number is out of its range.
     """
     balancing = state.balancing
-    wishes = replace(balancing.wishes, **changes)
-    require_possible(wishes)
-    if wishes == balancing.wishes:  # an input may say again what it holds
+    settings = replace(balancing.settings, **changes)
+    require_possible(settings)
+    if settings == balancing.settings:  # an input may say again what it holds
         return state
     refused = balancing.outcome is not None and balancing.outcome.problem is not None
     outcome = None if refused else balancing.outcome
-    return replace(state, balancing=replace(balancing, wishes=wishes, outcome=outcome))
+    return replace(state, balancing=replace(balancing, settings=settings, outcome=outcome))
 
 
 def choose_goal(state: State, goal: Goal) -> State:
     """Choose what is to be small: a balance is exact, other goals are free of it, unless said."""
-    if goal is state.balancing.wishes.goal:
+    if goal is state.balancing.settings.goal:
         return state
     return wish(state, goal=goal, exact=goal.static)
 
 
 def set_arm(state: State, name: str, longest: float, most: float) -> State:
     """Set one of the places for counterweights [m, kg]."""
-    return wish(state, **{name: Arm(longest, most)})
+    return wish(state, **{name: CounterweightSlot(longest, most)})
 
 
 def show_output(state: State, output: int) -> State:
@@ -62,7 +62,7 @@ def make_job(state: State, task: Task) -> Job:
     found = motions.planned(state)
     return Job(
         task, document.design, document.assembly, *document.pose[2:], found.trajectory,
-        found.problem, state.balancing.wishes,
+        found.problem, state.balancing.settings,
     )  # fmt: skip
 
 
@@ -144,8 +144,8 @@ def chosen_point(state: State) -> int | None:
 
 
 def _beside(state: State, design: Design, reference: Design) -> State:
-    design = honestly_named(require_workable(design))
-    return settle(state, replace(state.document, design=design, reference=reference))
+    design = renamed_if_changed(validate_limits(design))
+    return with_document(state, replace(state.document, design=design, reference=reference))
 
 
 def hang(state: State, weights: tuple[Counterweight, ...]) -> State:
@@ -155,8 +155,8 @@ def hang(state: State, weights: tuple[Counterweight, ...]) -> State:
         InvalidDesign: If they are too many or too large to work with.
     """
     changed = replace(state.document.design, counterweights=weights)
-    design = honestly_named(require_workable(changed))
-    return settle(state, replace(state.document, design=design))
+    design = renamed_if_changed(validate_limits(changed))
+    return with_document(state, replace(state.document, design=design))
 
 
 def add_weight(state: State, bar: str, joint: int) -> State:

@@ -8,26 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
-from paminsa_viz.explorer.balancing.wishes import Goal, Wishes, changes_of
-from paminsa_viz.explorer.frame import near_singularity
-from paminsa_viz.explorer.maps import COARSE
-from paminsa_viz.figures.map_window import cell_centres, half_width
-from paminsa_viz.model import (
-    Assembly,
-    Design,
-    Field,
-    Geometry,
-    Grid,
-    InvalidInput,
-    Limit,
-    PaminsaError,
-    balance_distance,
-    measure_singularity,
-    solve_field,
-    xy_grid,
-)
-from paminsa_viz.model.balancing import (
+from paminsa_viz.balancing import (
     AddedMass,
     Imbalance,
     MassChange,
@@ -37,14 +18,33 @@ from paminsa_viz.model.balancing import (
     TrajectoryPeak,
     TrajectoryRms,
     balance,
-    optimise,
+    optimize,
     pareto_front,
     tornado,
     whole_mass,
 )
-from paminsa_viz.model.balancing.time_weights import time_weights
+from paminsa_viz.balancing.time_weights import time_weights
+from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
+from paminsa_viz.explorer.balancing.settings import BalanceSettings, Goal, changes_of
+from paminsa_viz.explorer.frame import near_singularity
+from paminsa_viz.explorer.maps import COARSE
+from paminsa_viz.model import (
+    Design,
+    Field,
+    Geometry,
+    Grid,
+    InvalidInput,
+    KneeBranch,
+    Limit,
+    PaminsaError,
+    measure_singularity,
+    solve_field,
+    static_imbalance,
+    xy_grid,
+)
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
+from paminsa_viz.plots.map_window import cell_centers, half_width
+from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 
 FRONT_POINTS = 12
 MIDDLE, MIDDLE_CELLS = 0.75, 21
@@ -59,7 +59,7 @@ Progress = Callable[[float], bool]
 
 
 def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
-    """Work a job out; what can not be done is part of the outcome."""
+    """Work a job out; what cannot be done is part of the outcome."""
     try:
         if job.task is Task.FRONT:
             return _front(job, progress)
@@ -73,48 +73,48 @@ def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
 
 
 def _best(job: Job) -> Optimum:
-    wishes = job.wishes
-    changes = changes_of(wishes, job.design)
-    if wishes.goal.static:
-        criterion = AddedMass() if wishes.goal is Goal.ADDED else MassChange()
-        return balance(job.design, changes, criterion, exact=wishes.exact)
-    limits = _limits(wishes)
-    if wishes.exact:
+    settings = job.settings
+    changes = changes_of(settings, job.design)
+    if settings.goal.static:
+        criterion = AddedMass() if settings.goal is Goal.ADDED else MassChange()
+        return balance(job.design, changes, criterion, exact=settings.exact)
+    limits = _limits(settings)
+    if settings.exact:
         limits.append((Imbalance(), 0.0))
     peak = TrajectoryPeak(motion(job))
-    if wishes.goal is Goal.PEAK:
-        return optimise(job.design, changes, peak, limits=limits)
-    if wishes.goal is Goal.RMS:
-        return optimise(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
+    if settings.goal is Goal.PEAK:
+        return optimize(job.design, changes, peak, limits=limits)
+    if settings.goal is Goal.RMS:
+        return optimize(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
     # Each counts by what it is now, so that the share is one of like with like.
     parts = (
-        (wishes.share, peak, moving(job, job.design)[0]),
-        (1 - wishes.share, StaticPeak(plane(job)), standing(job, job.design)[0]),
+        (settings.share, peak, moving(job, job.design)[0]),
+        (1 - settings.share, StaticPeak(plane(job)), standing(job, job.design)[0]),
     )
     goals = [(share / (now or 1.0), term) for share, term, now in parts]
-    return optimise(job.design, changes, goals, limits=limits)
+    return optimize(job.design, changes, goals, limits=limits)
 
 
-def _limits(wishes: Wishes) -> list[tuple[Term, float]]:
-    return [(AddedMass(), wishes.added)] if wishes.added > 0 else []
+def _limits(settings: BalanceSettings) -> list[tuple[Term, float]]:
+    return [(AddedMass(), settings.added)] if settings.added > 0 else []
 
 
 def _front(job: Job, progress: Progress) -> Outcome:
     found = pareto_front(
-        job.design, changes_of(job.wishes, job.design), TrajectoryPeak(motion(job)),
-        StaticPeak(plane(job)), points=FRONT_POINTS, limits=_limits(job.wishes),
+        job.design, changes_of(job.settings, job.design), TrajectoryPeak(motion(job)),
+        StaticPeak(plane(job)), points=FRONT_POINTS, limits=_limits(job.settings),
         progress=lambda done, of: progress(done / of),
     )  # fmt: skip
     return Outcome(job, front=found, designs=tuple(tidied(p.design) for p in found.points))
 
 
 def _tornado(job: Job) -> Outcome:
-    wishes, design = job.wishes, job.design
+    settings, design = job.settings, job.design
     try:
         trajectory = motion(job).trajectory
     except PaminsaError:  # what it matters to the motion then has no value
         trajectory = None
-    found = tornado(design, middle(job), trajectory, job.assembly, change=wishes.change)
+    found = tornado(design, middle(job), trajectory, job.assembly, change=settings.change)
     return Outcome(job, tornado=found)
 
 
@@ -131,8 +131,8 @@ def middle(job: Job) -> Grid:
     if most == 0:
         raise InvalidInput("pose", "at this theta and z no pose around the middle is clear")
     reach = MIDDLE * most / half * half_width(job.design.geometry)
-    centres = np.linspace(-reach, reach, MIDDLE_CELLS)
-    return xy_grid(centres, centres, job.theta, job.z)
+    centers = np.linspace(-reach, reach, MIDDLE_CELLS)
+    return xy_grid(centers, centers, job.theta, job.z)
 
 
 def tidied(design: Design) -> Design:
@@ -154,7 +154,7 @@ def tidied(design: Design) -> Design:
 def effects(job: Job, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
     before = job.design
-    pairs = [("M_p2", "N", [balance_distance(before), balance_distance(after)])]
+    pairs = [("M_p2", "N", [static_imbalance(before), static_imbalance(after)])]
     for where, measured in (("standing", standing), ("in motion", moving)):
         peak, mean = zip(measured(job, before), measured(job, after), strict=True)
         pairs.append((f"peak torque {where}", "N m", list(peak)))
@@ -169,12 +169,12 @@ def standing(job: Job, design: Design) -> tuple[float, float]:
     gamma = field.gamma[:3, field.status == Limit.OK]
     if gamma.size == 0:
         return np.nan, np.nan
-    size = abs(balance_distance(design))
+    size = abs(static_imbalance(design))
     return size * float(np.abs(gamma).max()), size * float(np.sqrt(np.mean(gamma**2)))
 
 
 def moving(job: Job, design: Design) -> tuple[float, float]:
-    """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it can not run."""
+    """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it cannot run."""
     try:
         solved = motion(job)
     except PaminsaError:
@@ -188,7 +188,7 @@ def motion(job: Job) -> SolvedTrajectory:
     """Return the present motion, solved.
 
     Raises:
-        ImpossibleTrajectory: If the robot can not run it.
+        ImpossibleTrajectory: If the robot cannot run it.
         InvalidInput: If there is none.
     """
     if job.trajectory is None:
@@ -201,7 +201,7 @@ def motion(job: Job) -> SolvedTrajectory:
 
 @lru_cache(maxsize=2)
 def _solved(
-    geometry: Geometry, trajectory: Trajectory, assembly: Assembly, gravity: float
+    geometry: Geometry, trajectory: Trajectory, assembly: KneeBranch, gravity: float
 ) -> SolvedTrajectory:
     return solve_trajectory(geometry, trajectory, assembly, gravity=gravity)
 
@@ -215,9 +215,9 @@ def plane(job: Job) -> Field:
 
 
 @lru_cache(maxsize=2)
-def _plane(geometry: Geometry, assembly: Assembly, theta: float, z: float) -> Field:
-    centres = cell_centres(half_width(geometry), COARSE)
-    grid = xy_grid(centres, centres, theta, z)
+def _plane(geometry: Geometry, assembly: KneeBranch, theta: float, z: float) -> Field:
+    centers = cell_centers(half_width(geometry), COARSE)
+    grid = xy_grid(centers, centers, theta, z)
     field = solve_field(geometry, grid, assembly)
     near = near_singularity(measure_singularity(geometry, grid.poses()))
     status = np.where(near & (field.status == Limit.OK), np.uint8(Limit.SINGULAR), field.status)

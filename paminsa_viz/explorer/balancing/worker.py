@@ -35,7 +35,9 @@ class Balancer:
         session = self._session
 
         def progress(done: float) -> bool:
-            session.ask("balance.progress", lambda s: requests.progressed(s, job, done), step=False)
+            session.dispatch(
+                "balance.progress", lambda s: requests.progressed(s, job, done), step=False
+            )
             return session.closed or session.state.balancing.running is not job
 
         try:
@@ -44,4 +46,4 @@ class Balancer:
             log.exception("balancing failed")
             problem = InvalidInput("balance", "it failed; details are in the program's log")
             outcome = Outcome(job, problem=problem)
-        session.ask("balance.outcome", lambda state: requests.taken(state, outcome))
+        session.dispatch("balance.outcome", lambda state: requests.taken(state, outcome))

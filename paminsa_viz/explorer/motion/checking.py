@@ -14,11 +14,11 @@ from paminsa_viz.engines.comparison import Comparison, torque_scale
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.trajectory import Trajectory, TrajectoryAnalysis, analyse
+from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import State
-    from paminsa_viz.figures.curves import OtherTorques
+    from paminsa_viz.plots.curves import OtherTorques
 
 log = logging.getLogger(__name__)
 
@@ -100,13 +100,13 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
     """Ask the engine for the torques of a design on a motion; raises nothing."""
     # Late: what engines need takes half a second to load.
     from paminsa_viz.engines.verification import TOLERANCE
-    from paminsa_viz.figures.verified import engine_torques
+    from paminsa_viz.plots.verified import engine_torques
 
     try:
         kept, motion = _thinned(analysis.trajectory)
-        thinned = analyse(analysis.design, motion, analysis.solved.assembly)
+        thinned = analyze(analysis.design, motion, analysis.solved.assembly)
         if not thinned.check.good.any():
-            return Answer(analysis, None, "the robot can not run any of the motion")
+            return Answer(analysis, None, "the robot cannot run any of the motion")
         found = EngineTorques(thinned, kept, engine_torques(thinned), TOLERANCE)
         return Answer(analysis, found)
     except EngineMissing as error:

@@ -39,7 +39,7 @@ class Clock:
     def _beat(self) -> None:
         me = threading.current_thread()
         while self._beating is me and not self._session.closed:
-            self._session.ask("playback.clock", self._intent, step=False)
+            self._session.dispatch("playback.clock", self._intent, step=False)
             time.sleep(BEAT)
 
     def _intent(self, state: State) -> State:

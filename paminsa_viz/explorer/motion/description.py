@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass, field
 from enum import Enum
 
-from paminsa_viz.model.trajectory import PRESETS, MotionLimits, Profile, Trajectory
+from paminsa_viz.trajectory import PRESETS, MotionLimits, Profile, Trajectory
 
 Pose = tuple[float, float, float, float]
 """(x, y, theta, z) [m, m, rad, m]."""
@@ -76,7 +76,7 @@ class Motion:
             the middle of the workspace.
         height: How far an arch rises [m].
         waypoints: Poses to pass.
-        centre: Pose of a circle's centre, or None for the middle of the workspace.
+        center: Pose of a circle's center, or None for the middle of the workspace.
         radius: Of the circle [m].
         profile: Time law.
         timing: What decides on the duration.
@@ -93,7 +93,7 @@ class Motion:
     goal: Pose | None = None
     height: float = 0.1
     waypoints: tuple[Pose, ...] = ()
-    centre: Pose | None = None
+    center: Pose | None = None
     radius: float = 0.1
     profile: Profile = Profile.QUINTIC
     timing: Timing = Timing.OWN

@@ -5,9 +5,8 @@ from __future__ import annotations
 from paminsa_viz.explorer.exports import RESOLUTIONS, WIDTHS, File, plain, require_range
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.plots import Plot
-from paminsa_viz.explorer.motion.store import Analysed, MotionStore
+from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
 from paminsa_viz.explorer.state import State
-from paminsa_viz.figures.curves import CurveKind, figure_bytes
 from paminsa_viz.files.trajectory_series import (
     Series,
     analysis_series,
@@ -16,7 +15,8 @@ from paminsa_viz.files.trajectory_series import (
     simulation_series,
 )
 from paminsa_viz.model import InvalidInput, Misprint
-from paminsa_viz.model.trajectory import analyse
+from paminsa_viz.plots.curves import CurveKind, figure_bytes
+from paminsa_viz.trajectory import analyze
 
 FIGURES: dict[Plot, CurveKind] = {
     Plot.TORQUES: "torques",
@@ -55,7 +55,7 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
     """
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
-    found, what = _analysed(state), figure_kind(state)
+    found, what = _analyzed(state), figure_kind(state)
     if state.plots.plot is Plot.DIFFERENCE:
         return _difference(state, found, kind, width_mm, dpi)
     simulation = found.simulation if what == "tracking" else None
@@ -71,7 +71,7 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
     raise InvalidInput("kind", "png, svg or pdf is needed")
 
 
-def _difference(state: State, found: Analysed, kind: str, width_mm: float, dpi: float) -> File:
+def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: float) -> File:
     torques = found.answer.found if found.answer else None
     if torques is None:
         why = found.answer.problem if found.answer else ""
@@ -79,7 +79,7 @@ def _difference(state: State, found: Analysed, kind: str, width_mm: float, dpi: 
     analysis, title = torques.thinned, f"Formulae and {torques.engine.name}"
     if found.printed is not None:
         motion, assembly = analysis.trajectory, analysis.solved.assembly
-        analysis = analyse(analysis.design, motion, assembly, misprints=Misprint.ALL)
+        analysis = analyze(analysis.design, motion, assembly, misprints=Misprint.ALL)
         title = f"Formulae as printed and {torques.engine.name}"
     for known in ("png", "svg", "pdf"):
         if known == kind:
@@ -104,7 +104,7 @@ def table(state: State, kind: str) -> File:
     writers = {"csv": series_csv, "npz": series_npz}
     if kind not in writers:
         raise InvalidInput("kind", "csv or npz is needed")
-    found = _analysed(state)
+    found = _analyzed(state)
     simulated = state.plots.plot in _SIMULATED and found.simulation is not None
     series: Series
     if simulated and found.simulation is not None:
@@ -118,17 +118,17 @@ def page(state: State) -> File:
     """Write a page that plays the motion without a server.
 
     Raises:
-        PaminsaError: If there is no motion, or the robot can not even start it.
+        PaminsaError: If there is no motion, or the robot cannot even start it.
     """
     from paminsa_viz.explorer.motion_page import motion_html  # late: it starts a server
 
-    found = _analysed(state)
+    found = _analyzed(state)
     document = state.document
     content = motion_html(document.design, document.assembly, found.present.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 
-def _analysed(state: State) -> Analysed:
+def _analyzed(state: State) -> Analyzed:
     # A store of its own: the session's belongs to its worker.
     found = MotionStore().all(state)
     if found is None:
@@ -136,6 +136,6 @@ def _analysed(state: State) -> Analysed:
     return found
 
 
-def _name(state: State, found: Analysed, what: str, ending: str) -> str:
+def _name(state: State, found: Analyzed, what: str, ending: str) -> str:
     parts = (state.document.design.name, found.present.trajectory.name, what)
     return "_".join(["paminsa", "motion", *filter(None, map(plain, parts))]) + f".{ending}"

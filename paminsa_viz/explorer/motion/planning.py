@@ -11,24 +11,24 @@ from functools import lru_cache
 import numpy as np
 
 from paminsa_viz.explorer.motion.description import MOST_SAMPLES, Kind, Motion, Pose, Timing
-from paminsa_viz.model import Assembly, Design, Geometry, InvalidInput, PaminsaError
-from paminsa_viz.model.trajectory import (
+from paminsa_viz.model import Design, Geometry, InvalidInput, KneeBranch, PaminsaError
+from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
-    Law,
     PathCheck,
     Plan,
+    TimeLaw,
     Trajectory,
     arch,
     check_path,
     circle,
     line,
     move,
+    round_trip,
     shortest,
-    there_and_back,
     through,
 )
-from paminsa_viz.model.trajectory.presets import Room
+from paminsa_viz.trajectory.presets import Room
 
 _KEPT = 12
 """Trajectories that are kept, of all tabs together; one has at most 2 MB."""
@@ -49,7 +49,7 @@ class Planned:
     bound: str = ""
 
 
-def planned(motion: Motion, design: Design, assembly: Assembly) -> Planned:
+def planned(motion: Motion, design: Design, assembly: KneeBranch) -> Planned:
     """Return the trajectory of a described motion for a robot; raises nothing."""
     # Masses matter only where torques bound the duration: other trajectories stay while a mass
     # changes, and with them all that was solved along them.
@@ -59,7 +59,7 @@ def planned(motion: Motion, design: Design, assembly: Assembly) -> Planned:
 
 @lru_cache(maxsize=_KEPT)
 def _planned(
-    motion: Motion, geometry: Geometry, assembly: Assembly, design: Design | None
+    motion: Motion, geometry: Geometry, assembly: KneeBranch, design: Design | None
 ) -> Planned:
     try:
         if motion.kind is Kind.TABLE:
@@ -73,11 +73,11 @@ def _planned(
             found = shortest(plan, motion.limits, design, assembly)
             plan, bound = found.plan, found.explanation
         except ImpossibleTrajectory:
-            bound = "no shortest duration, since the robot can not run the path"
+            bound = "no shortest duration, since the robot cannot run the path"
         except PaminsaError as error:
             problem = str(error)
     if motion.back:
-        plan = there_and_back(plan)
+        plan = round_trip(plan)
     return Planned(plan.sample(_rate(motion.rate, plan.duration)), problem, bound)
 
 
@@ -92,13 +92,13 @@ def _rate(rate: float, duration: float) -> float:
     return min(rate, (MOST_SAMPLES - 1) / duration)
 
 
-def make_plan(motion: Motion, geometry: Geometry, assembly: Assembly) -> Plan:
+def make_plan(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> Plan:
     """Return the plan of a described motion, before a shortest duration is looked for.
 
     Raises:
         PaminsaError: If its numbers make no motion.
     """
-    law, duration = Law(motion.profile), motion.duration
+    law, duration = TimeLaw(motion.profile), motion.duration
     start, goal = ends(motion, geometry, assembly)
     if motion.kind is Kind.MOVE:
         return move(start, goal, duration, law)
@@ -107,7 +107,7 @@ def make_plan(motion: Motion, geometry: Geometry, assembly: Assembly) -> Plan:
     if motion.kind is Kind.ARCH:
         return arch(start, goal, motion.height, duration, law)
     if motion.kind is Kind.CIRCLE:
-        return circle(centre(motion, geometry, assembly), motion.radius, duration, law)
+        return circle(center(motion, geometry, assembly), motion.radius, duration, law)
     if motion.kind is Kind.WAYPOINTS:
         if len(motion.waypoints) < 2:
             raise InvalidInput("waypoints", "two or more are needed; move the robot and add them")
@@ -116,7 +116,7 @@ def make_plan(motion: Motion, geometry: Geometry, assembly: Assembly) -> Plan:
     return plan.lasting(duration) if motion.timing is Timing.GIVEN else plan
 
 
-def ends(motion: Motion, geometry: Geometry, assembly: Assembly) -> tuple[Pose, Pose]:
+def ends(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> tuple[Pose, Pose]:
     """Return start and goal of a motion from pose to pose, also where they were not chosen."""
     room = Room(geometry, assembly)
     start = motion.start or _pose(room.pose(-0.1, 0.0, 0.0, 0.0))
@@ -124,9 +124,9 @@ def ends(motion: Motion, geometry: Geometry, assembly: Assembly) -> tuple[Pose, 
     return start, goal
 
 
-def centre(motion: Motion, geometry: Geometry, assembly: Assembly) -> Pose:
-    """Return the centre of a circle, also where it was not chosen."""
-    return motion.centre or _pose(Room(geometry, assembly).home)
+def center(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> Pose:
+    """Return the center of a circle, also where it was not chosen."""
+    return motion.center or _pose(Room(geometry, assembly).home)
 
 
 def _pose(values: np.ndarray) -> Pose:
@@ -141,7 +141,7 @@ def checked(trajectory: Trajectory, geometry: Geometry) -> PathCheck:
 
 
 def pose_at(trajectory: Trajectory, geometry: Geometry, time: float) -> Pose | None:
-    """Return the pose at a time [s], or None where the robot can not be.
+    """Return the pose at a time [s], or None where the robot cannot be.
 
     Args:
         trajectory: The motion.

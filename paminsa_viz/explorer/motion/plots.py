@@ -30,14 +30,14 @@ class PlotView:
         actuator: Index 0 to 3 of the actuator whose parts are plotted.
         printed: Whether the formulae as printed are plotted beside the corrected ones.
         engine: Whether an engine's torques are plotted on the formulae's.
-        colour: Index 0 to 3 of the actuator by whose torque the path is coloured.
+        color: Index 0 to 3 of the actuator by whose torque the path is colored.
     """
 
     plot: Plot = Plot.TORQUES
     actuator: int = 0
     printed: bool = False
     engine: bool = False
-    colour: int = 0
+    color: int = 0
 
     @property
     def needs_engine(self) -> bool:

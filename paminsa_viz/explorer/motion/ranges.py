@@ -34,7 +34,7 @@ def require_possible(motion: Motion) -> None:
             raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
     if len(motion.waypoints) > MOST_WAYPOINTS:
         raise InvalidInput("waypoints", f"at most {MOST_WAYPOINTS} are possible")
-    for pose in filter(None, (motion.start, motion.goal, motion.centre, *motion.waypoints)):
+    for pose in filter(None, (motion.start, motion.goal, motion.center, *motion.waypoints)):
         if not all(abs(value) <= FARTHEST for value in pose):
             raise InvalidInput("pose", "it is too far away")
     for item in fields(motion.limits):

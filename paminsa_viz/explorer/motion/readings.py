@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.explorer.motion.traces import Chart, Trace
-from paminsa_viz.model.trajectory.integrals import rms
+from paminsa_viz.trajectory.integrals import rms
 
 
 @dataclass(frozen=True)

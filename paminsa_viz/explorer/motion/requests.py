@@ -19,9 +19,9 @@ from paminsa_viz.explorer.motion.simulating import (
     Job,
     make_job,
 )
-from paminsa_viz.explorer.state import State, settle
+from paminsa_viz.explorer.state import State, with_document
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.model.trajectory import PRESET, Trajectory
+from paminsa_viz.trajectory import PRESET, Trajectory
 
 
 def planned(state: State) -> Planned:
@@ -44,7 +44,7 @@ def change(state: State, **changes: Any) -> State:
     """
     motion = replace(state.document.motion, **changes)
     require_possible(motion)
-    changed = settle(state, replace(state.document, motion=motion))
+    changed = with_document(state, replace(state.document, motion=motion))
     if motion != state.document.motion:
         changed = replace(changed, layers=replace(changed.layers, path=True))
     end = duration(changed)
@@ -81,7 +81,7 @@ def limit(state: State, name: str, value: float) -> State:
 
 
 def present_pose(state: State) -> Pose:
-    """Return the pose at which the robot stands, to the micrometre."""
+    """Return the pose at which the robot stands, to the micrometer."""
     x, y, theta, z = (round(value, 6) + 0.0 for value in state.standing.pose)
     return (x, y, theta, z)
 
@@ -109,9 +109,9 @@ def swap_ends(state: State) -> State:
     return change(state, start=goal, goal=start)
 
 
-def centre_here(state: State) -> State:
-    """Put the circle's centre where the robot stands."""
-    return change(state, centre=present_pose(state))
+def center_here(state: State) -> State:
+    """Put the circle's center where the robot stands."""
+    return change(state, center=present_pose(state))
 
 
 def add_waypoint(state: State) -> State:
@@ -144,7 +144,7 @@ def take_table(state: State, table: Trajectory) -> State:
 def settle_time(state: State, time: float) -> State:
     """Show another instant; the robot stands there if it follows the motion."""
     moved = replace(state, playback=replace(state.playback, time=time))
-    return settle(moved, moved.document)
+    return with_document(moved, moved.document)
 
 
 def scrub(state: State, time: float) -> State:
@@ -206,7 +206,7 @@ def set_playback(state: State, **changes: Any) -> State:
 def set_plots(state: State, **changes: Any) -> State:
     """Change what is plotted."""
     plots = replace(state.plots, **changes)
-    if plots.actuator not in range(4) or plots.colour not in range(4):
+    if plots.actuator not in range(4) or plots.color not in range(4):
         raise InvalidInput("actuator", "one of M1 to M4 is needed")
     return replace(state, plots=plots)
 

@@ -9,9 +9,9 @@ from typing import Any
 from paminsa_viz.explorer.motion.description import MOST_WAYPOINTS, Kind, Motion, Pose, Timing
 from paminsa_viz.explorer.motion.ranges import require_possible
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.model.trajectory import PRESET, MotionLimits, Profile
+from paminsa_viz.trajectory import PRESET, MotionLimits, Profile
 
-_POSES = ("start", "goal", "centre")
+_POSES = ("start", "goal", "center")
 _NUMBERS = ("height", "radius", "duration", "rate")
 _DEFAULT = Motion()
 

@@ -7,8 +7,8 @@ import threading
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from paminsa_viz.model import Assembly, Design, Friction, InvalidInput, PaminsaError
-from paminsa_viz.model.trajectory import Control, Controller, Simulation, Trajectory, simulate
+from paminsa_viz.model import Design, Friction, InvalidInput, KneeBranch, PaminsaError
+from paminsa_viz.trajectory import Control, Controller, Simulation, Trajectory, simulate
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.frame import Frame
@@ -58,7 +58,7 @@ class Job:
 
     design: Design
     trajectory: Trajectory
-    assembly: Assembly
+    assembly: KneeBranch
     settings: SimulationSettings
 
     def same(self, other: Job) -> bool:
@@ -96,7 +96,10 @@ class Simulating:
 
 
 def make_job(
-    design: Design, trajectory: Trajectory | None, assembly: Assembly, settings: SimulationSettings
+    design: Design,
+    trajectory: Trajectory | None,
+    assembly: KneeBranch,
+    settings: SimulationSettings,
 ) -> Job:
     """Return a job.
 
@@ -148,7 +151,7 @@ class Simulator:
         except Exception:
             log.exception("a simulation failed")
             outcome = Outcome(job, None, "it failed; details are in the program's log")
-        self._session.ask("simulation.outcome", lambda state: taken(state, outcome))
+        self._session.dispatch("simulation.outcome", lambda state: taken(state, outcome))
 
 
 def taken(state: State, outcome: Outcome) -> State:

@@ -7,18 +7,18 @@ from dataclasses import dataclass
 from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import Assembly, Design, Misprint
-from paminsa_viz.model.trajectory import (
+from paminsa_viz.model import Design, KneeBranch, Misprint
+from paminsa_viz.trajectory import (
     Simulation,
     SolvedTrajectory,
     Trajectory,
     TrajectoryAnalysis,
-    analyse,
+    analyze,
 )
 
 
 @dataclass(frozen=True, eq=False)
-class Analysed:
+class Analyzed:
     """A motion and all that is plotted of it.
 
     Attributes:
@@ -52,7 +52,7 @@ class MotionStore:
             return None
         return self._analysis("present", document.design, found.trajectory, document.assembly)
 
-    def all(self, state: State) -> Analysed | None:
+    def all(self, state: State) -> Analyzed | None:
         """Return everything that is plotted, or None without a motion."""
         present = self.present(state)
         if present is None:
@@ -70,21 +70,21 @@ class MotionStore:
         if answer is not None and not answer.serves(present):
             answer = None
         simulation = outcome.simulation if outcome else None
-        return Analysed(present, reference, printed, simulation, answer)
+        return Analyzed(present, reference, printed, simulation, answer)
 
     def _analysis(
         self,
         role: str,
         design: Design,
         trajectory: Trajectory,
-        assembly: Assembly,
+        assembly: KneeBranch,
         misprints: Misprint = Misprint.NONE,
     ) -> TrajectoryAnalysis:
         key = (design, trajectory, assembly, misprints)
         known = self._last.get(role)
         if known is not None and known[0] == key:
             return known[1]
-        found = analyse(
+        found = analyze(
             design, trajectory, assembly, misprints=misprints, keep=self._solved.get(role)
         )
         self._solved[role] = found.solved

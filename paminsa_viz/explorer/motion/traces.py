@@ -1,4 +1,4 @@
-"""From an analysed motion to the curves that are plotted: two charts for each kind of plot."""
+"""From an analyzed motion to the curves that are plotted: two charts for each kind of plot."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from numpy.typing import NDArray
 
 from paminsa_viz.explorer.motion.checking import EngineTorques
 from paminsa_viz.explorer.motion.plots import Plot, PlotView
-from paminsa_viz.explorer.motion.store import Analysed
+from paminsa_viz.explorer.motion.store import Analyzed
 from paminsa_viz.explorer.symbols import unit_text
-from paminsa_viz.figures.curves_model import PARTS
-from paminsa_viz.model.trajectory import TrajectoryAnalysis
-from paminsa_viz.palette import ACTUATOR_COLOURS, INK, MUTED
+from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
+from paminsa_viz.plots.curves_model import PARTS
+from paminsa_viz.trajectory import TrajectoryAnalysis
 
 Values = NDArray[np.float64]
 
 SOLID, DASHED, DOTTED = (), (6, 4), (2, 3)
 """Strokes: the present design, the reference, the formulae as printed."""
 
-COORDINATE_COLOURS = ("#0072B2", "#D55E00", INK, "#009E73")
-"""Colours of x, y, theta, z."""
+COORDINATE_COLORS = ("#0072B2", "#D55E00", INK, "#009E73")
+"""Colors of x, y, theta, z."""
 
 _DEGREES = 180 / np.pi
 
@@ -44,7 +44,7 @@ class Trace:
     Attributes:
         label: Its name in tables.
         values: (n,) as a person reads them; NaN where there is none.
-        colour: ``#rrggbb``.
+        color: ``#rrggbb``.
         dash: Lengths of dash and gap [px]; empty for a full line.
         wide: Whether it is drawn stronger than others.
         marks: Whether its values are drawn as marks and not as a line; between them it has none.
@@ -52,7 +52,7 @@ class Trace:
 
     label: str
     values: Values
-    colour: str
+    color: str
     dash: tuple[int, ...] = SOLID
     wide: bool = True
     marks: bool = False
@@ -79,7 +79,7 @@ class Chart:
     until: int
 
 
-def charts(view: PlotView, found: Analysed) -> tuple[Chart, ...]:
+def charts(view: PlotView, found: Analyzed) -> tuple[Chart, ...]:
     """Return the charts of a plot, one or two; none for a simulation that has not been run."""
     if view.plot in (Plot.TRACKING, Plot.DRIVEN):
         return _simulated(view.plot, found)
@@ -110,10 +110,10 @@ def _chart(
 
 
 def _besides(
-    found: Analysed, pick: Callable[[TrajectoryAnalysis], Values], columns: tuple[int, ...]
+    found: Analyzed, pick: Callable[[TrajectoryAnalysis], Values], columns: tuple[int, ...]
 ) -> list[Trace]:
     """Return the curves of some actuators for the present design and what stands beside it."""
-    traces = [Trace(f"M{j + 1}", pick(found.present)[:, j], ACTUATOR_COLOURS[j]) for j in columns]
+    traces = [Trace(f"M{j + 1}", pick(found.present)[:, j], ACTUATOR_COLORS[j]) for j in columns]
     for beside, dash, name in (
         (found.reference, DASHED, "reference"),
         (found.printed, DOTTED, "as printed"),
@@ -121,13 +121,13 @@ def _besides(
         if beside is not None:
             values = pick(beside)
             traces += [
-                Trace(f"M{j + 1} {name}", values[:, j], ACTUATOR_COLOURS[j], dash, False)
+                Trace(f"M{j + 1} {name}", values[:, j], ACTUATOR_COLORS[j], dash, False)
                 for j in columns
             ]
     return traces
 
 
-def _of_actuators(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
+def _of_actuators(plot: Plot, found: Analyzed) -> tuple[Chart, ...]:
     if plot is Plot.TORQUES:
         turning, lifting = ("Torques [N·m]", "N·m"), ("Force F₄ [N]", "N")
         pick: Callable[[TrajectoryAnalysis], Values] = lambda a: a.torque  # noqa: E731
@@ -140,7 +140,7 @@ def _of_actuators(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
     )
 
 
-def _marked(drawn: tuple[Chart, ...], found: Analysed) -> tuple[Chart, ...]:
+def _marked(drawn: tuple[Chart, ...], found: Analyzed) -> tuple[Chart, ...]:
     """Return the charts of the torques with an engine's marked on them, as soon as they are known.
 
     The curves of the marks are there from the start, so that the charts can stay.
@@ -161,7 +161,7 @@ def _marked(drawn: tuple[Chart, ...], found: Analysed) -> tuple[Chart, ...]:
     )
 
 
-def _differences(found: Analysed) -> tuple[Chart, ...]:
+def _differences(found: Analyzed) -> tuple[Chart, ...]:
     """Return the formulae's torques minus an engine's; nothing in the charts if not known yet."""
     torques = found.answer.found if found.answer else None
     return tuple(
@@ -171,7 +171,7 @@ def _differences(found: Analysed) -> tuple[Chart, ...]:
 
 
 def _difference(
-    found: Analysed,
+    found: Analyzed,
     torques: EngineTorques | None,
     columns: tuple[int, ...],
     title: str,
@@ -190,7 +190,7 @@ def _difference(
     largest = np.nanmax(np.abs([values for _, values, _, _ in curves]), initial=0.0)
     factor, unit = _readable(float(largest), unit)
     traces = tuple(
-        Trace(label, factor * values, ACTUATOR_COLOURS[j], dash, wide=dash == SOLID)
+        Trace(label, factor * values, ACTUATOR_COLORS[j], dash, wide=dash == SOLID)
         for label, values, j, dash in curves
     )
     failing = ~present.check.good[kept]
@@ -207,19 +207,19 @@ def _readable(largest: float, unit: str) -> tuple[float, str]:
     return 10.0**-power, f"{unit_text(f'10^{power}')} {unit}"
 
 
-def _parts(actuator: int, found: Analysed) -> Chart:
+def _parts(actuator: int, found: Analyzed) -> Chart:
     parts = found.present.breakdown
     traces = [
-        Trace(label, getattr(parts, name)[:, actuator], colour, wide=False)
-        for name, label, colour in PARTS
+        Trace(label, getattr(parts, name)[:, actuator], color, wide=False)
+        for name, label, color in PARTS
     ]
     total = found.present.torque[:, actuator]
-    traces.append(Trace(f"M{actuator + 1}, all", total, ACTUATOR_COLOURS[actuator]))
+    traces.append(Trace(f"M{actuator + 1}, all", total, ACTUATOR_COLORS[actuator]))
     title, unit = ("Torque", "N·m") if actuator < 3 else ("Force", "N")
     return _chart(f"{title} of M{actuator + 1} by cause [{unit}]", unit, traces, found.present)
 
 
-def _energy(found: Analysed) -> tuple[Chart, ...]:
+def _energy(found: Analyzed) -> tuple[Chart, ...]:
     present = found.present
     gained = present.energy - present.energy[0]
     balance = [
@@ -240,7 +240,7 @@ _OF_PLATFORM = {
 }  # fmt: skip
 
 
-def _of_platform(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
+def _of_platform(plot: Plot, found: Analyzed) -> tuple[Chart, ...]:
     name, place, unit, turn, turn_unit = _OF_PLATFORM[plot]
     scale = (1.0, 1.0) if plot is Plot.ACCELERATION else (1e3, _DEGREES)
     return _coordinates(
@@ -253,19 +253,19 @@ def _coordinates(
     scale: tuple[float, float],
     place: tuple[str, str],
     turn: tuple[str, str],
-    found: Analysed,
+    found: Analyzed,
     t: Values | None = None,
 ) -> tuple[Chart, ...]:
     """Return charts of x, y, z and of theta for values (n, 4)."""
-    lengths = [Trace("xyθz"[i], scale[0] * values[:, i], COORDINATE_COLOURS[i]) for i in (0, 1, 3)]
-    angle = [Trace("θ", scale[1] * values[:, 2], COORDINATE_COLOURS[2])]
+    lengths = [Trace("xyθz"[i], scale[0] * values[:, i], COORDINATE_COLORS[i]) for i in (0, 1, 3)]
+    angle = [Trace("θ", scale[1] * values[:, 2], COORDINATE_COLORS[2])]
     return (
         _chart(*place, lengths, found.present, t),
         _chart(*turn, angle, found.present, t),
     )
 
 
-def _simulated(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
+def _simulated(plot: Plot, found: Analyzed) -> tuple[Chart, ...]:
     simulation = found.simulation
     if simulation is None:
         return ()
@@ -277,7 +277,7 @@ def _simulated(plot: Plot, found: Analysed) -> tuple[Chart, ...]:
         turn = (f"Error of θ [{angle[0]}]", angle[0])
         scale = (length[1], angle[1])
         return _coordinates(simulation.error, scale, place, turn, found, simulation.t)
-    torques = [Trace(f"M{j + 1}", simulation.torque[:, j], ACTUATOR_COLOURS[j]) for j in range(4)]
+    torques = [Trace(f"M{j + 1}", simulation.torque[:, j], ACTUATOR_COLORS[j]) for j in range(4)]
     return (
         _chart("Commanded torques [N·m]", "N·m", torques[:3], found.present, simulation.t),
         _chart("Commanded force F₄ [N]", "N", torques[3:], found.present, simulation.t),

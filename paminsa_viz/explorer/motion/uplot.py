@@ -1,6 +1,6 @@
 """Charts as uPlot takes them: few samples, gaps where there is no value, failures shaded.
 
-uPlot draws straight on over a NaN and can not find the range of an axis that has one. So a curve
+uPlot draws straight on over a NaN and cannot find the range of an axis that has one. So a curve
 is handed over in pieces, one for each run of values, and two series of our own say how far the
 axis goes and where the motion fails.
 """
@@ -34,7 +34,7 @@ class Layout(NamedTuple):
 
     Attributes:
         title: Heading.
-        strokes: Colour, dash and width of each curve, and whether it is one of marks.
+        strokes: Color, dash and width of each curve, and whether it is one of marks.
         pieces: Pieces of each curve.
     """
 
@@ -47,7 +47,7 @@ def layout(chart: Chart, pieces: int = 1) -> Layout:
     """Return the layout of a chart with at least so many pieces a curve."""
     lines = [trace for trace in chart.traces if not trace.marks]
     needed = max((len(runs(trace.values)) for trace in lines), default=1)
-    strokes = tuple((t.colour, t.dash, t.wide, t.marks) for t in chart.traces)
+    strokes = tuple((t.color, t.dash, t.wide, t.marks) for t in chart.traces)
     return Layout(chart.title, strokes, min(max(needed, pieces), MOST_PIECES))
 
 
@@ -126,13 +126,13 @@ def options(shape: Layout) -> dict[str, Any]:
         hidden | {"auto": True},
         hidden | {"scale": "failing", "fill": _SHADE},
     ]
-    for colour, dash, wide, marks in shape.strokes:
+    for color, dash, wide, marks in shape.strokes:
         line = {
-            "stroke": colour, "width": 1.8 if wide else 1.2, "dash": dash, "auto": False,
+            "stroke": color, "width": 1.8 if wide else 1.2, "dash": dash, "auto": False,
             "points": {"show": False},
         }  # fmt: skip
         if marks:
-            line |= {"stroke": "transparent", "width": 0, "points": _MARK | {"stroke": colour}}
+            line |= {"stroke": "transparent", "width": 0, "points": _MARK | {"stroke": color}}
         series += [line] * shape.pieces
     axis = {"stroke": MUTED, "ticks": {"show": False}, "font": "11px sans-serif", "gap": 3}
     return {

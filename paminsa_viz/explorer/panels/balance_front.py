@@ -9,13 +9,13 @@ import numpy as np
 
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Outcome, Task
-from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT
 from paminsa_viz.explorer.panels.balance_words import problem_html
-from paminsa_viz.explorer.panels.incoming import number
 from paminsa_viz.explorer.panels.tables import note
+from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import INK, MUTED, REFERENCE
@@ -49,9 +49,9 @@ class FrontPlot:
             lambda s, value: requests.choose_point(s, int(value) - 1), self._shown,
         )  # fmt: skip
         self.run.on_click(
-            lambda _: session.ask("balance.front", lambda s: requests.begin(s, Task.FRONT))
+            lambda _: session.dispatch("balance.front", lambda s: requests.begin(s, Task.FRONT))
         )
-        self.stop.on_click(lambda _: session.ask("balance.stop", requests.stop))
+        self.stop.on_click(lambda _: session.dispatch("balance.stop", requests.stop))
         bridge.on("click", self._click)
 
     def _shown(self, state: State) -> int:
@@ -66,7 +66,7 @@ class FrontPlot:
             return state if index is None else requests.choose_point(state, index)
 
         if isinstance(data, dict) and data.get("title") == NAME:
-            self._session.ask("balance.point", choose)
+            self._session.dispatch("balance.point", choose)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state."""
@@ -144,14 +144,14 @@ class FrontFigure:
             raise ValueError("there is no front")
         x, y = ([getattr(p, name) for p in front.points] for name in ("first", "second"))
         sizes = [14 if index == chosen else 9 for index in range(len(x))]
-        colours = [INK if index == chosen else MUTED for index in range(len(x))]
+        colors = [INK if index == chosen else MUTED for index in range(len(x))]
         hover = "in motion %{x:.4~g} N·m<br>standing %{y:.4~g} N·m<extra></extra>"
         self._tree = {
             "data": [
                 {
                     "type": "scatter", "mode": "lines+markers", "x": x, "y": y,
                     "line": {"color": "#c3cad1", "width": 2},
-                    "marker": {"size": sizes, "color": colours, "opacity": 1},
+                    "marker": {"size": sizes, "color": colors, "opacity": 1},
                     "hovertemplate": hover, "name": "best masses", "cliponaxis": False,
                 },
                 {

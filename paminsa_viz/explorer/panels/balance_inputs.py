@@ -6,12 +6,12 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
-from paminsa_viz.explorer.balancing.wishes import ARMS, LONGEST, MOST, RANGES, Goal, Movable
+from paminsa_viz.explorer.balancing.settings import ARMS, LONGEST, MOST, RANGES, FreeMasses, Goal
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.incoming import pair
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
+from paminsa_viz.explorer.panels.validation import pair
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 
@@ -22,17 +22,17 @@ class BalanceInputs:
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
         self._session = session
-        wishes = session.state.balancing.wishes
+        settings = session.state.balancing.settings
         goal = gui.add_dropdown(
-            "Goal", tuple(goal.value for goal in Goal), initial_value=wishes.goal.value,
+            "Goal", tuple(goal.value for goal in Goal), initial_value=settings.goal.value,
             hint="What is to be small; torques are those of M1–M3",
         )  # fmt: skip
         self._share = gui.add_slider(
-            "Motion counts [%]", 0.0, 100.0, 1.0, 100 * wishes.share, visible=False,
+            "Motion counts [%]", 0.0, 100.0, 1.0, 100 * settings.share, visible=False,
             hint="Beside standing still; each peak relative to what it is now",
         )  # fmt: skip
         self._exact = gui.add_checkbox(
-            "only M_p2 = 0", wishes.exact,
+            "only M_p2 = 0", settings.exact,
             hint="Otherwise a balance comes as near as it can, and other goals are free of it",
         )  # fmt: skip
         gui.add_html(
@@ -52,45 +52,45 @@ class BalanceInputs:
             for name, bar, joint in ARMS
         ]  # fmt: skip
         movable = gui.add_dropdown(
-            "Joints, links", tuple(item.value for item in Movable),
-            initial_value=wishes.movable.value, hint="Which other masses of a leg may change",
+            "Joints, links", tuple(item.value for item in FreeMasses),
+            initial_value=settings.movable.value, hint="Which other masses of a leg may change",
         )  # fmt: skip
         self._bounds = [
             gui.add_number(
-                "each up by [kg]", wishes.heavier, min=0.0, max=RANGES["heavier"][1], step=0.001,
+                "each up by [kg]", settings.heavier, min=0.0, max=RANGES["heavier"][1], step=0.001,
                 hint="By how much each of them may grow; a link's inertia grows in proportion",
             ),
             gui.add_number(
-                "each down by [%]", 100 * wishes.lighter, min=0.0, max=100.0, step=0.1,
+                "each down by [%]", 100 * settings.lighter, min=0.0, max=100.0, step=0.1,
                 hint="What part of each may be taken away",
             ),
         ]  # fmt: skip
         self._added = gui.add_number(
-            "Added, at most [kg]", wishes.added, min=0.0, max=RANGES["added"][1], step=0.001,
+            "Added, at most [kg]", settings.added, min=0.0, max=RANGES["added"][1], step=0.001,
             hint="Largest added mass of the whole robot, for goals on the motion and for the "
             "front; 0: no limit",
         )  # fmt: skip
         self.find = gui.add_button("Find the best masses")
         self.stop = gui.add_button("Stop", color="gray", visible=False)
         self.find.on_click(
-            lambda _: session.ask("balance.find", lambda s: requests.begin(s, Task.BEST))
+            lambda _: session.dispatch("balance.find", lambda s: requests.begin(s, Task.BEST))
         )
-        self.stop.on_click(lambda _: session.ask("balance.stop", requests.stop))
+        self.stop.on_click(lambda _: session.dispatch("balance.stop", requests.stop))
         self._controls = [
             Control(
                 session, goal, "balance.goal",
                 lambda s, value: requests.choose_goal(s, Goal(value)),
-                lambda s: s.balancing.wishes.goal.value,
+                lambda s: s.balancing.settings.goal.value,
             ),
             Control(
                 session, self._exact, "balance.exact",
                 lambda s, value: requests.wish(s, exact=bool(value)),
-                lambda s: s.balancing.wishes.exact,
+                lambda s: s.balancing.settings.exact,
             ),
             Control(
                 session, movable, "balance.movable",
-                lambda s, value: requests.wish(s, movable=Movable(value)),
-                lambda s: s.balancing.wishes.movable.value,
+                lambda s, value: requests.wish(s, movable=FreeMasses(value)),
+                lambda s: s.balancing.settings.movable.value,
             ),
             self._number(self._share, "share", 100.0),
             self._number(self._bounds[0], "heavier"),
@@ -100,10 +100,10 @@ class BalanceInputs:
         ]  # fmt: skip
 
     def _number(self, handle: Any, name: str, factor: float = 1.0) -> Control:
-        return PatientControl(
+        return DebouncedInput(
             self._session, handle, f"balance.{name}",
             lambda s, value: requests.wish(s, **{name: float(value) / factor}),
-            lambda s: round(factor * getattr(s.balancing.wishes, name), 9),
+            lambda s: round(factor * getattr(s.balancing.settings, name), 9),
         )  # fmt: skip
 
     def _arm(self, handle: Any, name: str) -> Control:
@@ -111,7 +111,7 @@ class BalanceInputs:
             longest, most = pair(value)
             return requests.set_arm(state, name, longest / 1e3, most)
 
-        return PatientControl(
+        return DebouncedInput(
             self._session, handle, f"balance.{name}", apply, lambda s: _shown_arm(s, name)
         )
 
@@ -120,13 +120,13 @@ class BalanceInputs:
         for control in self._controls:
             control.draw(frame, moving)
         balancing = frame.state.balancing
-        wishes, busy = balancing.wishes, balancing.running is not None
-        masses = wishes.movable is not Movable.NONE
+        settings, busy = balancing.settings, balancing.running is not None
+        masses = settings.movable is not FreeMasses.NONE
         for handle, visible in (
-            (self._share, wishes.goal is Goal.BOTH),
+            (self._share, settings.goal is Goal.BOTH),
             (self._bounds[0], masses),
             (self._bounds[1], masses),
-            (self._added, not wishes.goal.static),
+            (self._added, not settings.goal.static),
             (self.stop, busy),
             (self.find, not busy),
         ):
@@ -135,5 +135,5 @@ class BalanceInputs:
 
 
 def _shown_arm(state: State, name: str) -> tuple[float, float]:
-    arm = getattr(state.balancing.wishes, name)
+    arm = getattr(state.balancing.settings, name)
     return round(1e3 * arm.longest, 9), arm.most

@@ -8,7 +8,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Outcome
 from paminsa_viz.explorer.balancing.worker import Balancer
-from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.panels.balance_front import FrontPlot
@@ -41,14 +41,14 @@ class BalancePanel:
             "Balance as in the paper", icon=Icon.SCALE,
             hint="M_p2 = 0 (Eqs. 7–8) by masses of joints and links, with the least added mass",
         )  # fmt: skip
-        self.button.on_click(lambda _: session.ask("balance", requests.balance_now))
+        self.button.on_click(lambda _: session.dispatch("balance", requests.balance_now))
         self._status = gui.add_html("")
         self.maps = gui.add_button_group(
             "Maps", tuple(MAPS), visible=False,
-            hint="Colour the maps of design and reference alike; show their difference; change "
+            hint="Color the maps of design and reference alike; show their difference; change "
             "places with the reference",
         )  # fmt: skip
-        self.maps.on_click(lambda event: session.ask("balance.maps", MAPS[event.target.value]))
+        self.maps.on_click(lambda event: session.dispatch("balance.maps", MAPS[event.target.value]))
         with gui.add_folder("Other masses, other goals", expand_by_default=False):
             self.inputs = BalanceInputs(session)
         self._details = gui.add_html("")

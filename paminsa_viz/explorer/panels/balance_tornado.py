@@ -5,19 +5,19 @@ from __future__ import annotations
 import json
 from typing import Any, cast
 
+from paminsa_viz.balancing import OUTPUTS, Tornado
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
-from paminsa_viz.explorer.balancing.wishes import RANGES
+from paminsa_viz.explorer.balancing.settings import RANGES
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT
 from paminsa_viz.explorer.panels.balance_words import block, carrier, problem_html
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import html, number, unit_text
-from paminsa_viz.model.balancing import OUTPUTS, Tornado
 from paminsa_viz.palette import INK, MUTED
 
 MOST_BARS = 14
@@ -32,10 +32,10 @@ class TornadoPlot:
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
         self._gui = gui
-        wishes, output = session.state.balancing.wishes, session.state.balancing.output
+        settings, output = session.state.balancing.settings, session.state.balancing.output
         self._words = gui.add_html("")
         change = gui.add_number(
-            "Each by ± [%]", 100 * wishes.change, min=100 * RANGES["change"][0],
+            "Each by ± [%]", 100 * settings.change, min=100 * RANGES["change"][0],
             max=100 * RANGES["change"][1], step=0.1, hint="Every mass and length, one at a time",
         )  # fmt: skip
         self.run = gui.add_button("See what matters")
@@ -45,10 +45,10 @@ class TornadoPlot:
         self._plot: Any = None
         self._drawn: object = None
         self._controls = [
-            PatientControl(
+            DebouncedInput(
                 session, change, "balance.change",
                 lambda s, value: requests.wish(s, change=float(value) / 100),
-                lambda s: round(100 * s.balancing.wishes.change, 9),
+                lambda s: round(100 * s.balancing.settings.change, 9),
             ),
             Control(
                 session, choice, "balance.output",
@@ -57,7 +57,7 @@ class TornadoPlot:
             ),
         ]  # fmt: skip
         self.run.on_click(
-            lambda _: session.ask("balance.tornado", lambda s: requests.begin(s, Task.TORNADO))
+            lambda _: session.dispatch("balance.tornado", lambda s: requests.begin(s, Task.TORNADO))
         )
 
     def draw(self, frame: Frame, moving: bool) -> None:
@@ -107,7 +107,7 @@ def words(state: State) -> str:
 
 def _where(tornado: Tornado) -> str:
     lost = max((bar.lost for bar in tornado.bars), default=0)
-    text = " Standing: in a square around the middle, at the maps’ θ and z."
+    text = " LastReachable: in a square around the middle, at the maps’ θ and z."
     return text + (f" Up to {lost} of its poses are out of reach in a variant." if lost else "")
 
 
@@ -121,14 +121,14 @@ class TornadoFigure:
         names = [carrier(bar.path) for bar in bars]
         percent = number(100 * tornado.change)
         traces = []
-        for sign, colour in (("+", INK), ("−", MUTED)):
+        for sign, color in (("+", INK), ("−", MUTED)):
             ends = [float((bar.plus if sign == "+" else bar.minus)[output]) for bar in bars]
             bases = [float(bar.base[output]) for bar in bars]
             traces.append(
                 {
                     "type": "bar", "orientation": "h", "name": f"{sign}{percent} %",
                     "x": [end - base for end, base in zip(ends, bases, strict=True)],
-                    "y": names, "base": bases, "marker": {"color": colour},
+                    "y": names, "base": bases, "marker": {"color": color},
                     "customdata": ends,
                     "hovertemplate": f"%{{y}} {sign}{percent} %: %{{customdata:.5~g}} {unit}"
                     "<extra></extra>",

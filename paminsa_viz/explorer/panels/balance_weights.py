@@ -7,13 +7,13 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.incoming import pair
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
+from paminsa_viz.explorer.panels.validation import pair
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.meshes.weights import room_words
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.shapes.weights import room_words
 
 PLACES = {
     f"{bar.upper()} past {joint}": (bar, joint) for bar, ends in BAR_ENDS.items() for joint in ends
@@ -39,7 +39,7 @@ class WeightList:
         self._words = gui.add_html("")
         self._rows_place = gui.add_folder(None)
         self.rows: list[Any] = []
-        self._controls: list[PatientControl] = []
+        self._controls: list[DebouncedInput] = []
         self.add = gui.add_dropdown(
             _ADD, (_CHOOSE, *PLACES), initial_value=_CHOOSE,
             hint="1 kg on each leg, 100 mm beyond that joint; then change it as you like",
@@ -54,15 +54,15 @@ class WeightList:
         place = PLACES.get(self.add.value)
         if event.client is None or place is None:
             return
-        self._session.ask("weights.add", lambda state: requests.add_weight(state, *place))
+        self._session.dispatch("weights.add", lambda state: requests.add_weight(state, *place))
 
     def _on_off(self, event: Any) -> None:
         chosen = event.target.value
         if chosen == OFF:
-            self._session.ask("weights.off", lambda state: requests.hang(state, ()))
+            self._session.dispatch("weights.off", lambda state: requests.hang(state, ()))
         elif chosen in self.off.options:
             number = int(chosen) - 1
-            self._session.ask("weights.off", lambda state: requests.drop_weight(state, number))
+            self._session.dispatch("weights.off", lambda state: requests.drop_weight(state, number))
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state."""
@@ -113,7 +113,7 @@ class WeightList:
             return _shown(weights[number]) if number < len(weights) else row.value
 
         self.rows.append(row)
-        self._controls.append(PatientControl(self._session, row, f"weights.{number}", apply, show))
+        self._controls.append(DebouncedInput(self._session, row, f"weights.{number}", apply, show))
 
 
 def _words(state: State) -> str:

@@ -8,14 +8,14 @@ from html import escape
 
 import numpy as np
 
+from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds, Optimum
 from paminsa_viz.explorer.balancing.jobs import Outcome, Task
-from paminsa_viz.explorer.balancing.wishes import Goal
+from paminsa_viz.explorer.balancing.settings import Goal
 from paminsa_viz.explorer.panels.readout import dot
 from paminsa_viz.explorer.panels.tables import FONT, note, table
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import html, number, unit_text
-from paminsa_viz.model import PARAMETER, Design, PaminsaError, balance_distance
-from paminsa_viz.model.balancing import Active, InfeasibleBounds, Optimum
+from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.palette import BAD, MUTED, OK, WARN
 
@@ -66,11 +66,11 @@ def details_html(outcome: Outcome | None) -> str:
     return f'<div data-testid="balance-result">{"".join(map(note, parts))}</div>'
 
 
-def block(colour: str, text: str, name: str = "balance-status") -> str:
-    """Return a coloured block with a text."""
+def block(color: str, text: str, name: str = "balance-status") -> str:
+    """Return a colored block with a text."""
     return (
-        f'<div data-testid="{name}" style="border-left:5px solid {colour};padding:4px 9px;'
-        f"margin:2px 10px 8px 10px;background:{colour}18;border-radius:4px;font-size:12.5px;"
+        f'<div data-testid="{name}" style="border-left:5px solid {color};padding:4px 9px;'
+        f"margin:2px 10px 8px 10px;background:{color}18;border-radius:4px;font-size:12.5px;"
         f'line-height:1.35">{text}</div>'
     )
 
@@ -106,15 +106,15 @@ def carrier(name: str) -> str:
 
 
 def _headline(state: State, outcome: Outcome, after: Design) -> str:
-    left = balance_distance(after)
+    left = static_imbalance(after)
     paper = outcome.job.task is Task.PAPER
-    goal = Goal.ADDED if paper else outcome.job.wishes.goal
-    colour = OK
+    goal = Goal.ADDED if paper else outcome.job.settings.goal
+    color = OK
     if abs(left) <= BALANCED:
         head = "Balanced: gravity asks nothing of M1–M3"
         rest = "in every pose, in both assembly modes (<i>M</i><sub>p2</sub> = 0)"
     elif goal.static:
-        colour = WARN
+        color = WARN
         head = f"As near to balance as the bounds allow: {number(left, 4)} N"
         rest = "what keeps it from zero stands below"
     else:
@@ -123,10 +123,10 @@ def _headline(state: State, outcome: Outcome, after: Design) -> str:
     if after == outcome.job.design:
         rest = "the design is the best already; nothing was changed"
     elif after != present:
-        colour, head = MUTED, "Not the design that is shown"
+        color, head = MUTED, "Not the design that is shown"
         again = present == outcome.job.design
         rest = "the one before is shown again" if again else "it has been changed since"
-    return block(colour, f"<b>{head}</b><br>{rest}")
+    return block(color, f"<b>{head}</b><br>{rest}")
 
 
 def _effects(outcome: Outcome) -> str:
@@ -189,7 +189,7 @@ def _weights(before: Design, after: Design) -> dict[str, tuple[float, float]]:
 
 
 def _proof(outcome: Outcome, optimum: Optimum) -> str:
-    goal = Goal.ADDED if outcome.job.task is Task.PAPER else outcome.job.wishes.goal
+    goal = Goal.ADDED if outcome.job.task is Task.PAPER else outcome.job.settings.goal
     unit = "" if goal is Goal.BOTH else unit_text(optimum.values[-1 if goal.static else 0].unit)
     what = {
         Goal.ADDED: "added mass",
@@ -204,7 +204,7 @@ def _proof(outcome: Outcome, optimum: Optimum) -> str:
         f"bounds no {what} is below {bound}; this is {reached} (gap {number(optimum.gap, 2)}), "
         f"found in {1e3 * optimum.seconds:.0f} ms.</div>"
     )
-    near = goal.static and abs(balance_distance(outcome.after or optimum.after)) > BALANCED
+    near = goal.static and abs(static_imbalance(outcome.after or optimum.after)) > BALANCED
     worth = "N" if near else unit
     active = [item for item in optimum.active if _relaxable(item)][:_MOST_BOUNDS]
     if not active:
@@ -213,12 +213,12 @@ def _proof(outcome: Outcome, optimum: Optimum) -> str:
     return text + table(["bounds reached", "", "moving it saves"], rows)
 
 
-def _relaxable(item: Active) -> bool:
+def _relaxable(item: ActiveConstraint) -> bool:
     """Whether a bound costs something, and is not that masses and levers have no less than none."""
     return item.price > 1e-9 and not (item.side in ("low", "nearest") and item.bound == 0)
 
 
-def _bound(item: Active, worth: str) -> list[str]:
+def _bound(item: ActiveConstraint, worth: str) -> list[str]:
     """Return a bound, and what its movement saves."""
     if item.unit == "m":
         saves = f"{number(item.price / 100, 3)} {worth} / 10 mm"

@@ -20,11 +20,11 @@ from paminsa_viz.model import (
     PARAMETERS,
     Design,
     Parameter,
-    balance_distance,
+    static_imbalance,
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.palette import ACTUATOR_COLOURS
+from paminsa_viz.palette import ACTUATOR_COLORS
 
 PIN, SWAP, UNPIN = "Pin present", "Swap", "Unpin"
 
@@ -52,16 +52,16 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
 
     Args:
         torques, held: Of the present and the reference design, (4,) [N m, N]; NaN where the
-            reference can not take the pose.
+            reference cannot take the pose.
         design, reference: The designs.
         title: Heading of the reference's column.
     """
-    balances = balance_distance(design), balance_distance(reference)
+    balances = static_imbalance(design), static_imbalance(reference)
     lines = [
-        (f"{dot(ACTUATOR_COLOURS[j])}τ<sub>{j + 1}</sub> [N·m]", torques[j], held[j], 3)
+        (f"{dot(ACTUATOR_COLORS[j])}τ<sub>{j + 1}</sub> [N·m]", torques[j], held[j], 3)
         for j in range(3)
     ]
-    lines.append((f"{dot(ACTUATOR_COLOURS[3])}F<sub>4</sub> [N]", torques[3], held[3], 2))
+    lines.append((f"{dot(ACTUATOR_COLORS[3])}F<sub>4</sub> [N]", torques[3], held[3], 2))
     lines.append(("<i>M</i><sub>p2</sub> [N]", *balances, 4))
     rows = []
     for label, now, then, digits in lines:
@@ -72,9 +72,9 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
         else:
             rest = ["–"] * 3
         rows.append([label, rest[0], f"<b>{fixed(float(now), digits)}</b>", *rest[1:]])
-    text = table(["Standing still", title, "present", "Δ", "Δ %"], rows)
+    text = table(["LastReachable still", title, "present", "Δ", "Δ %"], rows)
     if not np.isfinite(held).all():
-        text += "The reference can not take this pose."
+        text += "The reference cannot take this pose."
     return note(text, "compared-torques")
 
 
@@ -136,7 +136,7 @@ class ComparePanel:
     def _on_click(self, event: Any) -> None:
         intent = _INTENTS.get(event.target.value)
         if intent is not None:
-            self._session.ask("reference", intent)
+            self._session.dispatch("reference", intent)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Write what changed."""
@@ -148,7 +148,7 @@ class ComparePanel:
         reference = document.reference or APPENDIX_4
         title = "App. 4" if document.reference is None else "reference"
         standing = frame.state.standing
-        # The frame's own torques are None both without a reference and where it can not stand.
+        # The frame's own torques are None both without a reference and where it cannot stand.
         held = static_torques(reference, standing.pose, standing.assembly)
         texts = (
             names_html(document.design, document.reference),

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.model import APPENDIX_4, Design, Geometry, balance_distance, lumped_matrix
+from paminsa_viz.model import APPENDIX_4, Design, Geometry, lumped_matrix, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.palette import INK, MUTED, OK, REFERENCE
 
@@ -43,7 +43,9 @@ class GroupFolder:
         chosen = event.target.value
         every = tuple(self._paths.values())
         paths = every if chosen == WHOLE_GROUP else (self._paths[chosen],)
-        self._session.ask(f"reset.{paths[0]}", lambda state: actions.reset_values(state, paths))
+        self._session.dispatch(
+            f"reset.{paths[0]}", lambda state: actions.reset_values(state, paths)
+        )
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state."""
@@ -77,14 +79,14 @@ def full_hint(row: Row, design: Design) -> str:
 def balance_html(state: State, balance: float) -> str:
     """Return M_p2 in words and as a mark on a line from Appendix 4's value through zero."""
     document = state.document
-    printed = balance_distance(APPENDIX_4)
-    pinned = None if document.reference is None else balance_distance(document.reference)
+    printed = static_imbalance(APPENDIX_4)
+    pinned = None if document.reference is None else static_imbalance(document.reference)
     span = 1.25 * max(abs(v) for v in (printed, balance, pinned or 0.0))
 
-    def tick(value: float, colour: str, size: str) -> str:
+    def tick(value: float, color: str, size: str) -> str:
         return (
             f'<div style="position:absolute;left:{50 + 50 * value / span:.2f}%;{size};'
-            f'transform:translateX(-50%);background:{colour};border-radius:2px"></div>'
+            f'transform:translateX(-50%);background:{color};border-radius:2px"></div>'
         )
 
     line = tick(0.0, OK, "top:1px;height:12px;width:2px")
@@ -97,7 +99,7 @@ def balance_html(state: State, balance: float) -> str:
         f"<b><i>M</i><sub>p2</sub> = {fixed(balance, 3)} N</b> from balance "
         f'<span style="color:{MUTED}">(App. 4: {fixed(printed, 3)}{reference})</span>'
         f'<div style="position:relative;height:14px;margin-top:5px" '
-        f'title="Green: balanced, gravity asks nothing of M1–M3. Grey: Appendix 4.">'
+        f'title="Green: balanced, gravity asks nothing of M1–M3. Gray: Appendix 4.">'
         f'<div style="position:absolute;top:6px;height:2px;width:100%;background:#d7dce1"></div>'
         f"{line}</div>",
         "balance",

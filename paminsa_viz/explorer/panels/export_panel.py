@@ -77,7 +77,7 @@ class ExportPanel:
         )  # fmt: skip
         self._dpi = gui.add_number(
             "dpi", 300.0, min=exports.RESOLUTIONS[0], max=exports.RESOLUTIONS[1], step=10.0,
-            hint="Pixels per inch of a PNG, and of the coloured cells in SVG and PDF",
+            hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
         )  # fmt: skip
         figures = gui.add_button_group(
             "figure", ("PNG", "SVG", "PDF"), hint="Title, units, design and pose are in it"
@@ -130,7 +130,7 @@ class ExportPanel:
     def _what(state: State) -> str:
         quantity = QUANTITY_LABELS[state.map_view.quantity]
         minus = ", minus the reference" if shows_difference(state) else ""
-        return f"{FULL} × {FULL} cells, colours as shown{minus}; the single map is: {quantity}"
+        return f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
 
     def _single(self) -> bool:
         return self._maps.value == ONE
@@ -187,7 +187,7 @@ class ExportPanel:
         """Make a file and send it; runs on the thread of the click, not on the session's worker."""
         session = self._session
         if not self._busy.acquire(blocking=False):
-            session.tell("One at a time", "The last export is still being made.")
+            session.notify("One at a time", "The last export is still being made.")
             return
         try:
             notice = session.client.add_notification(
@@ -196,12 +196,12 @@ class ExportPanel:
             try:
                 file = make(session.state)
                 session.client.send_file_download(file.name, file.content, save_immediately=True)
-                session.tell("Saved", f"{file.name}, {_size_of(len(file.content))}")
+                session.notify("Saved", f"{file.name}, {_size_of(len(file.content))}")
             except PaminsaError as error:
-                session.tell("Not exported", str(error), bad=True)
+                session.notify("Not exported", str(error), bad=True)
             except Exception:
                 log.exception("an export failed")
-                session.tell("Not exported", "Details are in the program's log.", bad=True)
+                session.notify("Not exported", "Details are in the program's log.", bad=True)
             finally:
                 notice.remove()
         finally:

@@ -9,10 +9,10 @@ from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, sharing
-from paminsa_viz.explorer.bounds import require_workable
+from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -37,7 +37,7 @@ def uploaded_design(name: str, content: bytes) -> Design:
     if not content:
         raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
     try:
-        return require_workable(read_design(content, name))
+        return validate_limits(read_design(content, name))
     except InvalidDesign as error:
         raise DesignFileError(name, str(error)) from error
 
@@ -89,17 +89,17 @@ class FilePanel:
                 )
             )
             self.code = gui.add_text("Code", sharing.encode(document))
-        self._code = PatientControl(
+        self._code = DebouncedInput(
             session,
             self.code,
             "file.code",
             _open_code,
             lambda state: sharing.encode(state.document),
         )
-        self.download.on_click(lambda _: session.do(self._download))
+        self.download.on_click(lambda _: session.submit(self._download))
         self.upload.on_upload(lambda event: self._on_upload(event.target.value))
         self.default.on_click(
-            lambda _: session.ask("file.open", lambda s: actions.load_design(s, APPENDIX_4))
+            lambda _: session.dispatch("file.open", lambda s: actions.load_design(s, APPENDIX_4))
         )
 
     def _download(self) -> None:
@@ -112,10 +112,10 @@ class FilePanel:
     def _on_upload(self, file: Any) -> None:
         def open_file() -> None:
             design = uploaded_design(file.name, file.content)
-            self._session.ask("file.open", lambda state: actions.load_design(state, design))
-            self._session.tell("Design opened", design.name or file.name)
+            self._session.dispatch("file.open", lambda state: actions.load_design(state, design))
+            self._session.notify("Design opened", design.name or file.name)
 
-        self._session.do(open_file)
+        self._session.submit(open_file)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state; the code once the hand rests."""

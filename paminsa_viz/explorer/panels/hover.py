@@ -1,6 +1,6 @@
 """A Plotly figure that shows nothing and says everything: values under the pointer, and clicks.
 
-It lies over the picture that `paminsa_viz.figures.live.live_image` draws and has its layout. The
+It lies over the picture that `paminsa_viz.plots.live.live_image` draws and has its layout. The
 picture alone changes while the hand moves, so that nothing jumps or flickers when it rests.
 """
 
@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.figures import axes, ticks
-from paminsa_viz.figures.layout import Layout
-from paminsa_viz.figures.maps import MapData
-from paminsa_viz.figures.screen import FONT
 from paminsa_viz.model import Limit
+from paminsa_viz.plots import axes, ticks
+from paminsa_viz.plots.layout import Layout
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.screen import FONT
 
 REASON_CELLS = 72
 """Cells along a side, at most, that say why nothing is there; words are long."""

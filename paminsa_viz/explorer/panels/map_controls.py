@@ -1,4 +1,4 @@
-"""Inputs for what maps show and for what their colours mean."""
+"""Inputs for what maps show and for what their colors mean."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from paminsa_viz.explorer.maps import LARGEST_END
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
-from paminsa_viz.figures import ticks
-from paminsa_viz.figures.maps import DISPLAY_UNITS
 from paminsa_viz.model import InvalidInput, Quantity
+from paminsa_viz.plots import ticks
+from paminsa_viz.plots.maps import DISPLAY_UNITS
 
 FIG_3_ANGLE = np.pi / 3
 """Angle of the platform in the paper's Fig. 3 [rad]; it does not say the height."""
@@ -115,11 +115,11 @@ class MapControls:
         )
 
     def range(self) -> None:
-        """Add the colour range: how it is found, and its ends."""
+        """Add the color range: how it is found, and its ends."""
         gui = self._session.client.gui
         self._control(
             gui.add_dropdown(
-                "colours" if self._brief else "colour range",
+                "colors" if self._brief else "color range",
                 tuple(RANGE_LABELS.values()),
                 initial_value=RANGE_LABELS[self._session.state.map_view.range_mode],
                 hint="robust: shows the ordinary values, what explodes near a singularity is "
@@ -134,7 +134,7 @@ class MapControls:
                 "from–to" if self._brief else "ends",
                 (0.0, 1.0),
                 step=0.001,
-                hint="Ends of the colour range, in the unit of the colour bar; editing them makes "
+                hint="Ends of the color range, in the unit of the color bar; editing them makes "
                 "the range manual",
             ),
             "ends",
@@ -148,7 +148,7 @@ class MapControls:
             self._session.client.gui.add_checkbox(
                 "shared",
                 self._session.state.map_view.shared,
-                hint="One colour range for all three maps, or one for each",
+                hint="One color range for all three maps, or one for each",
             ),
             "shared",
             lambda s, value: actions.set_map_view(s, shared=bool(value)),
@@ -186,7 +186,7 @@ class MapControls:
             "Fig. 3",
             hint="As the paper's Fig. 3: θ = 60°, three torques on one range",
         )
-        button.on_click(lambda _: self._session.ask("figure 3", show_figure_3))
+        button.on_click(lambda _: self._session.dispatch("figure 3", show_figure_3))
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state."""
@@ -241,7 +241,7 @@ class MapControls:
         factor = self._factor(state)
         low, high = (float(end) / factor for end in value)
         if max(abs(low), abs(high)) > LARGEST_END:
-            raise InvalidInput("colour range", f"numbers up to {LARGEST_END:.0e} are possible")
+            raise InvalidInput("color range", f"numbers up to {LARGEST_END:.0e} are possible")
         return self._manual(state, low, high)
 
     def _manual(self, state: State, low: float, high: float) -> State:

@@ -10,20 +10,20 @@ from typing import Any, cast
 import numpy as np
 
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.motion.way import cut
 from paminsa_viz.explorer.panels.hover import HoverFigure
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.figures import ticks
-from paminsa_viz.figures.layout import Layout
-from paminsa_viz.figures.live import Way, live_image, marks, screen_layout
-from paminsa_viz.figures.maps import MapData
-from paminsa_viz.figures.scale import Scale
 from paminsa_viz.model import Quantity
-from paminsa_viz.model.trajectory import TrajectoryAnalysis
 from paminsa_viz.palette import INK, MUTED
+from paminsa_viz.plots import ticks
+from paminsa_viz.plots.layout import Layout
+from paminsa_viz.plots.live import Way, live_image, marks, screen_layout
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.scale import Scale
+from paminsa_viz.trajectory import TrajectoryAnalysis
 
 Quantities = Callable[[State], tuple[Quantity, ...]]
 
@@ -88,7 +88,7 @@ class MapPicture:
     to the container afterwards come below or at the right.
 
     Attributes:
-        scales: The colour scales drawn last, one a panel.
+        scales: The color scales drawn last, one a panel.
         data: The maps drawn last, or None before the first.
     """
 

@@ -6,21 +6,21 @@ from typing import Any
 
 import viser
 
-from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
-from paminsa_viz.explorer.motion.moment import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.time_cursor import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.export_panel import ExportPanel
-from paminsa_viz.explorer.panels.incoming import number
 from paminsa_viz.explorer.panels.map_controls import MapControls
 from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
+from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.figures.from_model import TORQUES
 from paminsa_viz.model import Quantity
+from paminsa_viz.plots.from_model import TORQUES
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
@@ -83,7 +83,7 @@ class MapsPanel:
         """Move the robot to where a map was clicked; ``data`` comes from the page."""
         place = clicked_place(data)
         if place is not None:
-            self._session.ask("map click", lambda state: go_to(state, *place))
+            self._session.dispatch("map click", lambda state: go_to(state, *place))
 
 
 def clicked_place(data: Any) -> tuple[float, float] | None:

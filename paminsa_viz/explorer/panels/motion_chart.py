@@ -1,4 +1,4 @@
-"""One chart of the motion on the page: a uPlot that is given new data, seldom made anew."""
+"""One chart of the motion on the page: a uPlot that is given new data, seldom made again."""
 
 from __future__ import annotations
 

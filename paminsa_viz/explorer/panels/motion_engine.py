@@ -9,12 +9,12 @@ from html import escape
 
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.explorer.motion.checking import Answer, ask_engine, taken
-from paminsa_viz.explorer.motion.store import Analysed
+from paminsa_viz.explorer.motion.store import Analyzed
 from paminsa_viz.explorer.panels.motion_numbers import verdict
 from paminsa_viz.explorer.session import REST, Session
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.model.trajectory import TrajectoryAnalysis
 from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.trajectory import TrajectoryAnalysis
 
 MARK = (
     '<span style="display:inline-block;width:6px;height:6px;border:1px solid '
@@ -39,7 +39,7 @@ class EngineChecker:
         self._next: TrajectoryAnalysis | None = None
         self._busy = False
 
-    def draw(self, found: Analysed | None, moving: bool) -> None:
+    def draw(self, found: Analyzed | None, moving: bool) -> None:
         """Ask about what is shown, unless the hand still changes it or it is known.
 
         Args:
@@ -73,10 +73,10 @@ class EngineChecker:
             answer = ask_engine(analysis)
             if self._next is None:
                 intent = partial(taken, answer=answer)
-                self._session.ask("plots.engine_answer", intent, step=False)
+                self._session.dispatch("plots.engine_answer", intent, step=False)
 
 
-def verdict_html(answer: Answer | None, found: Analysed) -> str:
+def verdict_html(answer: Answer | None, found: Analyzed) -> str:
     """Return what the line below the charts says of the engine."""
     if answer is None:
         return f'<span style="color:{MUTED}">engine: computing …</span>'

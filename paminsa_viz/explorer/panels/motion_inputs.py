@@ -13,15 +13,15 @@ from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import planning, requests
 from paminsa_viz.explorer.motion.description import Kind, Motion
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.motion_words import pose_words
-from paminsa_viz.explorer.panels.patient import PatientControl
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.model.trajectory import PRESETS, Profile, Trajectory
+from paminsa_viz.trajectory import PRESETS, Profile, Trajectory
 
 PRESET_LABELS = {f"Preset: {preset.label}": preset.key for preset in PRESETS}
 KIND_LABELS = {
@@ -91,10 +91,10 @@ class MotionInputs:
                           "Clear": requests.clear_waypoints},
             "Move the robot, add its pose, move it on",
         )  # fmt: skip
-        centre = gui.add_button(
-            "Centre here", color="gray", hint="Put the centre where the robot stands now"
+        center = gui.add_button(
+            "Center here", color="gray", hint="Put the center where the robot stands now"
         )
-        centre.on_click(lambda _: session.ask("motion.centre", requests.centre_here))
+        center.on_click(lambda _: session.dispatch("motion.center", requests.center_here))
         radius = gui.add_number(
             "Radius [mm]", 1e3 * motion.radius, min=1.0, step=1.0, hint="In the plane of x and y"
         )
@@ -114,7 +114,7 @@ class MotionInputs:
             )  # fmt: skip
         self.upload.on_upload(lambda event: self._on_upload(event.target.value))
         law = gui.add_dropdown(
-            "Law", tuple(LAWS), initial_value=_law(motion), hint="How the motion runs in time"
+            "TimeLaw", tuple(LAWS), initial_value=_law(motion), hint="How the motion runs in time"
         )
         back = gui.add_checkbox("and back again", motion.back, hint="A closed motion")
         self._controls = [
@@ -138,7 +138,7 @@ class MotionInputs:
             (self.poses, lambda kind: kind is not Kind.PRESET),
             (ends, lambda kind: kind.has_ends),
             (way, lambda kind: kind is Kind.WAYPOINTS),
-            (centre, lambda kind: kind is Kind.CIRCLE),
+            (center, lambda kind: kind is Kind.CIRCLE),
             (radius, lambda kind: kind is Kind.CIRCLE),
             (height, lambda kind: kind is Kind.ARCH),
             (file, lambda kind: kind is Kind.TABLE),
@@ -152,13 +152,13 @@ class MotionInputs:
         def press(event: Any) -> None:
             intent = intents.get(event.target.value)
             if intent is not None:
-                self._session.ask(f"motion.{label}", intent)
+                self._session.dispatch(f"motion.{label}", intent)
 
         group.on_click(press)
         return group
 
     def _length(self, handle: Any, name: str) -> Control:
-        return PatientControl(
+        return DebouncedInput(
             self._session, handle, f"motion.{name}",
             lambda s, value: requests.change(s, **{name: round(1e-3 * float(value), 9)}),
             lambda s: round(1e3 * getattr(s.document.motion, name), 6),
@@ -169,10 +169,10 @@ class MotionInputs:
         try:
             table = uploaded_trajectory(file.name, file.content, bool(self.rest.value))
         except PaminsaError as error:
-            self._session.tell("Not opened", str(error), bad=True)
+            self._session.notify("Not opened", str(error), bad=True)
             return
-        self._session.ask("motion.table", lambda state: requests.take_table(state, table))
-        self._session.tell("Motion opened", f"{table.name}, {table.size} rows")
+        self._session.dispatch("motion.table", lambda state: requests.take_table(state, table))
+        self._session.notify("Motion opened", f"{table.name}, {table.size} rows")
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state; show what the chosen motion needs."""
@@ -202,7 +202,7 @@ def poses_html(state: State) -> str:
             goal = (goal[0], goal[1], start[2], goal[3])
         lines = [f"<b>from</b> {pose_words(start)}", f"<b>to</b> {pose_words(goal)}"]
     elif motion.kind is Kind.CIRCLE:
-        lines = [f"<b>centre</b> {pose_words(planning.centre(motion, geometry, assembly))}"]
+        lines = [f"<b>center</b> {pose_words(planning.center(motion, geometry, assembly))}"]
     elif motion.kind is Kind.WAYPOINTS:
         lines = [f"<b>{i}</b> {pose_words(p)}" for i, p in enumerate(motion.waypoints, 1)]
         lines = lines or ["none yet: move the robot, then add its pose"]

@@ -8,7 +8,7 @@ from html import escape
 import numpy as np
 
 from paminsa_viz.explorer.motion.readings import Reading, value_at
-from paminsa_viz.explorer.motion.store import Analysed
+from paminsa_viz.explorer.motion.store import Analyzed
 from paminsa_viz.explorer.motion.traces import DASHED, DOTTED, SOLID, Chart, Trace
 from paminsa_viz.explorer.symbols import number
 from paminsa_viz.palette import BAD, INK, MUTED, OK
@@ -39,7 +39,7 @@ def numbers_html(
     return _table((f"at {time:.3f} s", "largest", "at", "RMS", ""), rows)
 
 
-def difference_html(drawn: tuple[Chart, ...], found: Analysed, time: float) -> str:
+def difference_html(drawn: tuple[Chart, ...], found: Analyzed, time: float) -> str:
     """Return the table of differences to an engine, over the largest torque, with a verdict."""
     torques = found.answer.found if found.answer else None
     rows: list[tuple[Trace, Sequence[str]]] = []
@@ -68,16 +68,16 @@ def difference_html(drawn: tuple[Chart, ...], found: Analysed, time: float) -> s
 
 
 def verdict(passed: bool) -> str:
-    """Return whether a comparison is passed, in its colour."""
-    word, colour = ("PASS", OK) if passed else ("FAIL", BAD)
-    return f'<b style="color:{colour}">{word}</b>'
+    """Return whether a comparison is passed, in its color."""
+    word, color = ("PASS", OK) if passed else ("FAIL", BAD)
+    return f'<b style="color:{color}">{word}</b>'
 
 
-def stroke(colour: str, dash: tuple[int, ...]) -> str:
+def stroke(color: str, dash: tuple[int, ...]) -> str:
     """Return a short piece of a curve for a table."""
     style = "solid" if not dash else "dashed" if dash[0] > 3 else "dotted"
     return (
-        f'<span style="display:inline-block;width:16px;border-top:2.5px {style} {colour};'
+        f'<span style="display:inline-block;width:16px;border-top:2.5px {style} {color};'
         'vertical-align:middle;margin-right:6px"></span>'
     )
 
@@ -98,7 +98,7 @@ def _table(heads: Sequence[str], rows: Iterable[tuple[Trace, Sequence[str]]]) ->
         + "</tr>"
     ]
     lines += [
-        f'<tr><td style="white-space:nowrap">{stroke(trace.colour, trace.dash)}'
+        f'<tr><td style="white-space:nowrap">{stroke(trace.color, trace.dash)}'
         f"{escape(trace.label)}</td>"
         + "".join(f'<td style="{cell}">{text}</td>' for text in cells)
         + "</tr>"

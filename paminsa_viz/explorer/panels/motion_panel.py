@@ -32,8 +32,8 @@ class MotionPanel:
             show = gui.add_checkbox(
                 "Show the path", session.state.layers.path, hint="Drawn on the maps as well"
             )
-            colour = gui.add_dropdown(
-                "Coloured by", ACTUATORS, initial_value=ACTUATORS[0],
+            color = gui.add_dropdown(
+                "Colored by", ACTUATORS, initial_value=ACTUATORS[0],
                 hint="Torque or force of this actuator; red where the motion fails",
             )  # fmt: skip
             self._legend = gui.add_html("")
@@ -46,9 +46,9 @@ class MotionPanel:
                 lambda s: s.layers.path,
             ),
             Control(
-                session, colour, "plots.colour",
-                lambda s, value: requests.set_plots(s, colour=ACTUATORS.index(value)),
-                lambda s: ACTUATORS[s.plots.colour],
+                session, color, "plots.color",
+                lambda s, value: requests.set_plots(s, color=ACTUATORS.index(value)),
+                lambda s: ACTUATORS[s.plots.color],
             ),
         ]  # fmt: skip
 
@@ -57,7 +57,7 @@ class MotionPanel:
         for part in (self.playback, self.inputs, self.timing, self.simulation, *self._controls):
             part.draw(frame, moving)
         analysis = self._store.present(frame.state)
-        actuator = frame.state.plots.colour
+        actuator = frame.state.plots.color
         html = "" if analysis is None else legend_html(path_scale(analysis, actuator), actuator)
         if self._legend.content != html:
             self._legend.content = html

@@ -44,14 +44,14 @@ def status_html(state: State, store: MotionStore) -> str:
     """Return the line that says whether the motion is fine."""
     fine, words = status_line(state, store.present(state))
     bound = requests.planned(state).bound
-    colour, head = (OK, "Fine") if fine else (BAD, "Not possible")
+    color, head = (OK, "Fine") if fine else (BAD, "Not possible")
     if requests.planned(state).trajectory is None:
-        colour, head = MUTED, "No motion yet"
+        color, head = MUTED, "No motion yet"
     more = f"<br>shortest: {escape(bound)}" if bound else ""
     return (
-        f'<div data-testid="motion-status" style="border-left:5px solid {colour};padding:5px 9px;'
-        f"margin:2px 10px 4px 10px;background:{colour}18;border-radius:4px;font-size:13px;"
-        f'line-height:1.35"><b style="color:{colour}">{head}</b><br>{escape(words)}{more}</div>'
+        f'<div data-testid="motion-status" style="border-left:5px solid {color};padding:5px 9px;'
+        f"margin:2px 10px 4px 10px;background:{color}18;border-radius:4px;font-size:13px;"
+        f'line-height:1.35"><b style="color:{color}">{head}</b><br>{escape(words)}{more}</div>'
     )
 
 
@@ -68,7 +68,7 @@ class PlaybackInputs:
             PLAY, icon=Icon.PLAYER_PLAY, hint="Play the motion with the robot (key: M)"
         )
         self.play.on_click(
-            lambda _: session.ask("playback.play", requests.play_or_pause, step=False)
+            lambda _: session.dispatch("playback.play", requests.play_or_pause, step=False)
         )
         speed = gui.add_dropdown(
             "speed", tuple(SPEED_WORDS), initial_value="1 ×", hint="1 × is true time"

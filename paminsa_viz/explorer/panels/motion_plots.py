@@ -5,14 +5,14 @@ from __future__ import annotations
 from html import escape
 from typing import Any
 
-from paminsa_viz.explorer.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.moment import PLACE, Moment
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.motion.readings import Reading, readings
-from paminsa_viz.explorer.motion.store import Analysed, MotionStore
+from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
+from paminsa_viz.explorer.motion.time_cursor import PLACE, TimeCursor
 from paminsa_viz.explorer.motion.traces import Chart, charts
 from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
 from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
@@ -64,7 +64,7 @@ class MotionPlots:
     ) -> None:
         gui = session.client.gui
         self._slots, self.store = slots, store
-        self._moment = Moment(bridge, lambda time: _scrub(session, time))
+        self._moment = TimeCursor(bridge, lambda time: _scrub(session, time))
         gui.add_html(marker(PLACE) + _STYLE.replace("__HEIGHT__", str(HEIGHT)), order=0)
         self.charts = tuple(MotionChart(gui, container, order) for order in (1.0, 2.0))
         self._caption = gui.add_html("", order=3)
@@ -133,7 +133,7 @@ class MotionPlots:
         else:
             _write(self._numbers, numbers_html(self._drawn, self._read, time))
 
-    def _draw_curves(self, state: State, found: Analysed | None) -> None:
+    def _draw_curves(self, state: State, found: Analyzed | None) -> None:
         key = (found, state.plots) if found is None else (*vars(found).values(), state.plots)
         if key == self._key:
             return
@@ -146,10 +146,10 @@ class MotionPlots:
 
 
 def _scrub(session: Session, time: float) -> None:
-    session.ask("playback.time", lambda state: requests.scrub(state, time), step=False)
+    session.dispatch("playback.time", lambda state: requests.scrub(state, time), step=False)
 
 
-def caption_html(state: State, found: Analysed | None, drawn: tuple[Chart, ...]) -> str:
+def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...]) -> str:
     """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
     if found is None:
         return _instead(status_line(state, None)[1])

@@ -12,13 +12,13 @@ from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.simulating import Simulator
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.model.trajectory import Control as Controlled
 from paminsa_viz.palette import BAD, MUTED, OK, WARN
+from paminsa_viz.trajectory import Control as Controlled
 
 CONTROLS = {
     "computed torque": Controlled.COMPUTED_TORQUE,
@@ -63,7 +63,7 @@ class SimulationInputs:
             hint="The friction itself is a number of the design, zero in the paper",
         )  # fmt: skip
         self.run = gui.add_button("Simulate", icon=Icon.PLAYER_TRACK_NEXT)
-        self.run.on_click(lambda _: session.ask("simulation", requests.simulate))
+        self.run.on_click(lambda _: session.dispatch("simulation", requests.simulate))
         self._outcome = gui.add_html("")
         self._controls = [
             Control(
@@ -83,7 +83,7 @@ class SimulationInputs:
         ]  # fmt: skip
 
     def _number(self, handle: Any, name: str, factor: float = 1.0) -> Control:
-        return PatientControl(
+        return DebouncedInput(
             self._session, handle, f"simulation.{name}",
             lambda s, value: requests.set_simulation(s, **{name: float(value) / factor}),
             lambda s: round(factor * getattr(s.simulating.settings, name), 9),
@@ -124,18 +124,18 @@ def outcome_html(state: State) -> str:
         f"at the end {number(1e3 * float(simulation.distance[-1]), 3)} mm",
         f"energy drift of the solution {number(drift, 2)} J",
     ]
-    colour, head = OK, f"Ran to the end, {simulation.t[-1]:.3f} s"
+    color, head = OK, f"Ran to the end, {simulation.t[-1]:.3f} s"
     if simulation.stopped is not None:
-        colour, head = BAD, f"Stopped {escape(simulation.stopped.explanation)}"
+        color, head = BAD, f"Stopped {escape(simulation.stopped.explanation)}"
     if not requests.simulated_as_it_is(state):
-        colour = WARN if simulation.stopped is None else colour
+        color = WARN if simulation.stopped is None else color
         lines.append("<b>of an earlier design, motion or setting: simulate again</b>")
-    return _block(colour, f"<b>{head}</b><br>" + "<br>".join(lines))
+    return _block(color, f"<b>{head}</b><br>" + "<br>".join(lines))
 
 
-def _block(colour: str, html: str) -> str:
+def _block(color: str, html: str) -> str:
     return (
-        f'<div data-testid="simulation" style="border-left:5px solid {colour};padding:4px 9px;'
-        f"margin:2px 10px 6px 10px;background:{colour}18;border-radius:4px;font-size:12.5px;"
+        f'<div data-testid="simulation" style="border-left:5px solid {color};padding:4px 9px;'
+        f"margin:2px 10px 6px 10px;background:{color}18;border-radius:4px;font-size:12.5px;"
         f'line-height:1.35">{html}</div>'
     )

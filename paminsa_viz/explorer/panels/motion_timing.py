@@ -9,7 +9,7 @@ from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.description import DURATIONS, RATES, Kind, Motion, Timing
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 
@@ -98,7 +98,7 @@ class TimingInputs:
         handle = session.client.gui.add_number(
             item.label, show(session.state), min=0.0, step=item.step
         )
-        return PatientControl(
+        return DebouncedInput(
             session, handle, f"motion.limits.{item.name}",
             lambda s, value: requests.limit(s, item.name, float(value) / item.factor), show,
         )  # fmt: skip
@@ -122,7 +122,7 @@ class TimingInputs:
 
 
 def _number(session: Session, handle: Any, name: str) -> Control:
-    return PatientControl(
+    return DebouncedInput(
         session, handle, f"motion.{name}",
         lambda s, value: requests.change(s, **{name: float(value)}),
         lambda s: getattr(s.document.motion, name),

@@ -9,7 +9,7 @@ from typing import Any
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bounds import largest
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.patient import PatientControl
+from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.symbols import edge, number
@@ -83,7 +83,7 @@ class NumberRow:
         self.slider = session.client.gui.add_slider(
             row.label, self._low, self._high, row.step, value, marks=tick, hint=hint
         )
-        self._control = PatientControl(
+        self._control = DebouncedInput(
             session, self.slider, f"design.{row.path}", self._apply, self._show
         )
 

@@ -7,11 +7,11 @@ from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.pose_slider import PoseSlider
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.model import Assembly
+from paminsa_viz.model import KneeBranch
 
 ASSEMBLY_LABELS = {
-    Assembly.PRINTED: "lower knee (as printed)",
-    Assembly.MIRROR: "upper knee (mirror)",
+    KneeBranch.LOWER: "lower knee (as printed)",
+    KneeBranch.UPPER: "upper knee (mirror)",
 }
 
 
@@ -22,7 +22,7 @@ class PosePanel:
         gui = session.client.gui
         self.sliders = [PoseSlider(session, index) for index in range(4)]
         self.assembly = gui.add_dropdown(
-            "Assembly",
+            "KneeBranch",
             tuple(ASSEMBLY_LABELS.values()),
             initial_value=ASSEMBLY_LABELS[session.state.document.assembly],
             hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
@@ -39,7 +39,7 @@ class PosePanel:
         @steps.on_click
         def _(event) -> None:  # type: ignore[no-untyped-def]
             {
-                "Home": lambda: session.ask("home", actions.go_home),
+                "Home": lambda: session.dispatch("home", actions.go_home),
                 "Undo": session.undo,
                 "Redo": session.redo,
             }.get(event.target.value, lambda: None)()
@@ -50,8 +50,8 @@ class PosePanel:
             view.draw(frame, moving)
 
 
-def _assembly(label: str) -> Assembly:
+def _assembly(label: str) -> KneeBranch:
     for assembly, name in ASSEMBLY_LABELS.items():
         if name == label:
             return assembly
-    return Assembly.PRINTED
+    return KneeBranch.LOWER

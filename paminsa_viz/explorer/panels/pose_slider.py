@@ -10,10 +10,10 @@ from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, home_pose
-from paminsa_viz.model import Assembly, Geometry
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import workspace_radius
-from paminsa_viz.shapes.layout import layout
 
 NAMES = ("x  [mm]", "y  [mm]", "θ  [°]", "z  [mm]")
 SCALES = (1e3, 1e3, 180 / pi, 1e3)
@@ -35,13 +35,13 @@ Range = tuple[float, float]
 
 
 @lru_cache(maxsize=64)
-def pose_limits(geometry: Geometry, assembly: Assembly) -> tuple[Range, Range, Range, Range]:
+def pose_limits(geometry: Geometry, assembly: KneeBranch) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
     radius = float(ceil(1e3 * workspace_radius(geometry) / GRAIN) * GRAIN)
     return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry, assembly)
 
 
-def heights(geometry: Geometry, assembly: Assembly) -> Range:
+def heights(geometry: Geometry, assembly: KneeBranch) -> Range:
     """Return the platform heights that the slider offers, which are those clear of the frame [mm].
 
     Home is always among them. The frame is drawn for machines like the paper's; to others it may

@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.model.reach import MARGINS, Limit
-from paminsa_viz.palette import ACTUATOR_COLOURS, BAD, LEG_COLOURS, MUTED, OK, WARN
+from paminsa_viz.palette import ACTUATOR_COLORS, BAD, LEG_COLORS, MUTED, OK, WARN
 
 _STYLE = {Health.FINE: OK, Health.NEAR: WARN, Health.UNREACHABLE: BAD}
 
@@ -31,13 +31,13 @@ def number(value: float, digits: int) -> str:
 
 def status_html(frame: Frame) -> str:
     """Return the status line."""
-    colour = _STYLE[frame.health]
+    color = _STYLE[frame.health]
     name = frame.health.value.capitalize()
     return (
-        f'<div data-testid="status" style="border-left:5px solid {colour};padding:5px 9px;'
+        f'<div data-testid="status" style="border-left:5px solid {color};padding:5px 9px;'
         f"margin:2px 10px 4px 10px;"
-        f'background:{colour}18;border-radius:4px;font-size:13px;line-height:1.35">'
-        f'<b style="color:{colour}">{name}</b><br>{escape(frame.explanation)}</div>'
+        f'background:{color}18;border-radius:4px;font-size:13px;line-height:1.35">'
+        f'<b style="color:{color}">{name}</b><br>{escape(frame.explanation)}</div>'
     )
 
 
@@ -61,11 +61,11 @@ def _table(rows: list[str]) -> str:
     )
 
 
-def dot(colour: str) -> str:
-    """Return a coloured dot for a table."""
+def dot(color: str) -> str:
+    """Return a colored dot for a table."""
     return (
         f'<span style="display:inline-block;width:9px;height:9px;border-radius:5px;'
-        f'background:{colour};margin-right:5px"></span>'
+        f'background:{color};margin-right:5px"></span>'
     )
 
 
@@ -75,7 +75,7 @@ def actuators_html(frame: Frame) -> str:
     pinned = frame.state.document.reference is not None
     head = ["Actuator", "position", "holds"] + (["reference", "Δ"] if pinned else [])
     rows = [_row(head, head=True)]
-    position = frame.posture.actuators
+    position = frame.configuration.actuators
     for j in range(4):
         rotary = j < 3
         place = (
@@ -85,7 +85,7 @@ def actuators_html(frame: Frame) -> str:
         )
         unit, digits = ("N·m", 3) if rotary else ("N", 2)
         value = float(frame.torques[j])
-        name = dot(ACTUATOR_COLOURS[j]) + f"M{j + 1}"
+        name = dot(ACTUATOR_COLORS[j]) + f"M{j + 1}"
         cells = [name, place, f"<b>{number(value, digits)}</b> {unit}"]
         if pinned and reference is not None:
             held = float(reference[j])
@@ -111,10 +111,10 @@ def quality_html(frame: Frame) -> str:
         ),
     ]
     margins = [_row(["Room to limits [mm]", *LIMIT_NAMES.values()], head=True)]
-    values = frame.posture.reach.margins
+    values = frame.configuration.reach.margins
     for leg in range(3):
         cells = [number(1e3 * float(values[leg, MARGINS.index(limit)]), 1) for limit in LIMIT_NAMES]
-        margins.append(_row([dot(LEG_COLOURS[leg]) + f"leg {leg + 1}", *cells]))
+        margins.append(_row([dot(LEG_COLORS[leg]) + f"leg {leg + 1}", *cells]))
     tables = f'{_table(rows)}<div style="height:6px"></div>{_table(margins)}'
     return f'<div data-testid="quality" style="{_PAD}">{tables}</div>'
 

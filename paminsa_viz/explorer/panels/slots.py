@@ -1,6 +1,6 @@
 """What the page says of the places for pictures: whether they are seen, and how wide they are.
 
-A picture in a tab that is not open, or in a minimised panel, is not drawn; one that a person made
+A picture in a tab that is not open, or in a minimized panel, is not drawn; one that a person made
 wider is drawn wider. viser does not tell either, so a script in the page looks and reports.
 """
 
@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.bridge import Bridge
-from paminsa_viz.explorer.panels.incoming import number
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.session import Session
 
 NARROWEST, WIDEST = 300, 2400
@@ -77,7 +77,7 @@ class Slots:
             return
         self._widths, self.ratio = widths, fine
         # A new object, so that what has become visible is drawn.
-        self._session.ask("slots", lambda state: replace(state))
+        self._session.dispatch("slots", lambda state: replace(state))
 
 
 def _width(value: Any) -> int:

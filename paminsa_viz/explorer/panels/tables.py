@@ -29,5 +29,5 @@ def _row(cells: Sequence[str], tag: str, style: str) -> str:
 def note(text: str, name: str = "", *, muted: bool = False) -> str:
     """Return a block of text with a panel's margins; ``name`` is for tests to find it by."""
     mark = f' data-testid="{name}"' if name else ""
-    colour = f"color:{MUTED}" if muted else ""
-    return f'<div{mark} style="padding:0 10px 8px;{FONT};{colour}">{text}</div>'
+    color = f"color:{MUTED}" if muted else ""
+    return f'<div{mark} style="padding:0 10px 8px;{FONT};{color}">{text}</div>'

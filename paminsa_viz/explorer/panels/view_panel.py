@@ -14,14 +14,14 @@ from paminsa_viz.explorer.state import Layers
 LAYER_LABELS = {
     "mesh": ("Robot", "The machine itself"),
     "skeleton": ("Skeleton", "Bars as lines, with the paper's joint numbers"),
-    "mass_centres": ("Mass centres", "A ball for each mass, its volume in proportion"),
+    "mass_centers": ("Mass centers", "A ball for each mass, its volume in proportion"),
     "gravity": ("Weights", "The weight of each body as an arrow"),
     "torques": ("Actuator torques", "Static torques as arrows about the leg axes, and F₄"),
     "labels": ("Labels", "Names of the actuators"),
     "workspace": ("Workspace edge", "Positions within reach at the present θ and z"),
     "singularity": ("Singular circle", "Where the platform escapes the actuators at this θ"),
     "floor_map": ("Floor map", "The chosen map, under the robot; click it to go there"),
-    "path": ("Path of the motion", "Coloured by torque, and on the maps"),
+    "path": ("Path of the motion", "Colored by torque, and on the maps"),
     "gizmo": ("Platform handle", "Drag the platform in the scene"),
     "fine": ("Fine detail", "Round edges and bolts; on by itself where there is a graphics card"),
     "shadows": ("Shadows", "Shadows and reflections; slow without a graphics card"),
@@ -37,7 +37,7 @@ class ViewPanel:
         def turn(event) -> None:  # type: ignore[no-untyped-def]
             name = event.target.value
             if name in CAMERAS:
-                session.do(lambda: look(session, name))
+                session.submit(lambda: look(session, name))
 
         legs = tuple(name for name in CAMERAS if name.startswith("Leg"))
         whole = tuple(name for name in CAMERAS if name not in legs)

@@ -12,14 +12,14 @@ from typing import Final
 import numpy as np
 from viser import FrameHandle, GlbHandle, SceneApi
 
+from paminsa_viz.meshes import bodies as shapes
+from paminsa_viz.meshes import load
+from paminsa_viz.meshes.placement import about_z, elevated
+from paminsa_viz.meshes.weights import counterweight_glb
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import Assembly, Geometry
-from paminsa_viz.model.kinematics import Posture
-from paminsa_viz.shapes import bodies as shapes
-from paminsa_viz.shapes import load
-from paminsa_viz.shapes.placement import about_z, elevated
-from paminsa_viz.shapes.weights import counterweight_glb
+from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.kinematics import Configuration
 
 Position = tuple[float, float, float]
 Quaternion = Array
@@ -51,12 +51,12 @@ class BodyNodes:
     Args:
         scene: Scene of a client or a server.
         geometry: Lengths to build the bodies for.
-        assembly: Assembly mode, which decides on the frame.
+        assembly: KneeBranch mode, which decides on the frame.
         root: Name of the node that holds all others.
     """
 
     def __init__(
-        self, scene: SceneApi, geometry: Geometry, assembly: Assembly, root: str = "/robot"
+        self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch, root: str = "/robot"
     ) -> None:
         self._scene = scene
         self._root = root
@@ -96,7 +96,7 @@ class BodyNodes:
             for body in self._built:
                 self._make(body)
 
-    def rebuild(self, geometry: Geometry, assembly: Assembly) -> tuple[str, ...]:
+    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> tuple[str, ...]:
         """Remake the bodies whose defining lengths differ; return their names.
 
         The nodes keep their place until the next `pose`.
@@ -126,9 +126,9 @@ class BodyNodes:
             return
         self._nodes[body] = self._scene.add_glb(node_name(body, self._root), data)
 
-    def pose(self, posture: Posture) -> None:
-        """Move the bodies to a solved posture of shape (); the caller opens ``atomic()``."""
-        positions, turns = self.places(posture)
+    def pose(self, configuration: Configuration) -> None:
+        """Move the bodies to a solved configuration of shape (); the caller opens ``atomic()``."""
+        positions, turns = self.places(configuration)
         for body, position in positions.items():
             self._nodes[body].position = position
         for body, turn in turns.items():
@@ -136,39 +136,47 @@ class BodyNodes:
             node = self._legs[int(leg) - 1] if leg.isdigit() else self._nodes[body]
             node.wxyz = turn
 
-    def places(self, posture: Posture) -> tuple[dict[str, Position], dict[str, Quaternion]]:
-        """Return what a posture of shape () moves, by body, each in its parent's frame.
+    def places(
+        self, configuration: Configuration
+    ) -> tuple[dict[str, Position], dict[str, Quaternion]]:
+        """Return what a configuration of shape () moves, by body, each in its parent's frame.
 
         Returns:
             Positions [m] of the bodies that slide, and quaternions (w, x, y, z) of those that turn;
             the legs' own frames are ``leg1`` to ``leg3``.
         """
-        x, y, theta, z = posture.pose
+        x, y, theta, z = configuration.pose
         positions = {
-            "carriage": (0.0, 0.0, float(posture.actuators[3])),
+            "carriage": (0.0, 0.0, float(configuration.actuators[3])),
             "platform": (float(x), float(y), float(z)),
         }
         turns = {"platform": about_z(theta)}
-        legs = about_z(posture.beta)
-        b3, b7 = elevated(posture.phi + np.pi), elevated(posture.psi)
-        b8, b4 = elevated(posture.phi), elevated(posture.psi - posture.phi)
-        along = self._along(posture)
+        legs = about_z(configuration.beta)
+        b3, b7 = elevated(configuration.phi + np.pi), elevated(configuration.psi)
+        b8, b4 = elevated(configuration.phi), elevated(configuration.psi - configuration.phi)
+        along = self._along(configuration)
         for leg in range(3):
             name = f"leg{leg + 1}"
-            positions[f"{name}/shaft"] = (0.0, 0.0, float(posture.points[3][leg, 2]))
+            positions[f"{name}/shaft"] = (0.0, 0.0, float(configuration.points[3][leg, 2]))
             positions[f"{name}/slider"] = (along[8][leg], 0.0, 0.0)
-            positions[f"{name}/swivel"] = (along[5][leg], 0.0, float(posture.points[5][leg, 2]))
+            positions[f"{name}/swivel"] = (
+                along[5][leg],
+                0.0,
+                float(configuration.points[5][leg, 2]),
+            )
             turns[name] = legs[leg]
             for bar, turn in (("b3", b3), ("b7", b7), ("b8", b8), ("b4", b4)):
                 turns[f"{name}/{bar}"] = turn[leg]
         return positions, turns
 
-    def _along(self, posture: Posture) -> dict[int, list[float]]:
+    def _along(self, configuration: Configuration) -> dict[int, list[float]]:
         """Return r of joints 5 and 8 in each leg plane [m]."""
-        heading = np.stack([np.cos(posture.beta), np.sin(posture.beta)], axis=-1)
-        axis = posture.points[3][:, :2]
+        heading = np.stack([np.cos(configuration.beta), np.sin(configuration.beta)], axis=-1)
+        axis = configuration.points[3][:, :2]
         return {
-            joint: np.einsum("ij,ij->i", posture.points[joint][:, :2] - axis, heading).tolist()
+            joint: np.einsum(
+                "ij,ij->i", configuration.points[joint][:, :2] - axis, heading
+            ).tolist()
             for joint in (5, 8)
         }
 
@@ -188,7 +196,7 @@ class BodyNodes:
             node = self._scene.add_glb(name, load.payload_glb())
             self._nodes["payload"] = node
         node.position = load.payload_offset(self._geometry, self._assembly)
-        over = self._assembly is Assembly.MIRROR
+        over = self._assembly is KneeBranch.UPPER
         node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
         node.scale = load.payload_scale(self._payload_mass)
         node.visible = True
@@ -206,8 +214,8 @@ class BodyNodes:
                 if weight.mass > 0:
                     bar = f"leg{leg}/{weight.bar}"
                     name = f"{node_name(bar, self._root)}/weight{number}"
-                    colour = shapes.colour_of(bar)
-                    wanted[name] = counterweight_glb(self._geometry, weight, colour)
+                    color = shapes.color_of(bar)
+                    wanted[name] = counterweight_glb(self._geometry, weight, color)
         for name in [name for name in self._hung if name not in wanted]:
             self._hung.pop(name).remove()
             del self._hung_data[name]

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import ClientHandle
 
-from paminsa_viz.model.design import Assembly, Geometry
-from paminsa_viz.model.kinematics import AXIS_ANGLES, Posture
-from paminsa_viz.shapes.frame import lift_motor_height, plinth_radius
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.meshes.frame import lift_motor_height, plinth_radius
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration
 
 Array = NDArray[np.float64]
 
@@ -39,8 +39,8 @@ class View:
 def preset(
     name: str,
     geometry: Geometry,
-    assembly: Assembly = Assembly.PRINTED,
-    posture: Posture | None = None,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    configuration: Configuration | None = None,
     aspect: float = 1.5,
 ) -> View:
     """Return a preset that fits the picture.
@@ -49,8 +49,8 @@ def preset(
         name: One of `VIEWS`. "Leg k" faces the leg's plane as the paper's Fig. 2 does, from the
             side where the mast does not stand in the way.
         geometry: Lengths of the robot.
-        assembly: Assembly mode.
-        posture: With it, "Leg k" squares up to the plane as it is now; without, as at home.
+        assembly: KneeBranch mode.
+        configuration: With it, "Leg k" squares up to the plane as it is now; without, as at home.
         aspect: Width of the picture divided by its height.
 
     Raises:
@@ -60,7 +60,9 @@ def preset(
         raise KeyError(name)
     if name.startswith("Leg"):
         leg = int(name[-1]) - 1
-        heading = AXIS_ANGLES[leg] + np.pi if posture is None else float(posture.beta[leg])
+        heading = (
+            AXIS_ANGLES[leg] + np.pi if configuration is None else float(configuration.beta[leg])
+        )
         side = -90.0 if leg == 0 else 90.0
         return _fitted(
             np.degrees(heading) + side, 5.0, _leg_outline(geometry, assembly, leg, heading), aspect
@@ -69,7 +71,7 @@ def preset(
     return _fitted(azimuth, elevation, _outline(geometry, assembly), aspect)
 
 
-def _outline(geometry: Geometry, assembly: Assembly) -> Array:
+def _outline(geometry: Geometry, assembly: KneeBranch) -> Array:
     """Return points around the whole machine, (n, 3) [m]."""
     place = layout(geometry, assembly)
     angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
@@ -84,15 +86,15 @@ def _outline(geometry: Geometry, assembly: Assembly) -> Array:
     return np.vstack([np.column_stack([r * ring, np.full(24, z)]) for r, z in rings])
 
 
-def _leg_outline(geometry: Geometry, assembly: Assembly, leg: int, heading: float) -> Array:
+def _leg_outline(geometry: Geometry, assembly: KneeBranch, leg: int, heading: float) -> Array:
     """Return points around one leg in its plane, from the knee to the platform, (n, 3) [m]."""
     axis = geometry.base_radius * np.array([np.cos(AXIS_ANGLES[leg]), np.sin(AXIS_ANGLES[leg])])
     along = np.array([np.cos(heading), np.sin(heading)])
     place = layout(geometry, assembly)
     outer = -max(geometry.guide_link_length, geometry.crank_length) - 0.03
     inner = geometry.base_radius + geometry.platform_radius
-    far = place.platform_low if assembly is Assembly.PRINTED else -0.16
-    near = place.lift_high if assembly is Assembly.PRINTED else place.lift_high - 0.1
+    far = place.platform_low if assembly is KneeBranch.LOWER else -0.16
+    near = place.lift_high if assembly is KneeBranch.LOWER else place.lift_high - 0.1
     corners = [(r, z) for r in (outer, inner) for z in (far, near)]
     return np.array([[*(axis + r * along), z] for r, z in corners])
 

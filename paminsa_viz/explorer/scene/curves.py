@@ -73,7 +73,7 @@ class Curve:
     Args:
         scene: Scene of a client or a server.
         name: Scene name of the node.
-        colour: ``#rrggbb``.
+        color: ``#rrggbb``.
         thickness: On the screen [px].
         dash: Length of a dash and of a gap [m]; None draws a full line.
     """
@@ -82,13 +82,13 @@ class Curve:
         self,
         scene: SceneApi,
         name: str,
-        colour: str = palette.INK,
+        color: str = palette.INK,
         thickness: float = 2.0,
         dash: float | None = None,
     ) -> None:
         self._scene = scene
         self._name = name
-        self._colour = drawn(colour)[0]
+        self._color = drawn(color)[0]
         self._thickness = thickness
         self._dash = dash
         self._node: LineSegmentsHandle | None = None
@@ -107,7 +107,7 @@ class Curve:
             return
         if self._node is None:
             self._node = self._scene.add_line_segments(
-                self._name, lines, self._colour,
+                self._name, lines, self._color,
                 thickness=self._thickness, thickness_units="screen", visible=self._visible,
             )  # fmt: skip
             return

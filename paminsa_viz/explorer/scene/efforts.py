@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 from viser import MeshHandle, SceneApi
 
 from paminsa_viz import palette
-from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
-from paminsa_viz.shapes import layers as at
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ FACES: Final = _skin()
 def _rings(fraction: float, length: float, scale: float) -> tuple[Array, Array]:
     """Return where the rings of an arrow lie along it and how wide they are, both (rings,).
 
-    The shaft is ``length`` long, the head follows; ``scale`` turns metres into units of length.
+    The shaft is ``length`` long, the head follows; ``scale`` turns meters into units of length.
     """
     radius = THIN + (THICK - THIN) * abs(fraction)
     along = np.empty(_RINGS)
@@ -68,7 +68,7 @@ def _rings(fraction: float, length: float, scale: float) -> tuple[Array, Array]:
 def arc_arrow(fraction: float) -> Array:
     """Return the corners of an arc arrow about z for a torque as a fraction of full scale.
 
-    Positive values turn counter-clockwise seen from above. The arc's shaft is centred on the
+    Positive values turn counter-clockwise seen from above. The arc's shaft is centerd on the
     direction x; values beyond full scale are drawn as full.
     """
     fraction = float(np.clip(fraction, -1.0, 1.0))
@@ -105,7 +105,7 @@ class EffortArrows:
     """
 
     def __init__(
-        self, scene: SceneApi, geometry: Geometry, assembly: Assembly, root: str = "/efforts"
+        self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch, root: str = "/efforts"
     ) -> None:
         self._scene = scene
         self._root = root
@@ -115,7 +115,7 @@ class EffortArrows:
         self._lift = 0.0
         self.rebuild(geometry, assembly)
 
-    def rebuild(self, geometry: Geometry, assembly: Assembly) -> None:
+    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> None:
         """Move the arrows to the leg axes of a geometry."""
         height = ARC_HEIGHT * assembly.sign
         self._seats = [
@@ -153,11 +153,11 @@ class EffortArrows:
         shapes = [*map(arc_arrow, drawn[:3]), force_arrow(drawn[3])]
         if not self._nodes:
             for index, vertices in enumerate(shapes):
-                colour = palette.rgb(palette.ACTUATOR_COLOURS[index])
+                color = palette.rgb(palette.ACTUATOR_COLORS[index])
                 turn = AXIS_ANGLES[index] / 2 if index < 3 else 0.0
                 node = self._scene.add_mesh_simple(
                     f"{self._root}/m{index + 1}", vertices.astype(np.float32), FACES,
-                    color=colour, side="double", cast_shadow=False, receive_shadow=False,
+                    color=color, side="double", cast_shadow=False, receive_shadow=False,
                     wxyz=(float(np.cos(turn)), 0.0, 0.0, float(np.sin(turn))),
                 )  # fmt: skip
                 self._nodes.append(node)

@@ -18,13 +18,13 @@ from paminsa_viz.explorer.scene.curves import Curve, thinned
 from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.figures import colours, lines
-from paminsa_viz.figures.maps import MapData
-from paminsa_viz.figures.raster import map_image
-from paminsa_viz.figures.scale import Scale
+from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.plots import colors, lines
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.raster import map_image
+from paminsa_viz.plots.scale import Scale
 
 ABOVE: Final = {
     "map": 0.0024,
@@ -50,7 +50,7 @@ POSE_MARK: Final = {
     "back": (((0.0, RING),), "#ffffff", 0.0),
     "mark": (((0.0, 0.28 * RING), (0.64 * RING, 0.86 * RING)), INK, 0.0006),
 }
-"""The mark below the platform: rings (inner and outer radius), colour, and height [m]."""
+"""The mark below the platform: rings (inner and outer radius), color, and height [m]."""
 
 
 class FloorMap:
@@ -74,11 +74,11 @@ class FloorMap:
         self._legend = FloorLegend(scene)
         self._ring = scene.add_frame("/floor/pose", show_axes=False, visible=False)
         # Solid, not pictures: what is clear in a picture still hides what lies below it.
-        for name, (parts, colour, height) in POSE_MARK.items():
+        for name, (parts, color, height) in POSE_MARK.items():
             points, faces = rings(parts)
             points[:, 2] = height
             scene.add_mesh_simple(
-                f"/floor/pose/{name}", points, faces, color=rgb(colour), side="double",
+                f"/floor/pose/{name}", points, faces, color=rgb(color), side="double",
                 cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
         self._boundary = Curve(scene, "/floor/workspace", INK, 2.5)
@@ -159,15 +159,15 @@ class FloorMap:
     def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
         if place is not None:
-            self._session.ask("floor click", lambda state: go_to(state, *place))
+            self._session.dispatch("floor click", lambda state: go_to(state, *place))
 
 
 def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:
     """Return one map as RGBA with row 0 at the smallest y, clear where nothing is reached."""
     pixels = map_image(data.values[0], data.status, scale)
     clear = pixels[..., 3] == 0
-    # Pixels are blended with their neighbours on the screen, clear ones too.
-    pixels[clear, :3] = rgb(colours.REACHLESS)
+    # Pixels are blended with their neighbors on the screen, clear ones too.
+    pixels[clear, :3] = rgb(colors.REACHLESS)
     pixels[~clear, 3] = round(255 * min(max(opacity, 0.0), 1.0))
     return pixels
 

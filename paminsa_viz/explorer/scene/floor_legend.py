@@ -1,6 +1,6 @@
-"""The legend beside the map on the ground: what its colours mean.
+"""The legend beside the map on the ground: what its colors mean.
 
-The colours lie on the ground; name and numbers stand beside them in letters of one size on the
+The colors lie on the ground; name and numbers stand beside them in letters of one size on the
 screen, which stay legible however flat a camera looks at the ground.
 """
 
@@ -12,18 +12,18 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from paminsa_viz.figures import axes
-from paminsa_viz.figures.maps import MapData
-from paminsa_viz.figures.raster import OVER, UNDER, lut
-from paminsa_viz.figures.scale import Scale
-from paminsa_viz.figures.ticks import number
-from paminsa_viz.model import Assembly, Geometry
+from paminsa_viz.meshes.frame import plinth_radius
+from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.shapes.frame import plinth_radius
+from paminsa_viz.plots import axes
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.raster import OVER, UNDER, lut
+from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots.ticks import number
 
 LEGEND_SIZE: Final = (0.44, 0.04)
-"""Width and height of the coloured bar on the ground [m]."""
+"""Width and height of the colored bar on the ground [m]."""
 PIXELS: Final = 440
 """Pixels along the width."""
 DIRECTION: Final = np.radians(-52.0)
@@ -33,9 +33,9 @@ WORDS: Final = 0.72
 
 
 def legend_place(
-    geometry: Geometry, assembly: Assembly
+    geometry: Geometry, assembly: KneeBranch
 ) -> tuple[tuple[float, float], tuple[float, float, float, float]]:
-    """Return where the legend's centre lies (x, y) [m] and how it is turned (wxyz)."""
+    """Return where the legend's center lies (x, y) [m] and how it is turned (wxyz)."""
     half_width, height = LEGEND_SIZE[0] / 2, LEGEND_SIZE[1]
     # Beside the map, but not so far out that its outer corners leave the plinth.
     outer = np.sqrt(max((plinth_radius(geometry, assembly) - 0.03) ** 2 - half_width**2, 0.0))
@@ -47,7 +47,7 @@ def legend_place(
 
 
 def legend_image(scale: Scale) -> NDArray[np.uint8]:
-    """Draw the colours from low to high between arrows for what lies beyond, as RGBA, clear around.
+    """Draw the colors from low to high between arrows for what lies beyond, as RGBA, clear around.
 
     Row 0 is at the bottom.
     """
@@ -61,8 +61,8 @@ def legend_image(scale: Scale) -> NDArray[np.uint8]:
     image[:, arrow:-arrow, 3] = 255
     half = np.abs(np.arange(rows) - (rows - 1) / 2)
     pointed = half[:, None] <= (np.arange(arrow)[None, :] + 0.5) / arrow * rows / 2
-    for end, colour in ((image[:, :arrow], UNDER), (image[:, -arrow:][:, ::-1], OVER)):
-        end[pointed, :3] = table[colour]
+    for end, color in ((image[:, :arrow], UNDER), (image[:, -arrow:][:, ::-1], OVER)):
+        end[pointed, :3] = table[color]
         end[pointed, 3] = 255
     return image
 
@@ -102,7 +102,7 @@ class FloorLegend:
         for name, text in words.items():
             self._words[name].text = text
 
-    def stand(self, geometry: Geometry, assembly: Assembly, height: float) -> None:
+    def stand(self, geometry: Geometry, assembly: KneeBranch, height: float) -> None:
         """Lie beside the map at a height [m]."""
         (x, y), wxyz = legend_place(geometry, assembly)
         self.bar.position = (x, y, height)

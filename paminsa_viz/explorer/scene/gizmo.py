@@ -13,7 +13,7 @@ from paminsa_viz.explorer.state import State
 
 
 class Gizmo:
-    """Arrows for x, y, z and an arc for theta, at the platform's centre."""
+    """Arrows for x, y, z and an arc for theta, at the platform's center."""
 
     def __init__(self, session: Session) -> None:
         self.session = session
@@ -32,7 +32,7 @@ class Gizmo:
 
     def _dragged(self, event: viser.TransformControlsEvent) -> None:
         self._held = event.phase != "end"
-        self.session.ask("gizmo", self._intent)
+        self.session.dispatch("gizmo", self._intent)
 
     def _intent(self, state: State) -> State:
         x, y, z = (float(v) for v in self.handle.position)

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from viser import LabelHandle, SceneApi
 
-from paminsa_viz.model.design import Assembly, Geometry
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes.frame import lift_motor_height
+from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
-from paminsa_viz.shapes import layers as at
-from paminsa_viz.shapes.frame import lift_motor_height
 
 
-def label_places(geometry: Geometry, assembly: Assembly) -> list[tuple[float, float, float]]:
+def label_places(geometry: Geometry, assembly: KneeBranch) -> list[tuple[float, float, float]]:
     """Return where the names of M1..M4 stand [m]."""
     radius = geometry.base_radius + 0.165
     height = assembly.sign * (at.MOUNT + at.PLATE + 0.018)
@@ -23,7 +23,7 @@ class ActuatorLabels:
     """The names M1..M4 in the scene."""
 
     def __init__(
-        self, scene: SceneApi, geometry: Geometry, assembly: Assembly, root: str = "/actuators"
+        self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch, root: str = "/actuators"
     ) -> None:
         self._labels: list[LabelHandle] = [
             scene.add_label(
@@ -36,7 +36,7 @@ class ActuatorLabels:
             for i, place in enumerate(label_places(geometry, assembly))
         ]
 
-    def rebuild(self, geometry: Geometry, assembly: Assembly) -> None:
+    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> None:
         """Move the names to the actuators of a geometry."""
         for label, place in zip(self._labels, label_places(geometry, assembly), strict=True):
             label.position = place

@@ -1,4 +1,4 @@
-"""Mass centres as spheres of the mass's volume, and gravity as arrows below them."""
+"""Mass centers as spheres of the mass's volume, and gravity as arrows below them."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from viser import ArrowsHandle, BatchedMeshHandle, SceneApi
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.scene.tint import drawn
+from paminsa_viz.meshes.load import payload_center
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.kinematics import Posture
+from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.leg_points import bar_length
-from paminsa_viz.shapes.load import payload_centre
 
 Array = NDArray[np.float64]
 
 JOINTS: Final = ("j2", "j3", "j4", "j5", "j7", "j8", "j9")
 LINKS: Final = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")
 ENDS: Final = {"b2": (3, 2), "b3": (4, 7), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
-"""End joints of the links whose mass centre is midway between two joints."""
+"""End joints of the links whose mass center is midway between two joints."""
 
 BALL: Final = 0.0225
 """Radius of the sphere that stands for 1 kg [m]."""
@@ -34,77 +34,79 @@ SHORTEST_ARROW: Final = 0.020
 
 
 class PointMasses(NamedTuple):
-    """Mass centres (n, 3) [m], masses (n,) [kg] and colours (n, 3)."""
+    """Mass centers (n, 3) [m], masses (n,) [kg] and colors (n, 3)."""
 
-    centre: Array
+    center: Array
     mass: Array
-    colour: NDArray[np.uint8]
+    color: NDArray[np.uint8]
 
 
-def mass_centres(design: Design, posture: Posture) -> PointMasses:
-    """Return every mass that the statics know, where it is in a posture of shape ().
+def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
+    """Return every mass that the statics know, where it is in a configuration of shape ().
 
     Legs 1, 2, 3 in turn (joints 2, 3, 4, 5, 7, 8, 9, then links B1, B2, B3, B4, B7, B8, B10), then
     the platform and the payload, then the counterweights of leg 1, of leg 2, of leg 3.
     """
-    geometry, points = posture.geometry, posture.points
+    geometry, points = configuration.geometry, configuration.points
     axis = points[2] * [1.0, 1.0, 0.0]
     outward = axis / geometry.base_radius
-    heading = np.stack([np.cos(posture.beta), np.sin(posture.beta), np.zeros(3)], axis=-1)
-    centres = [points[int(joint[1:])] for joint in JOINTS]
+    heading = np.stack(
+        [np.cos(configuration.beta), np.sin(configuration.beta), np.zeros(3)], axis=-1
+    )
+    centers = [points[int(joint[1:])] for joint in JOINTS]
     masses = [getattr(design.joints, joint) for joint in JOINTS]
     for link in LINKS:
         if link == "b1":
-            centres.append(points[2] - geometry.arm_length / 2 * outward)
+            centers.append(points[2] - geometry.arm_length / 2 * outward)
         elif link == "b10":
-            centres.append(axis - geometry.guide_link_length / 2 * heading)
+            centers.append(axis - geometry.guide_link_length / 2 * heading)
         else:
             a, b = ENDS[link]
-            centres.append((points[a] + points[b]) / 2)
+            centers.append((points[a] + points[b]) / 2)
         masses.append(getattr(design.links, link))
-    legs = np.stack(centres, axis=1).reshape(-1, 3)
-    x, y, _, z = posture.pose
+    legs = np.stack(centers, axis=1).reshape(-1, 3)
+    x, y, _, z = configuration.pose
     platform = np.array([x, y, z])
-    load = platform + payload_centre(geometry, posture.assembly, design.payload.mass)
-    leg_colours = np.repeat(drawn(*palette.LEG_COLOURS), len(masses), axis=0)
+    load = platform + payload_center(geometry, configuration.assembly, design.payload.mass)
+    leg_colors = np.repeat(drawn(*palette.LEG_COLORS), len(masses), axis=0)
     ends = drawn(palette.INK, palette.WARN)
     weights = design.counterweights
-    hung = [_hung(posture, weight) for weight in weights]
+    hung = [_hung(configuration, weight) for weight in weights]
     added = np.stack(hung, axis=1).reshape(-1, 3) if hung else np.empty((0, 3))
     return PointMasses(
         np.vstack([legs, platform, load, added]),
         np.array(
             [*masses * 3, design.platform.mass, design.payload.mass, *[w.mass for w in weights] * 3]
         ),
-        np.vstack([leg_colours, ends, np.repeat(drawn(*palette.LEG_COLOURS), len(hung), axis=0)]),
+        np.vstack([leg_colors, ends, np.repeat(drawn(*palette.LEG_COLORS), len(hung), axis=0)]),
     )
 
 
-def _hung(posture: Posture, weight: Counterweight) -> Array:
+def _hung(configuration: Configuration, weight: Counterweight) -> Array:
     """Return where a counterweight is on the three legs, (3, 3) [m]."""
-    near, far = posture.points[weight.joint], posture.points[weight.other]
-    return near + weight.beyond / bar_length(posture.geometry, weight.bar) * (near - far)
+    near, far = configuration.points[weight.joint], configuration.points[weight.other]
+    return near + weight.beyond / bar_length(configuration.geometry, weight.bar) * (near - far)
 
 
 def gravity_arrows(points: PointMasses, gravity: float) -> Array:
-    """Return arrows from the mass centres downward, (n, 2, 3) [m], their length by the weight."""
+    """Return arrows from the mass centers downward, (n, 2, 3) [m], their length by the weight."""
     weight = points.mass * gravity
     heaviest = float(weight.max(initial=0.0))
     factor = min(ARROW_PER_NEWTON, LONGEST_ARROW / heaviest) if heaviest > 0 else 0.0
     length = np.where(weight > 0, np.maximum(weight * factor, SHORTEST_ARROW), 0.0)
-    tips = points.centre.copy()
+    tips = points.center.copy()
     tips[:, 2] -= length
-    return np.stack([points.centre, tips], axis=1)
+    return np.stack([points.center, tips], axis=1)
 
 
 class MassLayers:
-    """Spheres at the mass centres and gravity arrows; the nodes are made when first shown."""
+    """Spheres at the mass centers and gravity arrows; the nodes are made when first shown."""
 
     def __init__(self, scene: SceneApi, design: Design, root: str = "/masses") -> None:
         self._scene = scene
         self._root = root
         self._design = design
-        self._posture: Posture | None = None
+        self._posture: Configuration | None = None
         self._balls: BatchedMeshHandle | None = None
         self._arrows: ArrowsHandle | None = None
         self._show_balls = self._show_arrows = False
@@ -114,36 +116,36 @@ class MassLayers:
         self._design = design
         self._draw()
 
-    def pose(self, posture: Posture) -> None:
-        """Follow a posture of shape (); nothing is sent while hidden."""
-        self._posture = posture
+    def pose(self, configuration: Configuration) -> None:
+        """Follow a configuration of shape (); nothing is sent while hidden."""
+        self._posture = configuration
         self._draw()
 
     def _draw(self) -> None:
         if self._posture is None or not (self._show_balls or self._show_arrows):
             return
-        points = mass_centres(self._design, self._posture)
+        points = mass_centers(self._design, self._posture)
         if self._show_balls:
             self._draw_balls(points)
         if self._show_arrows:
             self._draw_arrows(points)
 
     def _draw_balls(self, points: PointMasses) -> None:
-        centres = points.centre.astype(np.float32)
+        centers = points.center.astype(np.float32)
         scales = np.cbrt(points.mass).astype(np.float32)
-        if self._balls is not None and len(self._balls.batched_positions) != len(centres):
+        if self._balls is not None and len(self._balls.batched_positions) != len(centers):
             self._balls.remove()
             self._balls = None
         if self._balls is None:
             ball = icosphere(subdivisions=2, radius=BALL)
             self._balls = self._scene.add_batched_meshes_simple(
-                f"{self._root}/centres", ball.vertices, ball.faces,
-                np.tile([1.0, 0.0, 0.0, 0.0], (len(centres), 1)), centres,
-                batched_scales=scales, batched_colors=points.colour,
+                f"{self._root}/centers", ball.vertices, ball.faces,
+                np.tile([1.0, 0.0, 0.0, 0.0], (len(centers), 1)), centers,
+                batched_scales=scales, batched_colors=points.color,
                 lod="off", cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
             return
-        self._balls.batched_positions = centres
+        self._balls.batched_positions = centers
         self._balls.batched_scales = scales
 
     def _draw_arrows(self, points: PointMasses) -> None:
@@ -157,12 +159,12 @@ class MassLayers:
         self._arrows.points = arrows
 
     @property
-    def centres_visible(self) -> bool:
-        """Whether the mass centres are shown."""
+    def centers_visible(self) -> bool:
+        """Whether the mass centers are shown."""
         return self._show_balls
 
-    @centres_visible.setter
-    def centres_visible(self, visible: bool) -> None:
+    @centers_visible.setter
+    def centers_visible(self, visible: bool) -> None:
         self._show_balls = visible
         self._draw()
         if self._balls is not None:

@@ -1,4 +1,4 @@
-"""The motion's path: coloured by what an actuator has to give, red where the motion fails."""
+"""The motion's path: colored by what an actuator has to give, red where the motion fails."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 from viser import LineSegmentsHandle
 
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.motion.way import cut
 from paminsa_viz.explorer.scene.curves import Curve, segments
 from paminsa_viz.explorer.scene.tint import drawn
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.symbols import number
-from paminsa_viz.figures import colours
-from paminsa_viz.model.trajectory import TrajectoryAnalysis
+from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK, MUTED
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.plots import colors
+from paminsa_viz.trajectory import TrajectoryAnalysis
 
 Array = NDArray[np.float64]
 
@@ -29,11 +29,11 @@ DASH: Final = 0.008
 ABOVE: Final = 0.0045
 """Height of the path's shadow over the ground, above the map and below the mark [m]."""
 _LIGHTEST: Final = 0.9
-"""Share of the colour table that is used; its end is too light to be seen against the backdrop."""
+"""Share of the color table that is used; its end is too light to be seen against the backdrop."""
 
 
 class PathScale(NamedTuple):
-    """Sizes of torque [N m] or force [N] that the first and the last colour stand for."""
+    """Sizes of torque [N m] or force [N] that the first and the last color stand for."""
 
     low: float
     high: float
@@ -51,8 +51,8 @@ def path_scale(analysis: TrajectoryAnalysis, actuator: int) -> PathScale:
 
 @cache
 def _hues() -> tuple[str, ...]:
-    """Return the colours from low to high, as ``#rrggbb``."""
-    table = colours.table("viridis")[: round(_LIGHTEST * colours.SIZE)]
+    """Return the colors from low to high, as ``#rrggbb``."""
+    table = colors.table("viridis")[: round(_LIGHTEST * colors.SIZE)]
     return tuple("#{:02x}{:02x}{:02x}".format(*row) for row in np.rint(255 * table).astype(int))
 
 
@@ -62,13 +62,13 @@ def _drawn_hues() -> NDArray[np.uint8]:
 
 
 def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:
-    """Return the place of torques or forces (...) among the colours."""
+    """Return the place of torques or forces (...) among the colors."""
     share = np.clip((np.abs(values) - scale.low) / (scale.high - scale.low), 0.0, 1.0)
     return np.rint(share * (len(_hues()) - 1)).astype(np.intp)
 
 
 def legend_html(scale: PathScale, actuator: int) -> str:
-    """Return the colour bar of the path."""
+    """Return the color bar of the path."""
     bar = ",".join(_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale))
     unit = "N·m" if actuator < 3 else "N"
     name = ("|τ₁|", "|τ₂|", "|τ₃|", "|F₄|")[actuator]
@@ -88,7 +88,7 @@ class Pieces(NamedTuple):
     Attributes:
         good: Segments (m, 2, 3) that can be run [m].
         values: Torque or force at their ends, (m, 2) [N m or N].
-        bad: Curves (k, 3) that can not [m].
+        bad: Curves (k, 3) that cannot [m].
         above: The whole path seen from above, (k, 2) [m].
     """
 
@@ -129,32 +129,32 @@ class MotionPath:
         state = frame.state
         analysis = self._store.present(state) if state.layers.path else None
         height = layout(state.standing.geometry, state.standing.assembly).ground + ABOVE
-        key = (analysis, state.plots.colour, height)
+        key = (analysis, state.plots.color, height)
         if key == self._key:
             return
         self._key = key
         if analysis is None:
             self._show(False)
             return
-        found = pieces(analysis, state.plots.colour)
-        self._draw_way(found, path_scale(analysis, state.plots.colour))
+        found = pieces(analysis, state.plots.color)
+        self._draw_way(found, path_scale(analysis, state.plots.color))
         self._failing.draw(found.bad)
         self._below.draw([found.above], height)
         self._show(True)
 
     def _draw_way(self, found: Pieces, scale: PathScale) -> None:
-        colour = _drawn_hues()[hue(found.values, scale)]
+        color = _drawn_hues()[hue(found.values, scale)]
         points = found.good.astype(np.float32)
         if len(points) == 0:
-            points, colour = np.zeros((1, 2, 3), np.float32), np.zeros((1, 2, 3), np.uint8)
+            points, color = np.zeros((1, 2, 3), np.float32), np.zeros((1, 2, 3), np.uint8)
         if self._way is not None:
             if self._way.points.shape == points.shape:
                 self._way.points = points
-                self._way.colors = colour
+                self._way.colors = color
                 return
             self._way.remove()
         self._way = self._scene.add_line_segments(
-            "/path/way", points, colour, thickness=WIDTH, thickness_units="screen"
+            "/path/way", points, color, thickness=WIDTH, thickness_units="screen"
         )
 
     def _show(self, visible: bool) -> None:

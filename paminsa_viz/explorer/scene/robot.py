@@ -14,8 +14,8 @@ from paminsa_viz.explorer.scene.labels import ActuatorLabels
 from paminsa_viz.explorer.scene.masses import MassLayers
 from paminsa_viz.explorer.scene.skeleton import Skeleton
 from paminsa_viz.explorer.scene.stage import SHADOW, Stage
-from paminsa_viz.model.design import Assembly, Design
-from paminsa_viz.model.kinematics import Posture
+from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.kinematics import Configuration
 
 
 class Layer(Enum):
@@ -25,7 +25,7 @@ class Layer(Enum):
     SKELETON = "Skeleton"
     NUMBERS = "Joint numbers"
     LABELS = "Actuator names"
-    MASSES = "Mass centres"
+    MASSES = "Mass centers"
     GRAVITY = "Gravity arrows"
     EFFORTS = "Torque arrows"
     GROUND = "Ground"
@@ -45,16 +45,16 @@ class RobotScene:
     Args:
         scene: Scene of a client or a server.
         design: Lengths and masses to draw.
-        assembly: Assembly mode.
+        assembly: KneeBranch mode.
     """
 
     def __init__(
-        self, scene: SceneApi, design: Design, assembly: Assembly = Assembly.PRINTED
+        self, scene: SceneApi, design: Design, assembly: KneeBranch = KneeBranch.LOWER
     ) -> None:
         geometry = design.geometry
         self._design = design
         self._assembly = assembly
-        self._posture: Posture | None = None
+        self._posture: Configuration | None = None
         self._stage = Stage(scene, geometry, assembly)
         self._bodies = BodyNodes(scene, geometry, assembly)
         self._labels = ActuatorLabels(scene, geometry, assembly)
@@ -70,48 +70,55 @@ class RobotScene:
         return self._design
 
     @property
-    def assembly(self) -> Assembly:
+    def assembly(self) -> KneeBranch:
         """The assembly mode that is drawn."""
         return self._assembly
 
     @property
-    def posture(self) -> Posture | None:
-        """The posture that is shown; None before the first."""
+    def configuration(self) -> Configuration | None:
+        """The configuration that is shown; None before the first."""
         return self._posture
 
-    def pose(self, posture: Posture) -> bool:
-        """Move the robot to a solved posture of shape (); existing nodes move, none is made.
+    def pose(self, configuration: Configuration) -> bool:
+        """Move the robot to a solved configuration of shape (); existing nodes move, none is made.
 
         Returns:
-            False if the bars can not close there: the robot then stays where it was.
+            False if the bars cannot close there: the robot then stays where it was.
 
         Raises:
-            ValueError: If the posture is of another geometry or assembly than the robot drawn.
+            ValueError: If the configuration is of another geometry or assembly than that drawn.
         """
-        if posture.assembly is not self._assembly or posture.geometry != self._design.geometry:
-            raise ValueError("the posture belongs to another robot; call change() first")
-        if not _drawable(posture):
+        if (
+            configuration.assembly is not self._assembly
+            or configuration.geometry != self._design.geometry
+        ):
+            raise ValueError("the configuration belongs to another robot; call change() first")
+        if not _drawable(configuration):
             return False
-        self._posture = posture
-        self._bodies.pose(posture)
-        self._stage.pose(float(posture.pose[0]), float(posture.pose[1]))
-        self._skeleton.pose(posture)
-        self._masses.pose(posture)
-        self._efforts.pose(float(posture.actuators[3]))
+        self._posture = configuration
+        self._bodies.pose(configuration)
+        self._stage.pose(float(configuration.pose[0]), float(configuration.pose[1]))
+        self._skeleton.pose(configuration)
+        self._masses.pose(configuration)
+        self._efforts.pose(float(configuration.actuators[3]))
         return True
 
-    def places(self, posture: Posture) -> tuple[dict[str, Position], dict[str, Quaternion]]:
+    def places(
+        self, configuration: Configuration
+    ) -> tuple[dict[str, Position], dict[str, Quaternion]]:
         """Return where `pose` would move bodies and shadow, by scene node, in its parent's frame.
 
         Returns:
             Positions [m], and quaternions (w, x, y, z); only of nodes that slide or turn.
         """
-        positions, turns = self._bodies.places(posture)
+        positions, turns = self._bodies.places(configuration)
         named = {node_name(body): place for body, place in positions.items()}
-        named[SHADOW] = self._stage.shadow_place(float(posture.pose[0]), float(posture.pose[1]))
+        named[SHADOW] = self._stage.shadow_place(
+            float(configuration.pose[0]), float(configuration.pose[1])
+        )
         return named, {node_name(body): turn for body, turn in turns.items()}
 
-    def change(self, design: Design, assembly: Assembly | None = None) -> tuple[str, ...]:
+    def change(self, design: Design, assembly: KneeBranch | None = None) -> tuple[str, ...]:
         """Take another design or assembly; remake only what differs in shape.
 
         A changed geometry needs a `pose` afterwards.
@@ -157,7 +164,7 @@ class RobotScene:
             Layer.SKELETON: (self._skeleton, "visible"),
             Layer.NUMBERS: (self._skeleton, "numbered"),
             Layer.LABELS: (self._labels, "visible"),
-            Layer.MASSES: (self._masses, "centres_visible"),
+            Layer.MASSES: (self._masses, "centers_visible"),
             Layer.GRAVITY: (self._masses, "gravity_visible"),
             Layer.EFFORTS: (self._efforts, "visible"),
             Layer.GROUND: (self._stage, "visible"),
@@ -167,9 +174,9 @@ class RobotScene:
         }[layer]
 
 
-def _drawable(posture: Posture) -> bool:
-    """Return whether every joint of a posture has a place."""
+def _drawable(configuration: Configuration) -> bool:
+    """Return whether every joint of a configuration has a place."""
     return bool(
-        np.isfinite(posture.pose).all()
-        and all(np.isfinite(posture.points[joint]).all() for joint in (5, 8, 9))
+        np.isfinite(configuration.pose).all()
+        and all(np.isfinite(configuration.points[joint]).all() for joint in (5, 8, 9))
     )

@@ -11,7 +11,7 @@ from viser import BatchedMeshHandle, LabelHandle, LineSegmentsHandle, SceneApi
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.scene.tint import drawn
-from paminsa_viz.model.kinematics import Posture
+from paminsa_viz.model.kinematics import Configuration
 
 Array = NDArray[np.float64]
 
@@ -25,20 +25,22 @@ DOT: Final = 0.0085
 """Radius of a joint's dot [m]."""
 
 
-def sticks(posture: Posture) -> Array:
+def sticks(configuration: Configuration) -> Array:
     """Return the stick figure's lines, (3 legs, 9, 2 ends, 3) [m].
 
     In this order: B4, B3, B7, B8, B2; arm B1; guide link B10; joint 5 to the platform's plane (B5);
     an edge of the platform.
     """
-    points, geometry = posture.points, posture.geometry
+    points, geometry = configuration.points, configuration.geometry
     axis = points[2] * [1.0, 1.0, 0.0]
     outward = axis / geometry.base_radius
-    heading = np.stack([np.cos(posture.beta), np.sin(posture.beta), np.zeros(3)], axis=-1)
+    heading = np.stack(
+        [np.cos(configuration.beta), np.sin(configuration.beta), np.zeros(3)], axis=-1
+    )
     arm = points[2] - geometry.arm_length * outward
     guide = axis - geometry.guide_link_length * heading
     below = points[5].copy()
-    below[:, 2] = posture.pose[3]
+    below[:, 2] = configuration.pose[3]
     lines = [np.stack([points[a], points[b]], axis=1) for a, b in BARS]
     lines += [
         np.stack(pair, axis=1)
@@ -49,11 +51,11 @@ def sticks(posture: Posture) -> Array:
     return np.stack(lines, axis=1)
 
 
-def stick_colours() -> NDArray[np.uint8]:
-    """Return the colours of `sticks`, (3, 9, 2, 3)."""
-    legs = drawn(*palette.LEG_COLOURS)
+def stick_colors() -> NDArray[np.uint8]:
+    """Return the colors of `sticks`, (3, 9, 2, 3)."""
+    legs = drawn(*palette.LEG_COLORS)
     out = np.broadcast_to(legs[:, None, None, :], (3, 9, 2, 3)).copy()
-    out[:, 4:6] = drawn(palette.LIFT_COLOUR)
+    out[:, 4:6] = drawn(palette.LIFT_COLOR)
     out[:, 6:] = drawn(palette.MUTED)
     return out
 
@@ -64,41 +66,41 @@ class Skeleton:
     def __init__(self, scene: SceneApi, root: str = "/skeleton") -> None:
         self._scene = scene
         self._root = root
-        self._posture: Posture | None = None
+        self._posture: Configuration | None = None
         self._lines: LineSegmentsHandle | None = None
         self._dots: BatchedMeshHandle | None = None
         self._labels: list[LabelHandle] = []
         self._visible = self._numbered = False
 
-    def pose(self, posture: Posture) -> None:
-        """Follow a posture of shape (); nothing is sent while hidden."""
-        self._posture = posture
+    def pose(self, configuration: Configuration) -> None:
+        """Follow a configuration of shape (); nothing is sent while hidden."""
+        self._posture = configuration
         if self._visible:
-            self._draw(posture)
+            self._draw(configuration)
         if self._numbered:
-            self._number(posture)
+            self._number(configuration)
 
-    def _draw(self, posture: Posture) -> None:
-        lines = sticks(posture).reshape(-1, 2, 3).astype(np.float32)
-        dots = _dots(posture)
+    def _draw(self, configuration: Configuration) -> None:
+        lines = sticks(configuration).reshape(-1, 2, 3).astype(np.float32)
+        dots = _dots(configuration)
         if self._lines is None or self._dots is None:
             self._lines = self._scene.add_line_segments(
-                f"{self._root}/lines", lines, stick_colours().reshape(-1, 2, 3),
+                f"{self._root}/lines", lines, stick_colors().reshape(-1, 2, 3),
                 thickness=3.5, thickness_units="screen",
             )  # fmt: skip
             ball = icosphere(subdivisions=2, radius=DOT)
             self._dots = self._scene.add_batched_meshes_simple(
                 f"{self._root}/dots", ball.vertices, ball.faces,
                 np.tile([1.0, 0.0, 0.0, 0.0], (len(dots), 1)), dots,
-                batched_colors=np.repeat(drawn(*palette.LEG_COLOURS), len(JOINTS), axis=0),
+                batched_colors=np.repeat(drawn(*palette.LEG_COLORS), len(JOINTS), axis=0),
                 lod="off", cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
             return
         self._lines.points = lines
         self._dots.batched_positions = dots
 
-    def _number(self, posture: Posture) -> None:
-        dots = _dots(posture)
+    def _number(self, configuration: Configuration) -> None:
+        dots = _dots(configuration)
         if not self._labels:
             names = [(leg, joint) for leg in (1, 2, 3) for joint in JOINTS]
             self._labels = [
@@ -143,7 +145,7 @@ class Skeleton:
             label.visible = numbered
 
 
-def _dots(posture: Posture) -> NDArray[np.float32]:
+def _dots(configuration: Configuration) -> NDArray[np.float32]:
     """Return the joints of legs 1, 2, 3 in the order of `JOINTS`, (21, 3) [m]."""
-    points = np.stack([posture.points[joint] for joint in JOINTS], axis=1)
+    points = np.stack([configuration.points[joint] for joint in JOINTS], axis=1)
     return points.reshape(-1, 3).astype(np.float32)

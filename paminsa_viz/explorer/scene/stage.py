@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import SceneApi
 
-from paminsa_viz.model.design import Assembly, Geometry
-from paminsa_viz.shapes.bodies import body_glb, lengths_of
-from paminsa_viz.shapes.layout import layout
+from paminsa_viz.meshes.bodies import body_glb, lengths_of
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model.design import Geometry, KneeBranch
 
 SKY_PLAIN: Final = 1.75
 SKY_RICH: Final = 0.55
@@ -22,7 +22,7 @@ FILL_LIGHT: Final = (-2.0, -1.2, 0.4)
 
 SKY: Final = (255, 255, 255)
 FLOOR_GLOW: Final = (168, 174, 184)
-"""Colours of the light from above and from below."""
+"""Colors of the light from above and from below."""
 
 SHADE_PIXELS: Final = 128
 
@@ -50,10 +50,10 @@ class Stage:
     Args:
         scene: Scene of a client or a server.
         geometry: Lengths that the plinth's size follows.
-        assembly: Assembly mode, which decides on the ground's height.
+        assembly: KneeBranch mode, which decides on the ground's height.
     """
 
-    def __init__(self, scene: SceneApi, geometry: Geometry, assembly: Assembly) -> None:
+    def __init__(self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch) -> None:
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
         self._scene = scene
@@ -81,7 +81,7 @@ class Stage:
         )
         self._place(geometry, assembly)
 
-    def rebuild(self, geometry: Geometry, assembly: Assembly) -> bool:
+    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> bool:
         """Remake the ground if its size or height changed; return whether it did."""
         lengths = lengths_of("ground", geometry, assembly)
         if lengths == self._lengths:
@@ -91,7 +91,7 @@ class Stage:
         self._place(geometry, assembly)
         return True
 
-    def _place(self, geometry: Geometry, assembly: Assembly) -> None:
+    def _place(self, geometry: Geometry, assembly: KneeBranch) -> None:
         self._height = layout(geometry, assembly).ground
         self._below.position = (0.0, 0.0, self._height + 0.0012)
 

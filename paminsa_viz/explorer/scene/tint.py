@@ -1,6 +1,6 @@
-"""Colours as the browser takes them.
+"""Colors as the browser takes them.
 
-The viewer reads the colours of lines, of batched meshes and of arrows as linear light, but those of
+The viewer reads the colors of lines, of batched meshes and of arrows as linear light, but those of
 plain meshes as they are seen. What is given here looks like the palette either way.
 """
 
@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.shapes.materials import linear
+from paminsa_viz.meshes.materials import linear
 
 
-def drawn(*colours: str) -> NDArray[np.uint8]:
-    """Return ``#rrggbb`` colours for lines, batched meshes and arrows, (n, 3)."""
-    return np.rint(255 * np.array([linear(colour) for colour in colours])).astype(np.uint8)
+def drawn(*colors: str) -> NDArray[np.uint8]:
+    """Return ``#rrggbb`` colors for lines, batched meshes and arrows, (n, 3)."""
+    return np.rint(255 * np.array([linear(color) for color in colors])).astype(np.uint8)

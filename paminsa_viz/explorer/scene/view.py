@@ -12,7 +12,7 @@ from paminsa_viz.explorer.scene.cameras import VIEWS, View, preset, take
 from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import Layers
-from paminsa_viz.model import Design, lift_constant, lumped_coefficients, solve_posture
+from paminsa_viz.model import Design, inverse_kinematics, lift_constant, lumped_coefficients
 
 CAMERAS = VIEWS
 """Names of the camera presets."""
@@ -26,11 +26,11 @@ def look(session: Session, name: str) -> None:
         name: One of `CAMERAS`.
     """
     client, standing = session.client, session.state.standing
-    posture = solve_posture(standing.geometry, standing.pose, standing.assembly)
+    configuration = inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
     width, height = client.camera.image_width, client.camera.image_height
     covered = covered_share(session.panel_width, height)
     aspect = width / (height * (1 - covered)) if height else 1.4
-    view = preset(name, standing.geometry, standing.assembly, posture, aspect)
+    view = preset(name, standing.geometry, standing.assembly, configuration, aspect)
     take(client, raised(view, covered))
 
 
@@ -84,8 +84,8 @@ class RobotView:
         if design != self.scene.design or state.standing.assembly is not self.scene.assembly:
             self.scene.change(design, state.standing.assembly)
             self._efforts = None
-        if frame.posture is not self.scene.posture:
-            self.scene.pose(frame.posture)
+        if frame.configuration is not self.scene.configuration:
+            self.scene.pose(frame.configuration)
         efforts = (tuple(frame.torques), arrow_scales(design))
         if efforts != self._efforts:
             self._efforts = efforts
@@ -100,12 +100,12 @@ class RobotView:
             (Layer.SKELETON, layers.skeleton),
             (Layer.NUMBERS, layers.skeleton),
             (Layer.LABELS, layers.labels),
-            (Layer.MASSES, layers.mass_centres),
+            (Layer.MASSES, layers.mass_centers),
             (Layer.GRAVITY, layers.gravity),
             (Layer.EFFORTS, layers.torques),
             (Layer.FINE, layers.fine),
             (Layer.SHADOWS, layers.shadows),
-            # Over a map it would only dim the colours, and true shadows need no help.
+            # Over a map it would only dim the colors, and true shadows need no help.
             (Layer.SPOT, not (layers.floor_map or layers.shadows)),
         ):
             if self.scene.shown(layer) != visible:

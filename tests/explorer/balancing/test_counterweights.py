@@ -14,7 +14,7 @@ from paminsa_viz.explorer.balancing.solving import tidied
 from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import APPENDIX_4, InvalidDesign, balance_distance
+from paminsa_viz.model import APPENDIX_4, InvalidDesign, static_imbalance
 from paminsa_viz.model.counterweight import Counterweight
 from tests.explorer.balancing.balanced import HANGING, solved, with_design
 
@@ -34,7 +34,7 @@ def test_tidying_keeps_the_mechanics(places: list[float], seed: int) -> None:
     )
     design = replace(APPENDIX_4, counterweights=weights)
     tidy = tidied(design)
-    assert balance_distance(tidy) == pytest.approx(balance_distance(design), abs=1e-9)
+    assert static_imbalance(tidy) == pytest.approx(static_imbalance(design), abs=1e-9)
     kept = [(weight.bar, weight.joint, weight.beyond) for weight in tidy.counterweights]
     assert len(kept) == len(set(kept))
     assert all(weight.mass > 0 for weight in tidy.counterweights)

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.balancing.solving import run, standing
 from paminsa_viz.explorer.panels.balance_front import FrontFigure, clicked_point
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.model.trajectory import analyse
+from paminsa_viz.trajectory import analyze
 
 
 def test_the_front_is_gone_along_point_by_point(start: State) -> None:
@@ -35,7 +35,7 @@ def test_the_front_is_gone_along_point_by_point(start: State) -> None:
         after = requests.choose_point(after, index)
         assert requests.chosen_point(after) == index
         assert after.document.reference == start.document.design
-        torque = analyse(after.document.design, job.trajectory).torque[:, :3]  # type: ignore[arg-type]
+        torque = analyze(after.document.design, job.trajectory).torque[:, :3]  # type: ignore[arg-type]
         assert np.abs(torque).max() == pytest.approx(point.first, rel=1e-6)
         still = standing(job, after.document.design)[0]
         assert still == pytest.approx(point.second, rel=1e-6, abs=1e-7)

@@ -1,21 +1,23 @@
-"""What can not be balanced, or not as wished, and how it is told."""
+"""What cannot be balanced, or not as wished, and how it is told."""
 
 from __future__ import annotations
 
 import pytest
 
+from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer.balancing import requests
-from paminsa_viz.explorer.balancing.wishes import Arm, Goal
+from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal
 from paminsa_viz.explorer.motion import requests as motions
 from paminsa_viz.explorer.panels.balance_words import details_html, status_html
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import InvalidInput, balance_distance
-from paminsa_viz.model.balancing import InfeasibleBounds
+from paminsa_viz.model import InvalidInput, static_imbalance
 from tests.explorer.balancing.balanced import solved
 
 
 def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:
-    wished = requests.wish(start, arm_b3=Arm(0.1, 0.0), arm_b8=Arm(0.1, 0.5))
+    wished = requests.wish(
+        start, arm_b3=CounterweightSlot(0.1, 0.0), arm_b8=CounterweightSlot(0.1, 0.5)
+    )
     after = solved(wished)
     assert after.document == start.document
     outcome = after.balancing.outcome
@@ -26,13 +28,13 @@ def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:
     assert "<b>raise</b> weight on B8 past 8 from 0.5 to 3.896 kg" in text
     assert details_html(outcome) == ""
     # What it says would do does, and the refusal goes as soon as something is changed.
-    relaxed = requests.wish(after, arm_b8=Arm(0.1, 3.897))
+    relaxed = requests.wish(after, arm_b8=CounterweightSlot(0.1, 3.897))
     assert relaxed.balancing.outcome is None
-    assert balance_distance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
+    assert static_imbalance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
     # An input that says again what it holds changes nothing.
-    assert requests.wish(after, arm_b8=Arm(0.1, 0.5)) is after
+    assert requests.wish(after, arm_b8=CounterweightSlot(0.1, 0.5)) is after
     near = solved(requests.wish(after, exact=False))
-    assert balance_distance(near.document.design) == pytest.approx(7.93255, abs=1e-5)
+    assert static_imbalance(near.document.design) == pytest.approx(7.93255, abs=1e-5)
     assert "As near to balance" in status_html(near)
 
 
@@ -46,7 +48,7 @@ def test_without_a_motion_it_says_so(start: State) -> None:
 
 
 def test_nothing_that_may_change_is_refused(start: State) -> None:
-    none = requests.wish(start, arm_b3=Arm(), arm_b8=Arm())
+    none = requests.wish(start, arm_b3=CounterweightSlot(), arm_b8=CounterweightSlot())
     assert "give counterweights a mass" in status_html(solved(none))
 
 
@@ -57,8 +59,8 @@ def test_nothing_that_may_change_is_refused(start: State) -> None:
         {"heavier": float("nan")},
         {"lighter": 1.5},
         {"share": 2.0},
-        {"arm_b8": Arm(2.0, 1.0)},
-        {"arm_b3": Arm(0.1, -1.0)},
+        {"arm_b8": CounterweightSlot(2.0, 1.0)},
+        {"arm_b3": CounterweightSlot(0.1, -1.0)},
         {"added": 1e6},
     ],
 )

@@ -8,8 +8,8 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
+from paminsa_viz.explorer.balancing.settings import CounterweightSlot, FreeMasses, Goal
 from paminsa_viz.explorer.balancing.solving import plane, run, standing
-from paminsa_viz.explorer.balancing.wishes import Arm, Goal, Movable
 from paminsa_viz.explorer.frame import compute, near_singularity
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
 from paminsa_viz.explorer.motion import requests as motions
@@ -20,10 +20,10 @@ from paminsa_viz.model import (
     InvalidInput,
     Limit,
     Quantity,
-    balance_distance,
     measure_singularity,
+    static_imbalance,
 )
-from paminsa_viz.model.trajectory import analyse
+from paminsa_viz.trajectory import analyze
 from tests.explorer.balancing.balanced import solved
 
 
@@ -31,7 +31,7 @@ def test_the_papers_balance_pins_the_design_before(start: State) -> None:
     start = actions.move(start, x=0.1, y=-0.05, theta=0.3)
     after = requests.balance_now(start)
     assert after.balancing.running is None
-    assert balance_distance(after.document.design) == pytest.approx(0, abs=1e-12)
+    assert static_imbalance(after.document.design) == pytest.approx(0, abs=1e-12)
     assert after.document.reference == start.document.design
     assert after.document.design.joints.j7 == pytest.approx(3.063)
     frame = compute(after)
@@ -55,7 +55,7 @@ def test_its_numbers_are_the_models(start: State) -> None:
     motion = motions.planned(start).trajectory
     assert motion is not None
     for design, side in ((start.document.design, "before"), (after.document.design, "after")):
-        torque = np.abs(analyse(design, motion).torque[:, :3])
+        torque = np.abs(analyze(design, motion).torque[:, :3])
         assert getattr(effects["peak torque in motion"], side) == pytest.approx(torque.max())
     mass = effects["mass of the robot"]
     assert mass.after - mass.before == pytest.approx(8.349)
@@ -78,9 +78,9 @@ def test_standing_is_looked_at_where_no_singularity_is_near(start: State) -> Non
 
 
 @pytest.mark.parametrize("goal", list(Goal))
-@pytest.mark.parametrize("movable", [Movable.NONE, Movable.ALL])
+@pytest.mark.parametrize("movable", [FreeMasses.NONE, FreeMasses.ALL])
 def test_every_goal_is_reached_within_its_bounds(
-    start: State, goal: Goal, movable: Movable
+    start: State, goal: Goal, movable: FreeMasses
 ) -> None:
     wished = requests.wish(requests.choose_goal(start, goal), movable=movable, lighter=0.1)
     after = solved(wished)
@@ -99,19 +99,19 @@ def test_every_goal_is_reached_within_its_bounds(
         assert 0 < weight.mass <= 5
     for path in ("links.b3", "joints.j7", "links.b1"):
         held = APPENDIX_4.value(path)
-        low, high = (0.9 * held, held + 5) if movable is Movable.ALL else (held, held)
+        low, high = (0.9 * held, held + 5) if movable is FreeMasses.ALL else (held, held)
         assert low - 1e-9 <= design.value(path) <= high + 1e-9
     if goal.static:
-        assert balance_distance(design) == pytest.approx(0, abs=1e-9)
+        assert static_imbalance(design) == pytest.approx(0, abs=1e-9)
     else:
-        assert wished.balancing.wishes.exact is False
+        assert wished.balancing.settings.exact is False
     text = status_html(after) + details_html(outcome)
     assert "Proved" in text
     assert "nan" not in text
 
 
 def test_what_did_not_change_keeps_its_last_digit(start: State) -> None:
-    wished = requests.wish(start, movable=Movable.PANTOGRAPH, arm_b8=Arm(0.1, 0))
+    wished = requests.wish(start, movable=FreeMasses.PANTOGRAPH, arm_b8=CounterweightSlot(0.1, 0))
     design = solved(wished).document.design
     assert design.inertias == APPENDIX_4.inertias
 
@@ -140,7 +140,7 @@ def test_one_scale_suits_both_designs(start: State) -> None:
     shown = [held, actions.swap_reference(held), toggle_difference(held)]
     scales = [store.scales(s, store.data(s)) for s in shown]
     assert scales[0] == scales[1] == scales[2]
-    # Where nothing can be negative, no colours are spent on it.
+    # Where nothing can be negative, no colors are spent on it.
     quantities, alone = (Quantity.MAX_TORQUE,), hold_range(start)
     (scale,) = store.scales(alone, store.data(alone, COARSE, quantities), quantities)
     assert scale.low == 0

@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 
+from paminsa_viz.balancing import OUTPUTS
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
@@ -18,11 +19,10 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidInput,
-    balance_distance,
     check_reach,
     measure_singularity,
+    static_imbalance,
 )
-from paminsa_viz.model.balancing import OUTPUTS
 from tests.explorer.balancing.balanced import solved
 
 
@@ -43,7 +43,7 @@ def test_the_tornado_has_the_longest_bar_on_top(start: State) -> None:
     # What it says of m_7 is what a design with another m_7 has.
     bar = next(bar for bar in outcome.tornado.bars if bar.path == "joints.j7")
     more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
-    assert bar.plus[0] == pytest.approx(balance_distance(more))
+    assert bar.plus[0] == pytest.approx(static_imbalance(more))
     assert "Of an earlier design" in words(requests.hang(after, ()))
     with pytest.raises(InvalidInput):
         requests.show_output(after, 9)

@@ -18,15 +18,15 @@ from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engin
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.motion.readings import readings
-from paminsa_viz.explorer.motion.store import Analysed, MotionStore
+from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
 from paminsa_viz.explorer.motion.traces import charts
 from paminsa_viz.explorer.panels import motion_engine
 from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.symbols import unit_text
-from paminsa_viz.figures import verified
-from paminsa_viz.model import Assembly, InvalidInput, Misprint
+from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
+from paminsa_viz.plots import verified
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
 
@@ -43,7 +43,7 @@ def state() -> State:
     return requests.set_plots(changed, engine=True, printed=True)
 
 
-def analysed(state: State) -> Analysed:
+def analyzed(state: State) -> Analyzed:
     found = MotionStore().all(state)
     assert found is not None
     return found
@@ -51,13 +51,13 @@ def analysed(state: State) -> Analysed:
 
 def answered(state: State) -> State:
     """Return a state after the engine was asked about it."""
-    return taken(state, ask_engine(analysed(state).present))
+    return taken(state, ask_engine(analyzed(state).present))
 
 
 @needs_mujoco
-@pytest.mark.parametrize("assembly", list(Assembly))
-def test_numbers_are_those_of_a_verification(state: State, assembly: Assembly) -> None:
-    found = analysed(answered(actions.assemble(state, assembly)))
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_numbers_are_those_of_a_verification(state: State, assembly: KneeBranch) -> None:
+    found = analyzed(answered(actions.assemble(state, assembly)))
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
@@ -80,7 +80,7 @@ def test_numbers_are_those_of_a_verification(state: State, assembly: Assembly) -
 @needs_mujoco
 def test_friction_is_no_difference(state: State) -> None:
     rubbing = {"friction.coulomb_rotary": 0.3, "friction.viscous_linear": 5.0}
-    found = analysed(answered(actions.vary(state, rubbing)))
+    found = analyzed(answered(actions.vary(state, rubbing)))
     assert found.answer is not None
     assert found.answer.found is not None
     assert found.answer.found.comparison(found.present).relative.max() < 1e-11
@@ -89,15 +89,15 @@ def test_friction_is_no_difference(state: State) -> None:
 @needs_mujoco
 def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
     known = answered(state)
-    assert analysed(known).answer is known.engine_answer
+    assert analyzed(known).answer is known.engine_answer
     for other in (
         actions.vary(known, {"links.b3": 0.5}),
         actions.vary(known, {"geometry.crank_length": 0.44}),
         actions.vary(known, {"friction.coulomb_rotary": 0.1}),
-        actions.assemble(known, Assembly.MIRROR),
+        actions.assemble(known, KneeBranch.UPPER),
         requests.choose_preset(known, "circle"),
     ):
-        found = analysed(other)
+        found = analyzed(other)
         assert found.answer is None
         for chart in charts(other.plots, found):
             marks = [trace for trace in chart.traces if trace.marks]
@@ -108,12 +108,12 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
             assert all(np.isnan(trace.values).all() for trace in chart.traces)
         assert "computing" in verdict_html(found.answer, found)
     back = actions.vary(actions.vary(known, {"links.b3": 0.5}), {"links.b3": 0.406})
-    assert analysed(back).answer is known.engine_answer
+    assert analyzed(back).answer is known.engine_answer
 
 
 @needs_mujoco
 def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
-    waiting, found = analysed(state), analysed(answered(state))
+    waiting, found = analyzed(state), analyzed(answered(state))
     for before, chart in zip(charts(state.plots, waiting), charts(state.plots, found), strict=True):
         assert uplot.layout(before) == uplot.layout(chart)
         marks = [trace for trace in chart.traces if trace.marks]
@@ -133,7 +133,7 @@ def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
 @needs_mujoco
 def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> None:
     state = requests.set_plots(answered(state), plot=Plot.DIFFERENCE, printed=False)
-    found = analysed(state)
+    found = analyzed(state)
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
@@ -150,7 +150,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "PASS" in verdict_html(found.answer, found)
 
     state = requests.set_plots(state, printed=True)
-    found = analysed(state)
+    found = analyzed(state)
     drawn = charts(state.plots, found)
     assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
     table = difference_html(drawn, found, 0.1)
@@ -165,7 +165,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
 def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
     line = requests.choose_kind(state, Kind.LINE)
     line = requests.change(line, start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55))
-    found = analysed(answered(line))
+    found = analyzed(answered(line))
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
@@ -179,10 +179,10 @@ def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
     np.testing.assert_array_equal(chart.failing, ~good)
 
     away = requests.change(line, start=(0.9, 0, 0, -0.55), goal=(0.95, 0, 0, -0.55))
-    found = analysed(answered(away))
+    found = analyzed(answered(away))
     assert found.answer is not None
-    assert "can not run any" in found.answer.problem
-    assert "can not run any" in verdict_html(found.answer, found)
+    assert "cannot run any" in found.answer.problem
+    assert "cannot run any" in verdict_html(found.answer, found)
 
 
 def test_a_missing_engine_is_told_once_for_all_designs(
@@ -191,7 +191,7 @@ def test_a_missing_engine_is_told_once_for_all_designs(
     monkeypatch.setitem(sys.modules, "mujoco", None)
     state = answered(state)
     for other in (state, actions.vary(state, {"links.b3": 0.5})):
-        found = analysed(other)
+        found = analyzed(other)
         assert found.answer is not None
         said = verdict_html(found.answer, found)
         assert "pip install" in said
@@ -210,7 +210,7 @@ def test_a_fault_is_told_and_logged(
         raise ZeroDivisionError
 
     monkeypatch.setattr(verified, "engine_torques", broken)
-    assert "program's log" in ask_engine(analysed(state).present).problem
+    assert "program's log" in ask_engine(analyzed(state).present).problem
     assert "engine's computation failed" in caplog.text
 
 
@@ -262,7 +262,7 @@ def test_of_many_questions_the_newest_is_answered(
     asked.may.release()
     asked.wait()
     assert asked.designs == [0.5, 0.8]
-    assert analysed(asked.state).answer is asked.state.engine_answer is not None
+    assert analyzed(asked.state).answer is asked.state.engine_answer is not None
     asked.draw(0.8)
     asked.draw(0.5)
     asked.wait()

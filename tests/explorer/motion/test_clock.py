@@ -29,7 +29,7 @@ class Watch:
     def draw(self, frame: Frame, moving: bool) -> None:
         del moving
         self.times.append(frame.state.playback.time)
-        self.poses.append(frame.posture.pose)
+        self.poses.append(frame.configuration.pose)
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def played() -> Iterator[tuple[Session, Watch]]:
 
 def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Watch]) -> None:
     session, watch = played
-    session.ask("play", requests.play, step=False)
+    session.dispatch("play", requests.play, step=False)
     eventually(lambda: watch.times and watch.times[-1] == 0.3)
     eventually(lambda: not session.state.playback.playing)
     assert watch.times == sorted(watch.times)
@@ -62,11 +62,13 @@ def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Wat
 
 def test_a_motion_repeats_until_it_is_paused(played: tuple[Session, Watch]) -> None:
     session, watch = played
-    session.ask("loop", lambda s: requests.play(requests.set_playback(s, loop=True)), step=False)
+    session.dispatch(
+        "loop", lambda s: requests.play(requests.set_playback(s, loop=True)), step=False
+    )
     eventually(lambda: (np.diff(watch.times) < 0).sum() >= 2)
-    session.ask("pause", requests.pause, step=False)
+    session.dispatch("pause", requests.pause, step=False)
     eventually(lambda: not session.state.playback.playing)
     stopped = session.state.playback.time
     assert 0 <= stopped < 0.3
-    session.ask("play", requests.play, step=False)
+    session.dispatch("play", requests.play, step=False)
     eventually(lambda: session.state.playback.time != stopped)

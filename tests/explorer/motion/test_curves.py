@@ -8,15 +8,15 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import requests, uplot
 from paminsa_viz.explorer.motion.description import Kind
+from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.plots import Plot, PlotView
 from paminsa_viz.explorer.motion.readings import readings, value_at
 from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run, taken
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.motion.traces import Chart, Trace, charts
-from paminsa_viz.explorer.motion.way import cut
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import Assembly, Misprint
-from paminsa_viz.model.trajectory import analyse
+from paminsa_viz.model import KneeBranch, Misprint
+from paminsa_viz.trajectory import analyze
 
 
 @pytest.fixture
@@ -41,9 +41,9 @@ def test_curves_are_the_models(state: State) -> None:
     motion, design = found.present.trajectory, state.document.design
     assert state.document.reference is not None
     for offset, torque in (
-        (0, analyse(design, motion).torque),
-        (3, analyse(state.document.reference, motion).torque),
-        (6, analyse(design, motion, misprints=Misprint.ALL).torque),
+        (0, analyze(design, motion).torque),
+        (3, analyze(state.document.reference, motion).torque),
+        (6, analyze(design, motion, misprints=Misprint.ALL).torque),
     ):
         for j in range(3):
             np.testing.assert_allclose(turning.traces[offset + j].values, torque[:, j], atol=1e-12)
@@ -164,7 +164,7 @@ def test_simulations_say_what_came_of_them() -> None:
 def test_an_impossible_load_and_an_impossible_path_are_told(failing: State) -> None:
     motion = requests.planned(initial_state()).trajectory
     design = initial_state().document.design
-    lighter = make_job(design, motion, Assembly.PRINTED, SimulationSettings(extra_load=-1.0))
+    lighter = make_job(design, motion, KneeBranch.LOWER, SimulationSettings(extra_load=-1.0))
     assert "payload" in run(lighter).problem
     job = requests.wanted_job(failing)
-    assert "can not be run" in run(job).problem
+    assert "cannot be run" in run(job).problem

@@ -15,8 +15,8 @@ from paminsa_viz.explorer.motion.description import MOST_SAMPLES, MOST_WAYPOINTS
 from paminsa_viz.explorer.motion.playback import SPEEDS, Playback, advanced, begun
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import Assembly, InvalidInput
-from paminsa_viz.model.trajectory import PRESETS, Profile, from_samples
+from paminsa_viz.model import InvalidInput, KneeBranch
+from paminsa_viz.trajectory import PRESETS, Profile, from_samples
 
 
 def trajectory(state: State):
@@ -33,8 +33,8 @@ def failing() -> State:
 
 
 @pytest.mark.parametrize("key", [preset.key for preset in PRESETS])
-@pytest.mark.parametrize("assembly", list(Assembly))
-def test_scrubbing_stands_where_the_motion_is(key: str, assembly: Assembly) -> None:
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_scrubbing_stands_where_the_motion_is(key: str, assembly: KneeBranch) -> None:
     state = actions.assemble(initial_state(), assembly)
     state = requests.choose_preset(state, key)
     motion = trajectory(state)
@@ -123,7 +123,7 @@ def test_poses_are_taken_from_where_the_robot_stands() -> None:
     np.testing.assert_allclose(motion.pose[-1, :3], [0.08, 0.02, 0.3], atol=1e-9)
     swapped = trajectory(requests.swap_ends(state))
     np.testing.assert_allclose(swapped.pose[0], motion.pose[-1], atol=1e-9)
-    circle = requests.centre_here(requests.choose_kind(state, Kind.CIRCLE))
+    circle = requests.center_here(requests.choose_kind(state, Kind.CIRCLE))
     np.testing.assert_allclose(trajectory(circle).pose[0], [0.18, 0.02, 0.3, -0.552], atol=1e-3)
 
 
@@ -161,7 +161,7 @@ def test_the_shortest_duration_keeps_its_limits(profile: Profile) -> None:
 
 def test_what_can_not_be_done_is_said(failing: State) -> None:
     hopeless = requests.change(failing, timing=Timing.SHORTEST)
-    assert "can not run" in requests.planned(hopeless).bound
+    assert "cannot run" in requests.planned(hopeless).bound
     assert trajectory(hopeless).duration == hopeless.document.motion.duration
     weak = requests.choose_preset(requests.limit(hopeless, "force", 10.0), "circle")
     assert "no duration" in requests.planned(weak).problem

@@ -14,7 +14,7 @@ from paminsa_viz.explorer import saving, sharing
 from paminsa_viz.explorer.motion.description import Kind, Motion, Timing
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.model.trajectory import PRESETS, MotionLimits, Profile, from_samples
+from paminsa_viz.trajectory import PRESETS, MotionLimits, Profile, from_samples
 
 lengths = st.floats(-1, 1)
 poses = st.tuples(lengths, lengths, lengths, lengths)
@@ -27,7 +27,7 @@ motions = st.builds(
     goal=st.none() | poses,
     height=st.floats(0, 1),
     waypoints=st.lists(poses, max_size=5).map(tuple),
-    centre=st.none() | poses,
+    center=st.none() | poses,
     radius=st.floats(0.001, 1),
     profile=st.sampled_from(Profile),
     timing=st.sampled_from(Timing),
@@ -73,7 +73,7 @@ def test_a_file_is_not_saved() -> None:
         {"waypoints": [[0, 0, 0, 0]] * 41},
         {"waypoints": 3},
         {"limits": {"speed": -1}},
-        {"limits": {"colour": 1}},
+        {"limits": {"color": 1}},
         {"limits": 4},
         7,
     ],

@@ -1,4 +1,4 @@
-"""What tests of a scene share: postures, and what the browser is told or would see."""
+"""What tests of a scene share: configurations, and what the browser is told or would see."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ import numpy as np
 import viser
 from trimesh.transformations import quaternion_matrix
 
-from paminsa_viz.model.design import APPENDIX_4, Assembly
-from paminsa_viz.model.kinematics import solve_posture
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.model.kinematics import inverse_kinematics
 
 POSE = (0.05, -0.03, 0.4, -0.6)
 
 
-def solved(pose=POSE, design=APPENDIX_4, assembly=Assembly.PRINTED):
-    """Return the posture at a pose."""
-    return solve_posture(design.geometry, pose, assembly)
+def solved(pose=POSE, design=APPENDIX_4, assembly=KneeBranch.LOWER):
+    """Return the configuration at a pose."""
+    return inverse_kinematics(design.geometry, pose, assembly)
 
 
 def nodes(server: viser.ViserServer) -> dict[str, object]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.explorer.scene.backdrop import BOTTOM, STYLE, TOP, before_backdrop
+from paminsa_viz.explorer.browser.backdrop import BOTTOM, STYLE, TOP, before_backdrop
 from paminsa_viz.palette import rgb
 
 

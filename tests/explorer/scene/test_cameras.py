@@ -6,26 +6,28 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.scene.cameras import VIEWS, preset
-from paminsa_viz.model.design import APPENDIX_4, Assembly
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests.explorer.scene.seen import solved
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
+@pytest.mark.parametrize("assembly", list(KneeBranch))
 @pytest.mark.parametrize("name", VIEWS)
 @pytest.mark.parametrize("aspect", [0.6, 1.0, 1.6])
 def test_presets_hold_the_robot_in_the_picture(
-    name: str, assembly: Assembly, aspect: float
+    name: str, assembly: KneeBranch, aspect: float
 ) -> None:
     sign = -assembly.sign
-    posture = solved((0.0, 0.0, 0.1, sign * 0.45), assembly=assembly)
-    view = preset(name, APPENDIX_4.geometry, assembly, posture, aspect)
+    configuration = solved((0.0, 0.0, 0.1, sign * 0.45), assembly=assembly)
+    view = preset(name, APPENDIX_4.geometry, assembly, configuration, aspect)
     position, look = np.array(view.position), np.array(view.look_at)
     back = (position - look) / np.linalg.norm(position - look)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     up = np.cross(back, right)
     legs = [int(name[-1]) - 1] if name.startswith("Leg") else [0, 1, 2]
-    points = np.concatenate([posture.points[j][legs] for j in (2, 3, 4, 5, 7, 8, 9)]) - position
+    points = (
+        np.concatenate([configuration.points[j][legs] for j in (2, 3, 4, 5, 7, 8, 9)]) - position
+    )
     depth = -points @ back
     limit = np.tan(view.fov / 2)
     assert (depth > 0.05).all()
@@ -34,11 +36,11 @@ def test_presets_hold_the_robot_in_the_picture(
 
 
 def test_a_leg_is_seen_square_on() -> None:
-    posture = solved()
+    configuration = solved()
     for leg in range(3):
-        view = preset(f"Leg {leg + 1}", APPENDIX_4.geometry, posture=posture)
+        view = preset(f"Leg {leg + 1}", APPENDIX_4.geometry, configuration=configuration)
         sight = np.subtract(view.look_at, view.position)
-        heading = [np.cos(posture.beta[leg]), np.sin(posture.beta[leg]), 0.0]
+        heading = [np.cos(configuration.beta[leg]), np.sin(configuration.beta[leg]), 0.0]
         assert sight @ heading == pytest.approx(0.0, abs=1e-9)
 
 

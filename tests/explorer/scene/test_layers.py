@@ -8,8 +8,8 @@ import viser
 
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.skeleton import sticks
+from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.model.design import APPENDIX_4
-from paminsa_viz.shapes.bodies import body_glb
 from tests.explorer.scene.seen import nodes, recorded, solved
 
 
@@ -56,16 +56,16 @@ def test_a_layer_shown_late_is_up_to_date(server: viser.ViserServer, robot: Robo
     robot.pose(solved())
     robot.show(Layer.SKELETON)
     robot.show(Layer.SKELETON, False)
-    posture = solved((0.1, 0.0, 0.0, -0.45))
-    robot.pose(posture)
+    configuration = solved((0.1, 0.0, 0.0, -0.45))
+    robot.pose(configuration)
     robot.show(Layer.SKELETON)
     points = nodes(server)["/skeleton/lines"].points
-    assert points == pytest.approx(sticks(posture).reshape(-1, 2, 3), abs=1e-6)
+    assert points == pytest.approx(sticks(configuration).reshape(-1, 2, 3), abs=1e-6)
 
 
 def test_sticks_join_the_papers_joints() -> None:
-    posture = solved()
-    lines = sticks(posture)
+    configuration = solved()
+    lines = sticks(configuration)
     assert lines.shape == (3, 9, 2, 3)
     lengths = np.linalg.norm(lines[:, :, 1] - lines[:, :, 0], axis=-1)
     g = APPENDIX_4.geometry

@@ -12,19 +12,19 @@ from trimesh.transformations import quaternion_matrix
 
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.robot import RobotScene
-from paminsa_viz.model.design import APPENDIX_4, Assembly
-from paminsa_viz.shapes.placement import BODIES, place_parts
+from paminsa_viz.meshes.placement import BODIES, place_parts
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests.explorer.scene.seen import nodes, recorded, solved, world
 from tests.samples import random_poses
 
 
-@pytest.mark.parametrize("assembly", list(Assembly))
-def test_bodies_stand_where_the_model_says(server: viser.ViserServer, assembly: Assembly) -> None:
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_bodies_stand_where_the_model_says(server: viser.ViserServer, assembly: KneeBranch) -> None:
     robot = RobotScene(server.scene, APPENDIX_4, assembly)
     for pose in random_poses(np.random.default_rng(4), APPENDIX_4, assembly, 5):
-        posture = solved(pose, assembly=assembly)
-        assert robot.pose(posture)
-        for body, place in place_parts(posture).items():
+        configuration = solved(pose, assembly=assembly)
+        assert robot.pose(configuration)
+        for body, place in place_parts(configuration).items():
             got = world(server, node_name(body))
             expected = quaternion_matrix(place.wxyz)
             # viser leaves out changes below 1e-5 of a value.
@@ -33,8 +33,8 @@ def test_bodies_stand_where_the_model_says(server: viser.ViserServer, assembly: 
 
 
 def test_a_first_pose_is_exact(server: viser.ViserServer, robot: RobotScene) -> None:
-    posture = solved()
-    robot.pose(posture)
+    configuration = solved()
+    robot.pose(configuration)
     g = APPENDIX_4.geometry
     for leg in range(3):
         for bar, joint, along in (
@@ -42,7 +42,7 @@ def test_a_first_pose_is_exact(server: viser.ViserServer, robot: RobotScene) -> 
             ("b7", 7, g.short_coupler_length), ("b3", 7, g.crank_length / g.magnification),
         ):  # fmt: skip
             point = world(server, node_name(f"leg{leg + 1}/{bar}")) @ [along, 0.0, 0.0, 1.0]
-            assert point[:3] == pytest.approx(posture.points[joint][leg], abs=1e-12)
+            assert point[:3] == pytest.approx(configuration.points[joint][leg], abs=1e-12)
 
 
 def test_posing_makes_no_node_and_sends_poses_only(
@@ -82,12 +82,12 @@ def test_an_unreachable_pose_leaves_the_robot_standing(
     with recorded(server) as messages:
         assert not robot.pose(solved(pose))
     assert messages == []
-    assert robot.posture is good
+    assert robot.configuration is good
 
 
 def test_a_posture_of_another_robot_is_refused(robot: RobotScene) -> None:
     with pytest.raises(ValueError, match="another robot"):
-        robot.pose(solved(assembly=Assembly.MIRROR, pose=(0.0, 0.0, 0.0, 0.4)))
+        robot.pose(solved(assembly=KneeBranch.UPPER, pose=(0.0, 0.0, 0.0, 0.4)))
     with pytest.raises(ValueError, match="another robot"):
         robot.pose(solved(design=APPENDIX_4.vary({"geometry.base_radius": 0.36})))
 
@@ -137,10 +137,10 @@ def test_the_other_assembly_turns_the_machine_over(
 ) -> None:
     robot.pose(solved())
     count = len(nodes(server))
-    remade = robot.change(APPENDIX_4, Assembly.MIRROR)
+    remade = robot.change(APPENDIX_4, KneeBranch.UPPER)
     assert {"base", "ground", "m1", "m2", "m3", "m4", "carriage"} <= set(remade)
-    posture = solved((0.0, 0.0, 0.0, 0.4), assembly=Assembly.MIRROR)
-    assert robot.pose(posture)
+    configuration = solved((0.0, 0.0, 0.0, 0.4), assembly=KneeBranch.UPPER)
+    assert robot.pose(configuration)
     assert len(nodes(server)) == count
     assert world(server, "/robot/platform")[2, 3] == pytest.approx(0.4)
 

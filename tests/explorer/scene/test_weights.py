@@ -1,4 +1,4 @@
-"""Masses in a scene: payload, counterweights, centres of mass and their weight."""
+"""Masses in a scene: payload, counterweights, centers of mass and their weight."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.scene.bodies import node_name
-from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centres
+from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centers
 from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4
@@ -60,10 +60,10 @@ def test_counterweights_hang_from_their_bars_and_no_pose_moves_them(
     assert set(nodes(server)) == bare
 
 
-def test_mass_centres_weigh_what_the_design_does() -> None:
+def test_mass_centers_weigh_what_the_design_does() -> None:
     design = APPENDIX_4.vary({"payload.mass": 3.0})
-    posture = solved(design=design)
-    points = mass_centres(design, posture)
+    configuration = solved(design=design)
+    points = mass_centers(design, configuration)
     joints = sum(getattr(design.joints, f"j{i}") for i in (2, 3, 4, 5, 7, 8, 9))
     links = sum(getattr(design.links, f"b{i}") for i in (1, 2, 3, 4, 7, 8, 10))
     total = 3 * (joints + links) + design.platform.mass + 3.0
@@ -71,40 +71,40 @@ def test_mass_centres_weigh_what_the_design_does() -> None:
     # Together they have the potential energy of Eq. 11.
     c = lumped_coefficients(design)
     other = solved((0.0, 0.0, 0.2, -0.5), design)
-    change = points.mass @ (mass_centres(design, other).centre - points.centre)[:, 2]
+    change = points.mass @ (mass_centers(design, other).center - points.center)[:, 2]
     legs = sum(
         c[i] * (b - a).sum()
         for i, a, b in (
-            (0, posture.points[5][:, 2], other.points[5][:, 2]),
-            (1, posture.points[9][:, 2], other.points[9][:, 2]),
-            (2, posture.points[2][:, 2], other.points[2][:, 2]),
+            (0, configuration.points[5][:, 2], other.points[5][:, 2]),
+            (1, configuration.points[9][:, 2], other.points[9][:, 2]),
+            (2, configuration.points[2][:, 2], other.points[2][:, 2]),
         )
     )
     platform = (design.platform.mass + 3.0) * 0.1
     assert change == pytest.approx(legs / design.gravity + platform, abs=1e-9)
 
 
-def test_mass_centres_know_counterweights(server: viser.ViserServer, robot: RobotScene) -> None:
+def test_mass_centers_know_counterweights(server: viser.ViserServer, robot: RobotScene) -> None:
     weight = Counterweight("b8", 8, 0.2, 2.0)
     design = replace(APPENDIX_4, counterweights=(weight,))
     at = counterweight_point(design.geometry, weight)
     for pose in random_poses(np.random.default_rng(5), n=3):
-        posture = solved(pose)
-        bare, loaded = mass_centres(APPENDIX_4, posture), mass_centres(design, posture)
+        configuration = solved(pose)
+        bare, loaded = mass_centers(APPENDIX_4, configuration), mass_centers(design, configuration)
         assert loaded.mass[-3:] == pytest.approx(2.0)
-        assert len(loaded.mass) == len(bare.mass) + 3 == len(loaded.colour)
-        z5, z9 = (posture.points[joint][:, 2] for joint in (5, 9))
-        assert loaded.centre[-3:, 2] == pytest.approx(at.z5 * z5 + at.r9 * z9 + at.z0)
-    robot.pose(posture)
+        assert len(loaded.mass) == len(bare.mass) + 3 == len(loaded.color)
+        z5, z9 = (configuration.points[joint][:, 2] for joint in (5, 9))
+        assert loaded.center[-3:, 2] == pytest.approx(at.z5 * z5 + at.r9 * z9 + at.z0)
+    robot.pose(configuration)
     robot.show(Layer.MASSES)
-    robot.change(design)  # more spheres than before: the node is made anew
-    assert len(server.scene._handle_from_node_name["/masses/centres"].batched_positions) == len(
+    robot.change(design)  # more spheres than before: the node is made again
+    assert len(server.scene._handle_from_node_name["/masses/centers"].batched_positions) == len(
         loaded.mass
     )
 
 
 def test_gravity_arrows_point_down_by_the_weight() -> None:
-    points = mass_centres(APPENDIX_4, solved())
+    points = mass_centers(APPENDIX_4, solved())
     arrows = gravity_arrows(points, 9.81)
     drop = arrows[:, 0] - arrows[:, 1]
     assert drop[:, :2] == pytest.approx(np.zeros((len(drop), 2)))

@@ -1,0 +1,127 @@
+"""Optimal redistribution of masses, and what goes with it.
+
+`balance` is the paper's own (Eqs. 7-8). `optimize` makes any weighted sum of terms least within the
+bounds of `Changes`, with a certificate; `pareto_front` shows what two terms cost each other.
+`fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance` say
+how much each value matters, and `search_geometry` looks for better lengths.
+"""
+
+from __future__ import annotations
+
+from paminsa_viz.balancing.anchors import Anchor, at_joint, on_bar, on_guide, on_slider
+from paminsa_viz.balancing.changes import (
+    Changes,
+    CounterweightRange,
+    MassRange,
+    along,
+    beyond,
+    whole_mass,
+)
+from paminsa_viz.balancing.errors import (
+    InfeasibleBounds,
+    Relaxation,
+    Shortfall,
+    SolverFailed,
+)
+from paminsa_viz.balancing.optimum import ActiveConstraint, Optimum, TermValue, optimize
+from paminsa_viz.balancing.paper_balance import balance, paper_changes
+from paminsa_viz.balancing.pareto import Front, FrontPoint, pareto_front
+from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
+from paminsa_viz.balancing.search import (
+    Progress,
+    SearchResult,
+    Weights,
+    search_geometry,
+)
+from paminsa_viz.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
+from paminsa_viz.balancing.springs import (
+    Spring,
+    SpringFit,
+    SpringPlace,
+    fit_springs,
+    spring_energy,
+    spring_lengths,
+    spring_torques,
+)
+from paminsa_viz.balancing.terms import (
+    LIFT,
+    ROTARY,
+    AddedMass,
+    Imbalance,
+    MassChange,
+    StaticLift,
+    StaticPeak,
+    StaticRms,
+    Term,
+    TrajectoryEnergy,
+    TrajectoryPeak,
+    TrajectoryRms,
+)
+from paminsa_viz.balancing.tolerance import (
+    LengthTolerance,
+    MassTolerance,
+    length_tolerance,
+    mass_tolerance,
+)
+
+__all__ = [
+    "LIFT",
+    "OUTPUTS",
+    "ROTARY",
+    "ActiveConstraint",
+    "AddedMass",
+    "Anchor",
+    "Changes",
+    "CounterweightRange",
+    "Front",
+    "FrontPoint",
+    "Imbalance",
+    "InfeasibleBounds",
+    "LengthTolerance",
+    "MassChange",
+    "MassRange",
+    "MassTolerance",
+    "Measures",
+    "Optimum",
+    "Progress",
+    "Relaxation",
+    "Requirements",
+    "SearchResult",
+    "Shortfall",
+    "SolverFailed",
+    "Spring",
+    "SpringFit",
+    "SpringPlace",
+    "StaticLift",
+    "StaticPeak",
+    "StaticRms",
+    "Term",
+    "TermValue",
+    "Tornado",
+    "TornadoBar",
+    "TrajectoryEnergy",
+    "TrajectoryPeak",
+    "TrajectoryRms",
+    "Weights",
+    "along",
+    "at_joint",
+    "balance",
+    "beyond",
+    "fit_springs",
+    "length_tolerance",
+    "mass_tolerance",
+    "measure",
+    "on_bar",
+    "on_guide",
+    "on_slider",
+    "optimize",
+    "paper_changes",
+    "pareto_front",
+    "resized",
+    "search_geometry",
+    "spring_energy",
+    "spring_lengths",
+    "spring_torques",
+    "tornado",
+    "whole_mass",
+]

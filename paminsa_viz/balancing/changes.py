@@ -1,0 +1,240 @@
+"""What may change in a design: masses within bounds, and counterweights on rails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.balancing.program import Levers, Variable
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.leg_points import bar_length, bar_point, counterweight_point
+from paminsa_viz.model.lumped import (
+    COEFFICIENTS,
+    MASS_PATHS,
+    lumped_coefficients,
+    lumped_matrix,
+    point_mass_column,
+)
+from paminsa_viz.model.parameters import PARAMETER
+
+LEGS = 3
+"""A mass of a leg is there three times."""
+
+MASS = len(COEFFICIENTS)
+"""Place of the robot's whole mass in the state; before it stand the lumped coefficients."""
+
+
+@dataclass(frozen=True)
+class MassRange:
+    """A mass that may change.
+
+    Attributes:
+        path: Its path in the design, such as ``"links.b3"`` or ``"counterweights.0.mass"``.
+        low, high: Bounds [kg], on each leg where it belongs to one.
+        inertia_follows: Whether a link's moments of inertia change in proportion to its mass, as
+            those of a thicker tube do; without it they stay as they are.
+    """
+
+    path: str
+    low: float
+    high: float
+    inertia_follows: bool = True
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.low, self.high]).all() and 0 <= self.low <= self.high):
+            raise InvalidInput(
+                self.path,
+                f"bounds with 0 <= low <= high are needed [kg], not {self.low!r} to {self.high!r}",
+            )
+
+    @property
+    def per_robot(self) -> int:
+        """How many times the robot has this mass."""
+        return 1 if self.path.startswith(("platform.", "payload.")) else LEGS
+
+
+@dataclass(frozen=True)
+class CounterweightRange:
+    """Where counterweights may be put: a piece of a bar or of its extension, on every leg.
+
+    Attributes:
+        bar, joint: As in `Counterweight`.
+        nearest, farthest: Range of its ``beyond`` [m]; equal for one fixed place.
+        high: Most mass on each leg's rail [kg].
+        low: Least mass [kg].
+    """
+
+    bar: str
+    joint: int
+    nearest: float
+    farthest: float
+    high: float
+    low: float = 0.0
+
+    def __post_init__(self) -> None:
+        Counterweight(self.bar, self.joint, self.nearest, self.low)
+        if not (np.isfinite(self.farthest) and self.nearest <= self.farthest):
+            raise InvalidInput(
+                self.name, f"levers with nearest <= farthest are needed, not {self.nearest!r} to "
+                f"{self.farthest!r}",
+            )  # fmt: skip
+        if not (np.isfinite(self.high) and self.low <= self.high):
+            raise InvalidInput(
+                self.name, f"masses with low <= high are needed, not {self.low!r} to {self.high!r}"
+            )
+
+    @property
+    def name(self) -> str:
+        """The bar and the joint, in words."""
+        return f"counterweight on {self.bar.upper()} from joint {self.joint}"
+
+
+def beyond(bar: str, joint: int, longest: float, most: float) -> CounterweightRange:
+    """Return the rail on a bar's extension beyond a joint, up to a lever [m] and a mass [kg]."""
+    return CounterweightRange(bar, joint, 0.0, longest, most)
+
+
+def along(geometry: Geometry, bar: str, most: float) -> CounterweightRange:
+    """Return the rail between the two joints of a bar, up to a mass [kg]."""
+    return CounterweightRange(bar, BAR_ENDS[bar][0], -bar_length(geometry, bar), 0.0, most)
+
+
+@dataclass(frozen=True)
+class Changes:
+    """What may change in a design; everything else stays as it is.
+
+    Attributes:
+        masses: Masses of the design and their bounds.
+        rails: Places for counterweights.
+    """
+
+    masses: tuple[MassRange, ...] = ()
+    rails: tuple[CounterweightRange, ...] = ()
+
+    def __post_init__(self) -> None:
+        paths = [mass.path for mass in self.masses]
+        for path in paths:
+            if paths.count(path) > 1:
+                raise InvalidInput(path, "this mass stands in the list of changes twice")
+
+
+@dataclass(frozen=True, eq=False)
+class MassSpace:
+    """The designs that changes can make of one design, as states of a programme.
+
+    The state is (c, mass): the 18 lumped coefficients and the robot's whole mass [kg]. It is linear
+    in the masses; along a rail it is a parabola in the lever, as the inertia of a point mass grows
+    with the square of its lever.
+
+    Attributes:
+        design: The design to change.
+        changes: What may change.
+        start: (19,) state with all that may change taken away.
+        carriers: What may change: the masses, then the rails.
+        before: (19,) state of the design as it is.
+        amounts: (carriers,) masses as they are [kg], of one leg where they belong to a leg.
+        counts: (carriers,) how many times the robot has each.
+    """
+
+    design: Design
+    changes: Changes
+    start: Array
+    carriers: tuple[Variable, ...]
+    before: Array
+    amounts: Array
+    counts: Array
+
+    def design_of(self, levers: Levers) -> Design:
+        """Return the design for a choice; rails without mass leave no counterweight."""
+        numbers: dict[str, float | None] = {}
+        masses = self.changes.masses
+        for mass, ((_, amount),) in zip(masses, levers, strict=False):
+            held = self.design.value(mass.path)
+            numbers[mass.path] = amount
+            if held > 0:
+                for path in _inertias(mass):
+                    # In this order an unchanged mass leaves its inertia to the last digit.
+                    numbers[path] = self.design.value(path) * (amount / held)
+        added = tuple(
+            Counterweight(rail.bar, rail.joint, lever, amount)
+            for rail, places in zip(self.changes.rails, levers[len(masses) :], strict=True)
+            for lever, amount in places
+            if amount > 0
+        )
+        changed = self.design.vary(numbers)
+        return replace(changed, counterweights=changed.counterweights + added)
+
+
+def _inertias(mass: MassRange) -> list[str]:
+    """Return the paths of the inertias that follow a mass."""
+    group, _, name = mass.path.partition(".")
+    if group != "links" or not mass.inertia_follows:
+        return []
+    return [path for path in MASS_PATHS if path.startswith(f"inertias.{name}_")]
+
+
+def whole_mass(design: Design) -> float:
+    """Return the mass of all that moves, all three legs, platform and payload [kg]."""
+    group = {
+        path: design.value(path) for path in MASS_PATHS if PARAMETER[path].unit == "kg"
+    }  # fmt: skip
+    legs = sum(v for path, v in group.items() if not path.startswith(("platform", "payload")))
+    legs += sum(weight.mass for weight in design.counterweights)
+    return LEGS * legs + design.platform.mass + design.payload.mass
+
+
+def mass_space(design: Design, changes: Changes) -> MassSpace:
+    """Return the designs that changes can make of a design.
+
+    Raises:
+        InvalidInput: If a path is not that of a mass.
+    """
+    matrix = lumped_matrix(design.geometry, design.gravity)
+    before = np.append(lumped_coefficients(design), whole_mass(design))
+    start = before.copy()
+    carriers: list[Variable] = []
+    amounts: list[float] = []
+    for mass in changes.masses:
+        column = np.append(_column(design, mass, matrix), mass.per_robot)
+        held = design.value(mass.path)
+        start -= held * column
+        effect = np.vstack([column, np.zeros((2, len(column)))])
+        carriers.append(Variable(mass.path, mass.low, mass.high, effect))
+        amounts.append(held)
+    for rail in changes.rails:
+        # a parabola is known from three of its points
+        levers = np.array([-1.0, 0.0, 1.0])
+        point = bar_point(design.geometry, rail.bar, rail.joint, levers)
+        left, middle, right = point_mass_column(point, design.gravity).T
+        effect = np.zeros((3, len(before)))
+        effect[0, :MASS], effect[0, MASS] = middle, LEGS
+        effect[1, :MASS], effect[2, :MASS] = 0.5 * (right - left), 0.5 * (right + left) - middle
+        span = (rail.nearest, rail.farthest)
+        carriers.append(Variable(rail.name, rail.low, rail.high, effect, span))
+        amounts.append(0.0)
+    counts = [mass.per_robot for mass in changes.masses] + [LEGS] * len(changes.rails)
+    return MassSpace(
+        design, changes, start, tuple(carriers), before, np.array(amounts), np.array(counts, float)
+    )
+
+
+def _column(design: Design, mass: MassRange, matrix: Array) -> Array:
+    """Return what 1 kg of a mass adds to c, (18,)."""
+    group, _, rest = mass.path.partition(".")
+    if group == "counterweights":
+        number, _, name = rest.partition(".")
+        if name == "mass" and number.isdecimal() and int(number) < len(design.counterweights):
+            weight = design.counterweights[int(number)]
+            return point_mass_column(counterweight_point(design.geometry, weight), design.gravity)
+    elif mass.path in MASS_PATHS and PARAMETER[mass.path].unit == "kg":
+        column = matrix[:, MASS_PATHS.index(mass.path)].copy()
+        held = design.value(mass.path)
+        for path in _inertias(mass):
+            share = design.value(path) / held if held > 0 else 0.0
+            column += share * matrix[:, MASS_PATHS.index(path)]
+        return column
+    raise InvalidInput(mass.path, "this is no mass of the design")

@@ -1,0 +1,235 @@
+"""The best distribution of masses within bounds, with the proof that it is the best."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.balancing.changes import Changes, MassSpace, mass_space
+from paminsa_viz.balancing.errors import InfeasibleBounds, Relaxation, Shortfall
+from paminsa_viz.balancing.pieces import Deviations, Piece
+from paminsa_viz.balancing.program import Infeasible, Program, Solution
+from paminsa_viz.balancing.solver import solve
+from paminsa_viz.balancing.terms import Term
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.errors import InvalidInput
+
+WIDER = 100.0
+"""How far bounds are opened to see which would have to move [kg]."""
+
+ACTIVE = 1e-6
+"""A bound counts as reached within this part of the range between the bounds."""
+
+
+@dataclass(frozen=True)
+class TermValue:
+    """A term before and after.
+
+    Attributes:
+        label: What it is, in words.
+        unit: Its SI unit.
+        before, after: Its values.
+        limit: What it was not to exceed; None for a goal.
+    """
+
+    label: str
+    unit: str
+    before: float
+    after: float
+    limit: float | None = None
+
+
+@dataclass(frozen=True)
+class ActiveConstraint:
+    """A bound that the best distribution touches.
+
+    Attributes:
+        name: Path of the mass, name of the rail, or label of the limited term.
+        side: ``"low"``, ``"high"``, ``"nearest"``, ``"farthest"`` or ``"limit"``.
+        bound: Its value.
+        unit: Its unit.
+        price: What the objective falls by for one unit of relaxation: the bound's multiplier. Where
+            several bounds meet in one corner it is one of several possible ones.
+    """
+
+    name: str
+    side: str
+    bound: float
+    unit: str
+    price: float
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """The best distribution.
+
+    Attributes:
+        before, after: The designs.
+        values: Goals, then limits, before and after.
+        objective: Weighted sum of the goals after the change.
+        lower_bound: No distribution within the bounds has a smaller objective: the value of the
+            dual problem, worked out apart from the solver.
+        active: Bounds that are reached, those that cost most first.
+        rounds: Linear programmes solved.
+        seconds: Time it took.
+    """
+
+    before: Design
+    after: Design
+    values: tuple[TermValue, ...]
+    objective: float
+    lower_bound: float
+    active: tuple[ActiveConstraint, ...]
+    rounds: int
+    seconds: float
+
+    @property
+    def gap(self) -> float:
+        """By how much a better distribution could be better at most: the certificate."""
+        return max(0.0, self.objective - self.lower_bound)
+
+
+def optimize(
+    design: Design,
+    changes: Changes,
+    goals: Term | Sequence[tuple[float, Term]],
+    *,
+    limits: Sequence[tuple[Term, float]] = (),
+    tolerance: float = 1e-9,
+) -> Optimum:
+    """Find the distribution of masses that makes a term, or a weighted sum of terms, least.
+
+    Args:
+        design: The design to change.
+        changes: What may change, within which bounds.
+        goals: What is to be small; one term, or terms with weights [1/unit of the term].
+        limits: Terms with their largest allowed values.
+        tolerance: Gap to close, relative to the objective before or after.
+
+    Raises:
+        InfeasibleBounds: If no distribution within the bounds meets the limits.
+        InvalidInput: If a weight is negative, or a term does not fit the design.
+        SolverFailed: If the linear solver fails.
+    """
+    began = time.perf_counter()
+    weighted = list(goals) if isinstance(goals, Sequence) else [(1.0, goals)]
+    for weight, term in weighted:
+        if not (np.isfinite(weight) and weight >= 0):
+            raise InvalidInput(term.label, f"a weight of at least 0 is needed, not {weight!r}")
+    space = mass_space(design, changes)
+    pieces = [(weight, term.piece(space)) for weight, term in weighted]
+    bounded = [(float(limit), term.piece(space)) for term, limit in limits]
+    now = sum(w * abs(piece.value(space.before, space.amounts)) for w, piece in pieces)
+    program = Program(space.start, space.carriers, tuple(pieces), tuple(bounded), scale=now)
+    try:
+        found = solve(program, tolerance=tolerance)
+    except Infeasible:
+        labels = [(term.label, term.unit) for term, _ in limits]
+        raise infeasible(space, program, labels) from None
+    after = space.design_of(found.levers)
+    terms = [(term, piece, None) for (_, term), (_, piece) in zip(weighted, pieces, strict=True)]
+    terms += [
+        (term, piece, limit) for (term, limit), (_, piece) in zip(limits, bounded, strict=True)
+    ]
+    return Optimum(
+        before=design,
+        after=after,
+        values=tuple(_value(space, found, *item) for item in terms),
+        objective=found.value,
+        lower_bound=found.bound,
+        active=active_bounds(space, found, limits),
+        rounds=found.rounds,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _value(
+    space: MassSpace, found: Solution, term: Term, piece: Piece, limit: float | None
+) -> TermValue:
+    before = piece.value(space.before, space.amounts)
+    return TermValue(term.label, term.unit, before, piece.value(found.state, found.amounts), limit)
+
+
+def active_bounds(
+    space: MassSpace, found: Solution, limits: Sequence[tuple[Term, float]] = ()
+) -> tuple[ActiveConstraint, ...]:
+    """Return the bounds that a solution touches, with their multipliers."""
+    active = []
+    for number, carrier in enumerate(space.carriers):
+        amount, price = float(found.amounts[number]), float(found.prices[number])
+        near = ACTIVE * max(carrier.high - carrier.low, 1e-12)
+        if amount <= carrier.low + near:
+            active.append(ActiveConstraint(carrier.name, "low", carrier.low, "kg", max(0.0, price)))
+        if amount >= carrier.high - near:
+            active.append(
+                ActiveConstraint(carrier.name, "high", carrier.high, "kg", max(0.0, -price))
+            )
+        first, last = carrier.span
+        if last > first and amount > near:
+            slope = float(found.slopes[number])
+            close = ACTIVE * (last - first)
+            held = {
+                "nearest": (first, sum(a for v, a in found.levers[number] if v <= first + close)),
+                "farthest": (last, sum(a for v, a in found.levers[number] if v >= last - close)),
+            }
+            for side, (end, mass) in held.items():
+                if mass > near:
+                    gain = slope if side == "nearest" else -slope
+                    active.append(
+                        ActiveConstraint(carrier.name, side, end, "m", max(0.0, mass * gain))
+                    )
+    for (term, limit), price in zip(limits, found.limit_prices, strict=False):
+        if price > 0:
+            active.append(
+                ActiveConstraint(term.label, "limit", float(limit), term.unit, float(price))
+            )
+    return tuple(sorted(active, key=lambda item: -item.price))
+
+
+def infeasible(
+    space: MassSpace, program: Program, labels: Sequence[tuple[str, str]]
+) -> InfeasibleBounds:
+    """Return the error for a programme whose limits cannot be met, with what would help.
+
+    Args:
+        space: What may change.
+        program: The programme; its limits are those of ``labels``.
+        labels: Name and unit of each limit.
+    """
+    short = []
+    for number, (limit, piece) in enumerate(program.limits):
+        others = tuple(item for i, item in enumerate(program.limits) if i != number)
+        alone = replace(program, goals=((1.0, piece),), limits=())
+        try:
+            least = solve(replace(alone, limits=others)).value
+        except Infeasible:
+            least = solve(alone).value
+        label, unit = labels[number]
+        short.append(Shortfall(label, unit, limit, least))
+    return InfeasibleBounds(tuple(short), movable_bounds(space, program))
+
+
+def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]:
+    """Return the bounds whose least movement makes a programme's limits possible, if any does."""
+    low = np.array([carrier.low for carrier in space.carriers])
+    high = np.array([carrier.high for carrier in space.carriers])
+    most = float(space.counts.sum()) * (WIDER + float(high.max(initial=0.0)))
+    outside = Deviations(low, high, space.counts, most)
+    wide = tuple(replace(c, low=0.0, high=c.high + WIDER) for c in space.carriers)
+    try:
+        found = solve(
+            replace(program, carriers=wide, goals=((1.0, outside),), scale=1.0), tolerance=1e-8
+        )
+    except Infeasible:
+        return ()
+    moved = []
+    for number, carrier in enumerate(space.carriers):
+        amount = float(found.amounts[number])
+        if amount > carrier.high + 1e-9:
+            moved.append(Relaxation(carrier.name, "high", carrier.high, amount))
+        elif amount < carrier.low - 1e-9:
+            moved.append(Relaxation(carrier.name, "low", carrier.low, amount))
+    return tuple(moved)

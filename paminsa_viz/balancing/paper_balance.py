@@ -1,0 +1,147 @@
+"""The paper's balance: masses redistributed so that gravity asks nothing of M1..M3 (Eqs. 7-8).
+
+The static torques of M1..M3 are M_p2 times a map of the geometry, so that the whole workspace is
+balanced, in both assembly modes, by the one equation M_p2 = 0. It leaves a choice, which the paper
+does not settle. Here it is the least added mass, or the least mass moved, as asked for: a linear
+programme with one equation.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+
+from paminsa_viz.balancing.changes import Changes, MassRange, MassSpace, mass_space
+from paminsa_viz.balancing.errors import InfeasibleBounds, Shortfall
+from paminsa_viz.balancing.optimum import (
+    ActiveConstraint,
+    Optimum,
+    TermValue,
+    active_bounds,
+    movable_bounds,
+)
+from paminsa_viz.balancing.program import Levers, Program, Solution
+from paminsa_viz.balancing.solver import solve
+from paminsa_viz.balancing.terms import MP2, AddedMass, MassChange
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.statics import static_imbalance
+
+PANTOGRAPH = (
+    "joints.j4", "joints.j7", "joints.j9", "links.b3", "links.b4", "links.b7", "links.b8",
+)  # fmt: skip
+"""Masses that stand in M_p2 (Appendix 2)."""
+
+MOST_ADDED = 20.0
+"""By how much each of them may grow unless said otherwise [kg]."""
+
+
+def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
+    """Return what the paper's balance may change: the masses in M_p2, each only upward.
+
+    What is there can carry a weight; that it could be made lighter is not known. Moments of inertia
+    stay, as a weight at a bar's middle adds none about it.
+
+    Args:
+        design: The design.
+        most: By how much each mass may grow [kg].
+    """
+    held = {path: design.value(path) for path in PANTOGRAPH}
+    return Changes(
+        tuple(MassRange(path, m, m + most, inertia_follows=False) for path, m in held.items())
+    )
+
+
+def balance(
+    design: Design,
+    changes: Changes | None = None,
+    criterion: AddedMass | MassChange | None = None,
+    *,
+    exact: bool = False,
+) -> Optimum:
+    """Balance a design statically over its whole workspace, in both assembly modes.
+
+    M_p2 becomes zero where the bounds allow it, to rounding; otherwise it comes as near to zero as
+    they allow. Of all such distributions the one with the least ``criterion`` is returned.
+
+    Args:
+        design: The design to change.
+        changes: What may change; default `paper_changes`.
+        criterion: What is least among the balanced ones; default `AddedMass`.
+        exact: Whether nothing but M_p2 = 0 will do.
+
+    Raises:
+        InfeasibleBounds: If M_p2 = 0 is asked for and out of the bounds; says what to relax.
+    """
+    began = time.perf_counter()
+    chosen = criterion or AddedMass()
+    space = mass_space(design, paper_changes(design) if changes is None else changes)
+    row = np.zeros(len(space.start))
+    row[MP2] = 1.0
+    low, high = (float(end[MP2]) for end in Program(space.start, space.carriers, ()).box())
+    target = min(max(0.0, low), high)
+    piece = chosen.piece(space)
+    program = Program(
+        space.start, space.carriers, ((1.0, piece),), fixed=((row, target),), scale=1.0
+    )
+    if target != 0.0 and exact:
+        wanted = replace(program, fixed=((row, 0.0),))
+        short = Shortfall("|M_p2|", "N", 0.0, abs(target))
+        raise InfeasibleBounds((short,), movable_bounds(space, wanted))
+    found = solve(program)
+    levers = found.levers if target != 0.0 else _exact(space, found.levers)
+    after = space.design_of(levers)
+    return Optimum(
+        before=design,
+        after=after,
+        values=(
+            TermValue("M_p2", "N", static_imbalance(design), static_imbalance(after)),
+            TermValue(
+                chosen.label, chosen.unit,
+                piece.value(space.before, space.amounts), piece.value(found.state, found.amounts),
+            ),
+        ),
+        objective=found.value,
+        lower_bound=found.bound,
+        active=active_bounds(space, found) if target == 0.0 else _in_the_way(space, found, target),
+        rounds=found.rounds,
+        seconds=time.perf_counter() - began,
+    )  # fmt: skip
+
+
+def _in_the_way(space: MassSpace, found: Solution, target: float) -> tuple[ActiveConstraint, ...]:
+    """Return the bounds that keep M_p2 from zero; their prices are in N of |M_p2| for a kg."""
+    toward = -np.sign(target)
+    active = []
+    for number, carrier in enumerate(space.carriers):
+        levers = [lever for lever, _ in found.levers[number]] or list(carrier.span)
+        effect = max((toward * carrier.column(lever)[MP2] for lever in levers), key=abs)
+        if effect != 0:
+            side, bound = ("high", carrier.high) if effect > 0 else ("low", carrier.low)
+            active.append(ActiveConstraint(carrier.name, side, bound, "kg", float(abs(effect))))
+    return tuple(sorted(active, key=lambda item: -item.price))
+
+
+def _exact(space: MassSpace, levers: Levers) -> Levers:
+    """Take the linear solver's rounding out of M_p2: move the mass that is free to move."""
+    free: list[tuple[float, int, int, Array]] = []
+    for number, (carrier, places) in enumerate(zip(space.carriers, levers, strict=True)):
+        total = sum(amount for _, amount in places)
+        if carrier.low < total < carrier.high:
+            for index, (lever, amount) in enumerate(places):
+                column = carrier.column(lever)
+                if amount > 0:
+                    free.append((abs(column[MP2]), number, index, column))
+    if not free:
+        return levers
+    share, number, index, column = max(free, key=lambda item: item[0])
+    if share == 0:
+        return levers
+    exact = [list(places) for places in levers]
+    for _ in range(3):
+        lever, amount = exact[number][index]
+        left = static_imbalance(space.design_of(exact))
+        exact[number][index] = (lever, max(amount - left / column[MP2], 0.0))
+    return exact

@@ -1,0 +1,228 @@
+"""How each mass and each length changes torques: the data of a tornado chart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.balancing.changes import Changes, MassRange, mass_space
+from paminsa_viz.balancing.pieces import Piece
+from paminsa_viz.balancing.terms import (
+    MP2,
+    StaticPeak,
+    StaticRms,
+    Term,
+    TrajectoryPeak,
+    TrajectoryRms,
+)
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.grids import Field, Grid, solve_field
+from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.trajectory.solved import solve_trajectory
+
+OUTPUTS = (
+    ("M_p2", "N"),
+    ("peak static torque", "N m"),
+    ("RMS static torque", "N m"),
+    ("peak torque on the trajectory", "N m"),
+    ("RMS torque on the trajectory", "N m"),
+)
+"""What is looked at, with units, in the order of a bar's values; torques are those of M1..M3."""
+
+STEP = 1e-5
+"""Relative step of the difference quotients for lengths."""
+
+MASSES: tuple[str, ...] = tuple(path for path in MASS_PATHS if PARAMETER[path].unit == "kg")
+"""Masses of a design without counterweights."""
+
+LENGTHS: tuple[str, ...] = tuple(
+    p.path
+    for p in PARAMETERS
+    if p.group == "geometry" and p.path not in ("geometry.guide_stroke", "geometry.axis_clearance")
+)
+"""Lengths, and the magnification factor, that shape the robot; limits of reach are not among them.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class TornadoBar:
+    """What one value of the design does to `OUTPUTS`; NaN where an output has no value.
+
+    Attributes:
+        path, symbol, unit: The value.
+        value: Its present size.
+        minus, plus: (5,) outputs with the value smaller and larger by the relative change.
+        derivative: (5,) derivatives of the outputs by the value [unit of the output per unit].
+        base: (5,) outputs as they are, over the poses that can be taken in all variants.
+        lost: Poses of the grid that a variant cannot take.
+        problem: Why a variant has no outputs, or an empty string.
+    """
+
+    path: str
+    symbol: str
+    unit: str
+    value: float
+    minus: Array
+    plus: Array
+    derivative: Array
+    base: Array
+    lost: int = 0
+    problem: str = ""
+
+    def swing(self, output: int) -> float:
+        """Return the larger change of an output [its unit]; NaN if there is none."""
+        ends = np.array([self.minus[output], self.plus[output]]) - self.base[output]
+        return float(np.abs(ends).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Tornado:
+    """How much each value of a design matters.
+
+    Attributes:
+        design: The design.
+        change: Share by which each value is made smaller and larger.
+        base: (5,) outputs of the design as it is, in the order of `OUTPUTS`.
+        bars: One for each value.
+    """
+
+    design: Design
+    change: float
+    base: Array
+    bars: tuple[TornadoBar, ...]
+
+    def ranked(self, output: int) -> list[TornadoBar]:
+        """Return the bars with an effect on an output, the longest first."""
+        found = [bar for bar in self.bars if bar.swing(output) > 0]
+        return sorted(found, key=lambda bar: -bar.swing(output))
+
+
+def tornado(
+    design: Design,
+    grid: Grid,
+    trajectory: Trajectory | None = None,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    change: float = 0.05,
+    paths: Sequence[str] = MASSES + LENGTHS,
+) -> Tornado:
+    """Change each mass and each length by itself and see what follows.
+
+    Args:
+        design: The design.
+        grid: Workspace for the static torques.
+        trajectory: Motion for the dynamic ones; without it they are NaN.
+        assembly: Root of the knee.
+        change: Relative change to both sides, for the ends of the bars.
+        paths: Values to change; counterweights' masses are added to them.
+
+    Raises:
+        InvalidInput: If the change is not between 0 and 1, a path is no mass or length, or the
+            design itself can take no pose of the grid.
+    """
+    if not 0 < change < 1:
+        raise InvalidInput("change", f"a part between 0 and 1 is needed, not {change!r}")
+    weights = tuple(f"counterweights.{i}.mass" for i in range(len(design.counterweights)))
+    for path in paths:
+        if path not in MASSES + LENGTHS:
+            raise InvalidInput(path, "this is neither a mass nor a length of the design")
+    bench = _Bench(grid, trajectory, assembly)
+    field = solve_field(design.geometry, grid, assembly)
+    base = bench.outputs(design, field)
+    masses = [path for path in paths if path in MASSES] + list(weights)
+    bars = _mass_bars(design, bench, field, change, masses)
+    bars += [_length_bar(design, bench, field, change, p) for p in paths if p in LENGTHS]
+    return Tornado(design, change, base, tuple(bars))
+
+
+@dataclass(frozen=True, eq=False)
+class _Bench:
+    """What designs are tried on."""
+
+    grid: Grid
+    trajectory: Trajectory | None
+    assembly: KneeBranch
+
+    def pieces(self, design: Design, field: Field, changes: Changes) -> tuple[list[Piece], Array]:
+        """Return the four torques as functions of a state, and the state of the design."""
+        space = mass_space(design, changes)
+        terms: list[Term] = [StaticPeak(field), StaticRms(field)]
+        if self.trajectory is not None:
+            solved = solve_trajectory(
+                design.geometry, self.trajectory, self.assembly, gravity=design.gravity
+            )
+            terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
+        return [term.piece(space) for term in terms], space.before
+
+    def at(self, pieces: list[Piece], state: Array) -> Array:
+        """Return the outputs, (5,), of a state."""
+        found = [state[MP2]] + [piece.value(state, np.empty(0)) for piece in pieces]
+        return np.array(found + [np.nan] * (len(OUTPUTS) - len(found)))
+
+    def outputs(self, design: Design, field: Field) -> Array:
+        """Return the outputs, (5,), of a design over the poses of a field."""
+        return self.at(*self.pieces(design, field, Changes()))
+
+
+def _mass_bars(
+    design: Design, bench: _Bench, field: Field, change: float, paths: list[str]
+) -> list[TornadoBar]:
+    """Masses: one state and its columns tell everything, for torques are linear in them."""
+    # the inertia of a thicker tube grows with its mass
+    ranges = tuple(MassRange(path, 0.0, design.value(path)) for path in paths)
+    space = mass_space(design, Changes(ranges))
+    pieces, state = bench.pieces(design, field, Changes())
+    base = bench.at(pieces, state)
+    bars = []
+    for path, carrier in zip(paths, space.carriers, strict=True):
+        value, column = design.value(path), carrier.effect[0]
+        ends = [bench.at(pieces, state + sign * change * value * column) for sign in (-1, 1)]
+        step = 1e-6 * max(value, 1e-3)
+        lower, upper = (bench.at(pieces, state + sign * step * column) for sign in (-1, 1))
+        symbol = PARAMETER[path].symbol if path in PARAMETER else path
+        slope = (upper - lower) / (2 * step)
+        bars.append(TornadoBar(path, symbol, "kg", value, ends[0], ends[1], slope, base))
+    return bars
+
+
+def _length_bar(
+    design: Design, bench: _Bench, field: Field, change: float, path: str
+) -> TornadoBar:
+    """Lengths: the geometry is solved again for each variant; masses stay as they are."""
+    value = design.value(path)
+    nothing = np.full(len(OUTPUTS), np.nan)
+    parameter = PARAMETER[path]
+    try:
+        variants = [
+            design.vary({path: value * factor})
+            for factor in (1.0, 1 - change, 1 + change, 1 - STEP, 1 + STEP)
+        ]
+        fields = [field, *(_solve(v.geometry, bench) for v in variants[1:])]
+        shared = np.all([found.status == Limit.OK for found in fields], axis=0)
+        found = [bench.outputs(v, _only(f, shared)) for v, f in zip(variants, fields, strict=True)]
+    except (InvalidDesign, InvalidInput) as error:
+        return TornadoBar(
+            path, parameter.symbol, parameter.unit, value, nothing, nothing, nothing, nothing,
+            problem=str(error),
+        )  # fmt: skip
+    base, minus, plus, lower, upper = found
+    slope = (upper - lower) / (2 * STEP * value) if value > 0 else nothing
+    lost = int((field.status == Limit.OK).sum() - shared.sum())
+    return TornadoBar(path, parameter.symbol, parameter.unit, value, minus, plus, slope, base, lost)
+
+
+def _solve(geometry: Geometry, bench: _Bench) -> Field:
+    return solve_field(geometry, bench.grid, bench.assembly)
+
+
+def _only(field: Field, poses: NDArray[np.bool_]) -> Field:
+    """Return a field in which no pose outside a mask counts."""
+    return replace(field, status=np.where(poses, field.status, np.uint8(Limit.SINGULAR)))

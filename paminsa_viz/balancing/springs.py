@@ -1,0 +1,241 @@
+"""Springs against gravity: stiffness and free length for the best balance over a workspace.
+
+Each leg has the same springs between two points of its plane. A spring of stiffness K and free
+length L stores K (d - L)^2 / 2 at a length d, so that an actuator has to hold
+
+    Q_j = K d dd/dq_j - K L dd/dq_j:
+
+linear in K and K L together. So stiffnesses and free lengths come out of one convex programme, with
+a global optimum; a free length of zero is the special case that L is held there. The springs'
+own mass is left out.
+
+From a mast of height h on slider 8 to the knee 9, a spring of free length zero stores
+K (l_B8^2 + h^2) / 2 - K h z_9: with K h = M_p2 it balances the leg exactly, and adds no inertia.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.balancing.anchors import Anchor
+from paminsa_viz.balancing.pieces import Largest, Norm
+from paminsa_viz.balancing.program import Program, Variable
+from paminsa_viz.balancing.solver import solve
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.kinematics import leg_states
+from paminsa_viz.model.leg import LegPosition
+from paminsa_viz.model.statics import static_torques, torques_of_legs
+
+
+@dataclass(frozen=True)
+class SpringPlace:
+    """Where a spring may be, and what it may be.
+
+    Attributes:
+        first, second: Its two points.
+        stiffest: Largest stiffness on each leg [N/m].
+        shortest, longest: Range of its free length [m]; both zero for a zero-free-length spring.
+    """
+
+    first: Anchor
+    second: Anchor
+    stiffest: float = 1e5
+    shortest: float = 0.0
+    longest: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.stiffest) and self.stiffest >= 0):
+            raise InvalidInput("stiffest", f"at least 0 N/m is needed, not {self.stiffest!r}")
+        if not (np.isfinite(self.longest) and 0 <= self.shortest <= self.longest):
+            raise InvalidInput(
+                "longest", "free lengths with 0 <= shortest <= longest are needed [m], not "
+                f"{self.shortest!r} to {self.longest!r}",
+            )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Spring:
+    """A spring on each leg.
+
+    Attributes:
+        first, second: The points that it is fixed to.
+        stiffness: [N/m].
+        free_length: Its length without a force [m].
+    """
+
+    first: Anchor
+    second: Anchor
+    stiffness: float
+    free_length: float = 0.0
+
+
+@dataclass(frozen=True)
+class SpringFit:
+    """The best springs.
+
+    Attributes:
+        springs: In the order of the places; a stiffness of zero means that it is not needed.
+        before, after: What was made small, without springs and with them [N m].
+        lower_bound: No other stiffnesses and free lengths give less [N m].
+        reach: For each spring its shortest and longest length over the poses [m].
+        seconds: Time it took.
+    """
+
+    springs: tuple[Spring, ...]
+    before: float
+    after: float
+    lower_bound: float
+    reach: tuple[tuple[float, float], ...]
+    seconds: float
+
+    @property
+    def gap(self) -> float:
+        """By how much better springs could be better at most [N m]."""
+        return max(0.0, self.after - self.lower_bound)
+
+
+@np.errstate(all="ignore")
+def _lengths(
+    geometry: Geometry, legs: LegPosition, first: Anchor, second: Anchor
+) -> tuple[Array, Array, Array]:
+    """Return d (..., 3), and the derivatives of d^2/2 by X_1 and z_5, (..., 3) each."""
+    a, b = first.weights(geometry), second.weights(geometry)
+    r5, r9, z5, z0, r0 = (q - p for p, q in zip(a, b, strict=True))
+    across = r5 * legs.rho + r9 * legs.r9 + r0
+    up = z5 * legs.zeta + r9 * legs.z9 + z0
+    by_rho = across * (r5 + r9 * legs.r9_rho) + up * (r9 * legs.z9_rho)
+    by_zeta = across * (r9 * legs.r9_zeta) + up * (z5 + r9 * legs.z9_zeta)
+    return np.hypot(across, up), by_rho, by_zeta
+
+
+def _legs(geometry: Geometry, pose: Array, assembly: KneeBranch) -> LegPosition:
+    still = np.zeros_like(pose)
+    return leg_states(geometry, pose, still, still, assembly)[0]
+
+
+def spring_lengths(
+    geometry: Geometry,
+    spring: Spring | SpringPlace,
+    pose: ArrayLike,
+    assembly: KneeBranch = KneeBranch.LOWER,
+) -> Array:
+    """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
+    legs = _legs(geometry, as_vectors(pose, "pose"), assembly)
+    return _lengths(geometry, legs, spring.first, spring.second)[0]
+
+
+def spring_energy(
+    geometry: Geometry, spring: Spring, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
+) -> Array:
+    """Return the energy in the three springs together, (...) [J]."""
+    stretch = spring_lengths(geometry, spring, pose, assembly) - spring.free_length
+    return 0.5 * spring.stiffness * (stretch**2).sum(axis=-1)
+
+
+@np.errstate(all="ignore")
+def _unit_torques(
+    geometry: Geometry, place: Spring | SpringPlace, pose: Array, assembly: KneeBranch
+) -> tuple[Array, Array]:
+    """Return the actuators' torques for K = 1 and for K L = 1, (..., 4) each."""
+    legs = _legs(geometry, pose, assembly)
+    length, by_rho, by_zeta = _lengths(geometry, legs, place.first, place.second)
+    whole = torques_of_legs(geometry, pose, legs, by_rho, by_zeta).sum(axis=-1)
+    # a spring of no length has no direction, and pulls with nothing that depends on one
+    inverse = np.where(length > 0, -1.0 / length, 0.0)
+    free = torques_of_legs(geometry, pose, legs, by_rho * inverse, by_zeta * inverse).sum(axis=-1)
+    return whole, free
+
+
+def spring_torques(
+    geometry: Geometry,
+    springs: Sequence[Spring],
+    pose: ArrayLike,
+    assembly: KneeBranch = KneeBranch.LOWER,
+) -> Array:
+    """Return what actuators have to hold against springs, dV/dq, (..., 4) [N m, N].
+
+    Add it to `static_torques`. NaN where the bars cannot close.
+    """
+    pose = as_vectors(pose, "pose")
+    total = np.zeros_like(pose)
+    for spring in springs:
+        whole, free = _unit_torques(geometry, spring, pose, assembly)
+        total += spring.stiffness * (whole + spring.free_length * free)
+    return total
+
+
+def fit_springs(
+    design: Design,
+    places: Sequence[SpringPlace],
+    pose: ArrayLike,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    measure: str = "peak",
+) -> SpringFit:
+    """Find the stiffnesses and free lengths that balance M1..M3 best over a workspace.
+
+    Args:
+        design: The robot, with its masses as they are.
+        places: Where springs may be.
+        pose: (..., 4) the workspace, for example ``grid.poses()``; poses out of reach do not count.
+        assembly: Root of the knee.
+        measure: ``"peak"`` or ``"rms"`` of the static torques of M1..M3 over the poses.
+
+    Raises:
+        InvalidInput: If no pose can be taken, or the measure is another.
+    """
+    began = time.perf_counter()
+    if measure not in ("peak", "rms"):
+        raise InvalidInput("measure", f"'peak' or 'rms' is needed, not {measure!r}")
+    pose = as_vectors(pose, "pose").reshape(-1, 4)
+    gravity = static_torques(design, pose, assembly)[:, :3]
+    columns = [_unit_torques(design.geometry, place, pose, assembly) for place in places]
+    matrix = np.array([part[:, :3] for pair in columns for part in pair]).reshape(
+        2 * len(places), len(pose), 3
+    )
+    good = np.isfinite(gravity).all(axis=1) & np.isfinite(matrix).all(axis=(0, 2))
+    if not good.any():
+        raise InvalidInput("pose", "the robot cannot take a single one of the poses")
+    offset = gravity[good].ravel()
+    rows = np.ascontiguousarray(matrix[:, good].reshape(2 * len(places), offset.size).T)
+    if measure == "peak":
+        piece = Largest(rows, offset)
+    else:
+        triangle = np.linalg.qr(np.column_stack([rows, offset]), mode="r") / np.sqrt(len(offset))
+        piece = Norm(triangle[:, :-1], triangle[:, -1])
+    program = _program(places, piece, float(np.abs(offset).max()))
+    found = solve(program)
+    springs = []
+    for number, place in enumerate(places):
+        stiffness, product = found.state[2 * number : 2 * number + 2]
+        free = product / stiffness if stiffness > 0 else place.shortest
+        springs.append(Spring(place.first, place.second, float(stiffness), float(free)))
+    legs = _legs(design.geometry, pose[good], assembly)
+    lengths = [_lengths(design.geometry, legs, p.first, p.second)[0] for p in places]
+    return SpringFit(
+        springs=tuple(springs),
+        before=piece.value(np.zeros(2 * len(places)), found.amounts),
+        after=found.value,
+        lower_bound=found.bound,
+        reach=tuple((float(d.min()), float(d.max())) for d in lengths),
+        seconds=time.perf_counter() - began,
+    )
+
+
+def _program(places: Sequence[SpringPlace], piece: Largest | Norm, scale: float) -> Program:
+    """Return the programme in (K, K L) of each spring: the free length is the carrier's lever."""
+    carriers = []
+    for number, place in enumerate(places):
+        effect = np.zeros((3, 2 * len(places)))
+        effect[0, 2 * number] = effect[1, 2 * number + 1] = 1.0
+        name = f"{place.first.name} to {place.second.name}"
+        span = (place.shortest, place.longest)
+        carriers.append(Variable(name, 0.0, place.stiffest, effect, span))
+    return Program(np.zeros(2 * len(places)), tuple(carriers), ((1.0, piece),), scale=scale)

@@ -1,0 +1,296 @@
+"""What can be made small, or held below a limit: torques, energy, mass, change.
+
+Each term is convex in the masses. Torques are linear in the state (c, mass) of a `MassSpace`; their
+peak is a maximum of linear functions, their RMS a norm, the energy that drives a sum of hinges.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, Protocol
+
+import numpy as np
+
+from paminsa_viz.balancing.changes import MASS, MassSpace
+from paminsa_viz.balancing.pieces import Deviations, Largest, Norm, Piece, PositivePartSum
+from paminsa_viz.balancing.time_weights import time_weights
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.dynamics import frictionless
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.grids import Field
+from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.trajectory.solved import SolvedTrajectory
+
+ROTARY = (0, 1, 2)
+"""M1..M3 among the actuators."""
+
+LIFT = (3,)
+"""M4 among the actuators."""
+
+GROUP = 32
+"""Samples whose energy is enclosed together."""
+
+MP1, MP2, MP3, PLATFORM = (COEFFICIENTS.index(name) for name in ("Mp1", "Mp2", "Mp3", "m_pl"))
+
+
+class Term(Protocol):
+    """Something to make small.
+
+    Attributes:
+        label: What it is, in words.
+        unit: Its SI unit.
+    """
+
+    @property
+    def label(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+
+    def piece(self, space: MassSpace) -> Piece:
+        """Return it as a function of the space's states.
+
+        Raises:
+            InvalidInput: If it was made for another robot, or has no value there.
+        """
+        ...
+
+
+def _row(size: int, **entries: float) -> Array:
+    row = np.zeros(size)
+    for name, value in entries.items():
+        row[COEFFICIENTS.index(name)] = value
+    return row
+
+
+def _same_geometry(space: MassSpace, geometry: object, argument: str) -> None:
+    if geometry != space.design.geometry:
+        raise InvalidInput(argument, "it was solved for another geometry than the design's")
+
+
+def _reached(field: Field) -> Array:
+    """Return Gamma where it has a value, (4, n) [m, 1].
+
+    Raises:
+        InvalidInput: If that is nowhere.
+    """
+    gamma = field.gamma[:, field.status == Limit.OK]
+    if gamma.size == 0:
+        raise InvalidInput("field", "the robot cannot take a single pose of the workspace grid")
+    return gamma
+
+
+@dataclass(frozen=True, eq=False)
+class StaticPeak:
+    """Largest static torque of M1..M3 over the poses of a field that can be taken [N m].
+
+    All of them are M_p2 times a map that no mass changes, so that this is one number times |M_p2|.
+    """
+
+    field: Field
+    label: str = "peak static torque"
+    unit: str = "N m"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        _same_geometry(space, self.field.geometry, "field")
+        return _balance_piece(space, float(np.abs(_reached(self.field)[:3]).max()))
+
+
+@dataclass(frozen=True, eq=False)
+class StaticRms:
+    """Root mean square of the static torques of M1..M3 over the poses of a field [N m]."""
+
+    field: Field
+    label: str = "RMS static torque"
+    unit: str = "N m"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        _same_geometry(space, self.field.geometry, "field")
+        return _balance_piece(space, float(np.sqrt(np.mean(_reached(self.field)[:3] ** 2))))
+
+
+@dataclass(frozen=True)
+class Imbalance:
+    """|M_p2|, which all static torques of M1..M3 are proportional to (Eq. 8) [N]."""
+
+    label: str = "|M_p2|"
+    unit: str = "N"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        return _balance_piece(space, 1.0)
+
+
+def _balance_piece(space: MassSpace, factor: float) -> Largest:
+    return Largest(_row(len(space.start), Mp2=factor)[None], np.zeros(1))
+
+
+@dataclass(frozen=True, eq=False)
+class StaticLift:
+    """Largest static force of M4 over the poses of a field [N]."""
+
+    field: Field
+    label: str = "peak static force of M4"
+    unit: str = "N"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        _same_geometry(space, self.field.geometry, "field")
+        lift = _reached(self.field)[3]
+        k, g = space.design.geometry.magnification, space.design.gravity
+        matrix = [
+            _row(len(space.start), Mp1=3 * k, Mp2=end, Mp3=3.0, m_pl=k * g)
+            for end in (float(lift.min()), float(lift.max()))
+        ]
+        return Largest(np.array(matrix), np.zeros(2))
+
+
+def trajectory_rows(
+    space: MassSpace, solved: SolvedTrajectory, actuators: tuple[int, ...]
+) -> tuple[Array, Array]:
+    """Return torques on a trajectory as matrix . s + offset: (n, actuators, 19), (n, actuators).
+
+    The offset is friction.
+
+    Raises:
+        InvalidInput: If the trajectory fails somewhere, is another robot's, or has misprints.
+    """
+    _same_geometry(space, solved.geometry, "trajectory")
+    if solved.misprints != Misprint.NONE:
+        raise InvalidInput("trajectory", "the formulae as printed are no machine's; solve it again")
+    if not solved.check.ok or len(solved.y) == 0:
+        raise InvalidInput("trajectory", "the robot cannot run the whole trajectory")
+    matrix = np.zeros((len(solved.y), len(actuators), len(space.start)))
+    matrix[..., :MASS] = solved.y[:, actuators]
+    if 3 in actuators:
+        extra = space.design.gravity - solved.gravity
+        k = space.design.geometry.magnification
+        matrix[:, actuators.index(3), PLATFORM] += k * extra
+    friction = space.design.friction
+    offset = np.zeros(matrix.shape[:2])
+    if not frictionless(friction):
+        offset += solved.friction(friction)[:, actuators]
+    return matrix, offset
+
+
+@dataclass(frozen=True, eq=False)
+class _Effort:
+    """Something of the torques of some actuators over a trajectory [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Indices of those that count.
+    """
+
+    solved: SolvedTrajectory
+    actuators: tuple[int, ...] = ROTARY
+    measure: ClassVar[str]
+
+    @property
+    def label(self) -> str:
+        """See `Term`."""
+        of = {ROTARY: "torque of M1-M3", LIFT: "force of M4"}.get(
+            self.actuators, "effort of " + ", ".join(f"M{j + 1}" for j in self.actuators)
+        )
+        return f"{self.measure} {of} on the trajectory"
+
+    @property
+    def unit(self) -> str:
+        """See `Term`."""
+        return "N" if self.actuators == LIFT else "N m"
+
+
+class TrajectoryPeak(_Effort):
+    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Which actuators, 0 to 3.
+    """
+
+    measure = "peak"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        matrix, offset = trajectory_rows(space, self.solved, self.actuators)
+        # samples of one actuator stay neighbors, so that a part of the list is a part of time
+        matrix = np.moveaxis(matrix, 1, 0).reshape(-1, matrix.shape[-1])
+        return Largest(np.ascontiguousarray(matrix), offset.T.ravel())
+
+
+class TrajectoryRms(_Effort):
+    """Root mean square over a trajectory's time, over all of some actuators [N m, N].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+        actuators: Which actuators, 0 to 3.
+    """
+
+    measure = "RMS"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        matrix, offset = trajectory_rows(space, self.solved, self.actuators)
+        t = self.solved.trajectory.t
+        weight = np.sqrt(time_weights(t) / ((t[-1] - t[0]) * len(self.actuators)))
+        both = np.concatenate([matrix, offset[..., None]], axis=-1) * weight[:, None, None]
+        # The norm of many rows is that of the triangle of their QR factors.
+        triangle = np.linalg.qr(both.reshape(-1, both.shape[-1]), mode="r")
+        used = np.abs(triangle).max(axis=1) > 1e-15 * np.abs(triangle).max()
+        triangle = triangle[used]
+        return Norm(triangle[:, :-1], triangle[:, -1])
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryEnergy:
+    """Energy that all four actuators put in while they drive; braking gives none back [J].
+
+    Attributes:
+        solved: The trajectory, solved for the geometry.
+    """
+
+    solved: SolvedTrajectory
+    label: str = "driving energy on the trajectory"
+    unit: str = "J"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        matrix, offset = trajectory_rows(space, self.solved, (0, 1, 2, 3))
+        weight = (time_weights(self.solved.trajectory.t)[:, None] * self.solved.speed).T
+        matrix = np.moveaxis(matrix, 1, 0) * weight[..., None]
+        starts = np.concatenate(
+            [np.arange(0, weight.shape[1], GROUP) + j * weight.shape[1] for j in range(4)]
+        )
+        return PositivePartSum(
+            matrix.reshape(-1, matrix.shape[-1]), (offset.T * weight).ravel(), starts
+        )
+
+
+@dataclass(frozen=True)
+class AddedMass:
+    """The robot's mass after the change less that before it, all three legs together [kg]."""
+
+    label: str = "added mass"
+    unit: str = "kg"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        row = np.zeros((1, len(space.start)))
+        row[0, MASS] = 1.0
+        return Largest(row, -space.before[MASS:], absolute=False)
+
+
+@dataclass(frozen=True)
+class MassChange:
+    """All that is added and all that is taken away, all three legs together [kg]."""
+
+    label: str = "mass moved"
+    unit: str = "kg"
+
+    def piece(self, space: MassSpace) -> Piece:
+        """See `Term`."""
+        reach = [max(c.high - a, a) for c, a in zip(space.carriers, space.amounts, strict=True)]
+        most = float(space.counts @ np.array(reach)) if reach else 0.0
+        return Deviations(space.amounts, space.amounts, space.counts, most)

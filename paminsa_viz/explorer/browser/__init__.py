@@ -1,0 +1,1 @@
+"""Everything that relies on a non-public name of viser, plotly or Mantine."""

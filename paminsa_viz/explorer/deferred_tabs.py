@@ -1,0 +1,68 @@
+"""The rest of the page: the map panel, the tabs beside the first, the handle, floor and path."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from paminsa_viz.explorer import commands, saving
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.clock import Clock
+from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.panels.balance_panel import BalancePanel
+from paminsa_viz.explorer.panels.compare_panel import ComparePanel
+from paminsa_viz.explorer.panels.design_panel import DesignPanel
+from paminsa_viz.explorer.panels.file_panel import FilePanel
+from paminsa_viz.explorer.panels.maps_panel import MapsPanel
+from paminsa_viz.explorer.panels.motion_panel import MotionPanel
+from paminsa_viz.explorer.panels.view_panel import ViewPanel
+from paminsa_viz.explorer.scene.floor import FloorMap
+from paminsa_viz.explorer.scene.gizmo import Gizmo
+from paminsa_viz.explorer.scene.path import MotionPath
+from paminsa_viz.explorer.session import Session
+
+
+class TabStore:
+    """Keeps the document in the tab's own store, once the hand rests."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._kept = ""
+
+    def draw(self, frame: Frame, moving: bool) -> None:
+        """Save what has changed."""
+        if moving:
+            return
+        text = saving.dump(frame.state.document)
+        if text != self._kept:
+            self._kept = text
+            self._bridge.save(text)
+
+
+def build_tabs(session: Session, bridge: Bridge, places: Mapping[str, Any]) -> None:
+    """Fill the tabs and add their views to the session, which draws them with its next state.
+
+    Args:
+        session: The tab of the browser.
+        bridge: The way to it.
+        places: The empty tabs by name, see `paminsa_viz.explorer.page.LATER_TABS`.
+    """
+    motions = MotionStore()
+    maps = MapsPanel(session, bridge, motions)
+    with places["Design"]:
+        design = DesignPanel(session)
+    with places["Balance"]:
+        balance = BalancePanel(session, bridge)
+    with places["Motion"]:
+        motion = MotionPanel(session, motions)
+    with places["Compare"]:
+        compare = ComparePanel(session)
+    with places["View"]:
+        view = ViewPanel(session)
+    with places["File"]:
+        files = FilePanel(session)
+    session.first += [Clock(session), Gizmo(session), MotionPath(session, motions)]
+    session.words += [design, balance, motion, view]
+    session.later += [maps, FloorMap(session, maps.store), compare, files, TabStore(bridge)]
+    commands.register(session)

@@ -1,0 +1,1 @@
+"""The guards around the web server: names, limits, messages, and the one viser_patch to viser."""

@@ -1,0 +1,225 @@
+"""One guarded connection, and the gate that all of them come through."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable
+from typing import Any, cast
+from urllib.parse import unquote_plus
+
+from websockets.asyncio.server import ServerConnection
+from websockets.frames import Frame, Opcode
+from websockets.http11 import Request, Response
+
+from .buckets import Bucket
+from .limits import Limits
+from .names import NameRules
+from .reports import Reports
+from .screening import MessageFilter
+
+_SLICE = 4096  # bytes taken in at a time: at most some 700 of the smallest frames, a few ms
+_MANY_FRAGMENTS = 4096  # of one message; a browser splits a large one into some hundreds
+
+_PAGE_HEADERS = {
+    # A page elsewhere may not show this one in a frame and have it clicked through.
+    "Content-Security-Policy": "frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+
+_FOREIGN_SOURCES = ("websocket", "playbackpath")
+"""Parameters of viser's page that fetch the scene, and script with it, from another server."""
+
+HttpHandler = Callable[[ServerConnection, Request], Response | None]
+
+
+class ConnectionGuard:
+    """Decides which connections are served, and counts them. Lives on viser's event loop.
+
+    Args:
+        rules: Names that are served.
+        limits: How much is served.
+
+    Attributes:
+        open: Requests are answered with 503 until the server is ready.
+        limits: As given.
+        report: Log for what connections do.
+        held: Connections that sent too much and have to wait. They share what one may send.
+    """
+
+    def __init__(self, rules: NameRules, limits: Limits) -> None:
+        self.open = False
+        self.limits = limits
+        self.report = Reports()
+        self.held: set[GuardedConnection] = set()
+        self._rules = rules
+        self._starts = Bucket(limits.sessions_per_second, limits.sessions, time.monotonic())
+        self._waiting: dict[GuardedConnection, None] = {}
+        self._sessions: set[GuardedConnection] = set()
+
+    def arrived(self, connection: GuardedConnection) -> None:
+        """Note a new connection. Of too many that say nothing, the oldest gives way."""
+        self._waiting[connection] = None
+        if len(self._waiting) > self.limits.waiting:
+            oldest = next(iter(self._waiting))
+            del self._waiting[oldest]
+            oldest.transport.abort()
+
+    def left(self, connection: GuardedConnection) -> None:
+        """Note that a connection is gone."""
+        self._waiting.pop(connection, None)
+        self._sessions.discard(connection)
+        self.held.discard(connection)
+
+    def answering(self, serve_page: HttpHandler) -> HttpHandler:
+        """Return a handler that refuses what is not for us and leaves the rest to viser's own."""
+
+        def process_request(connection: ServerConnection, request: Request) -> Response | None:
+            refusal = self._refusal(connection, request)
+            if refusal is None:
+                return serve_page(connection, request)
+            status, reason = refusal
+            return connection.respond(status, f"{reason}\n")
+
+        return process_request
+
+    def _refusal(self, connection: ServerConnection, request: Request) -> tuple[int, str] | None:
+        headers = request.headers
+        local = connection.local_address
+        reached = local[0] if isinstance(local, tuple) else None
+        objection = self._rules.objection(
+            headers.get_all("Host"), headers.get_all("Origin"), reached
+        )
+        if objection is not None:
+            return 403, objection
+        query = unquote_plus(request.path.partition("?")[2]).lower()
+        if any(parameter in query for parameter in _FOREIGN_SOURCES):
+            return 403, "this page shows only what this server sends"
+        if not self.open:
+            return 503, "the server is starting"
+        if "Upgrade" in headers:
+            if len(self._sessions) >= self.limits.sessions:
+                return 503, "too many pages are open; close one"
+            if self._starts.level(time.monotonic()) < 1.0:
+                return 503, "too many pages were opened at once; try again in a second"
+        return None
+
+    def process_response(
+        self, connection: ServerConnection, _request: Request, response: Response
+    ) -> None:
+        """Count an accepted WebSocket as a session; add the headers that protect a page."""
+        if response.status_code == 101:
+            guarded = cast(GuardedConnection, connection)
+            self._waiting.pop(guarded, None)
+            self._sessions.add(guarded)
+            self._starts.take(1.0, time.monotonic())
+        else:
+            for name, value in _PAGE_HEADERS.items():
+                response.headers[name] = value
+
+
+class GuardedConnection(ServerConnection):
+    """A WebSocket connection that reads no faster than allowed and passes on only what is expected.
+
+    A flood is not answered by dropping messages, which would lose the last value of an eager hand,
+    but by reading more slowly, so that the sender has to wait; other connections do not notice. One
+    that goes on regardless is cut off.
+
+    Args:
+        protocol: As in :class:`~websockets.asyncio.server.ServerConnection`.
+        server: As there.
+        gate: The gate this connection comes through.
+        options: As there.
+
+    Attributes:
+        screen: What is passed on.
+    """
+
+    def __init__(
+        self, protocol: Any, server: Any, *, gate: ConnectionGuard, **options: Any
+    ) -> None:
+        # Flow control is this class's own; that of websockets counts data frames only, and only
+        # after a whole read of up to 256 kB, some 40,000 of the smallest frames, has been parsed.
+        options["max_queue"] = None
+        super().__init__(protocol, server, **options)
+        limits, now = gate.limits, self.loop.time()
+        self.screen = MessageFilter(limits, gate.report)
+        self._gate = gate
+        self._frame_allowance = Bucket(limits.frames_per_second, limits.frame_burst, now)
+        self._byte_allowance = Bucket(limits.bytes_per_second, limits.byte_burst, now)
+        self._unread = bytearray()
+        self._resume: asyncio.TimerHandle | None = None
+        self._held_since: float | None = None
+        self._frames = 0
+        self._fragments = 0
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Report to the gate."""
+        super().connection_made(transport)
+        self._gate.arrived(self)
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Give the place free."""
+        self._gate.left(self)
+        self._unread.clear()
+        if self._resume is not None:
+            self._resume.cancel()
+        super().connection_lost(exc)
+
+    def data_received(self, data: bytes) -> None:
+        """Take in bytes, in slices and not faster than allowed."""
+        self._unread += data
+        if self._resume is None:
+            self._read_on()
+
+    def _read_on(self) -> None:
+        self._resume = None
+        while self._unread and not self.transport.is_closing():
+            piece = bytes(self._unread[:_SLICE])
+            del self._unread[:_SLICE]
+            frames_before = self._frames
+            super().data_received(piece)
+            now = self.loop.time()
+            delay = max(
+                self._frame_allowance.take(self._frames - frames_before, now),
+                self._byte_allowance.take(len(piece), now),
+            )
+            if delay > 0.0:
+                self._hold(now, delay)
+                return
+        self._held_since = None
+        self._gate.held.discard(self)
+        self.transport.resume_reading()
+
+    def _hold(self, now: float, delay: float) -> None:
+        if self._held_since is None:
+            self._held_since = now
+        held = self._gate.held
+        held.add(self)
+        delay *= len(held)
+        if now + delay - self._held_since > self._gate.limits.patience:
+            self._gate.report("a connection that sent far too much was cut off")
+            self.transport.abort()
+            return
+        self.transport.pause_reading()
+        self._resume = self.loop.call_later(delay, self._read_on)
+
+    def process_event(self, event: Any) -> None:
+        """Count frames of every kind; cut off a message in endless pieces."""
+        self._frames += 1
+        if isinstance(event, Frame):
+            if event.opcode is Opcode.CONT:
+                self._fragments += 1
+            elif event.opcode in (Opcode.TEXT, Opcode.BINARY):
+                self._fragments = 0
+            if self._fragments > _MANY_FRAGMENTS:
+                self.transport.abort()
+        super().process_event(event)
+
+    async def recv(self, decode: bool | None = None) -> Any:
+        """Return the next message that a page of ours could have sent."""
+        while True:
+            passed = self.screen.passed(await super().recv(decode))
+            if passed is not None:
+                return passed

@@ -1,0 +1,193 @@
+"""The only file that reaches into viser, and why.
+
+viser 1.1 starts its WebSocket server inside one function without parameters for what we need, and
+keeps its bookkeeping in private attributes. What is used of it:
+
+* ``viser.infra._infra.websockets``: the name under which viser finds ``serve``. While a server is
+  made, that name stands for an overlay whose ``serve`` adds public options of websockets: a socket
+  that is already bound, our connection class, our request hooks, a smaller message limit.
+* ``ViserServer._websock_server`` (``infra.WebsockServer``): its ``_incoming_handlers``, to take off
+  the handlers that are shared by all pages, and ``_live_connections``, to find the connection of a
+  session.
+* ``GuiApi._gui_input_handle_from_uuid``: the inputs of a session.
+
+Each is looked for at the start, and a viser that has another shape is refused with
+:class:`ViserChanged`. This is why the project pins ``viser>=1.1.1,<1.2``.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+import inspect
+import socket
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+import rich
+import viser
+from viser import _messages
+from viser.infra import _infra
+from websockets.asyncio.server import ServerConnection
+from websockets.asyncio.server import serve as websockets_serve
+
+from .connection import ConnectionGuard, GuardedConnection
+from .messages import PAGE_MESSAGES
+from .reports import socket_logger
+
+SERIES = "1.1."
+"""The releases of viser that this file was written for."""
+
+_NEEDED_OF_SERVE = {"process_request", "process_response", "create_connection", "max_size"}
+_NEEDED_OF_CONNECTION = {"connection_made", "connection_lost", "data_received", "process_event"}
+_CLOSE_TIMEOUT = 3.0  # s; a page answers at once, a hostile socket should not linger
+
+_making = threading.Lock()  # the overlay is seen by all of viser while it is in place
+_printing = threading.RLock()  # so is the console that viser prints on
+
+
+class ViserChanged(RuntimeError):
+    """The installed viser is not built the way the guards need it; nothing is served."""
+
+    def __init__(self, what: str) -> None:
+        super().__init__(
+            f"viser {viser.__version__} cannot be guarded: {what}; viser {SERIES}x is needed"
+        )
+
+
+class _Overlay:
+    """A module with some names replaced."""
+
+    def __init__(self, below: Any, **replaced: Any) -> None:
+        self._below = below
+        self.__dict__.update(replaced)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._below, name)
+
+
+def require_known_viser() -> None:
+    """Compare viser's messages and names with what the guards were written for.
+
+    Raises:
+        ViserChanged: Something differs.
+    """
+    if not viser.__version__.startswith(SERIES):
+        raise ViserChanged("it is of another series")
+    if not hasattr(_infra, "websockets"):
+        raise ViserChanged("it finds websockets in another way")
+    if not inspect.signature(websockets_serve).parameters.keys() >= _NEEDED_OF_SERVE:
+        raise ViserChanged("websockets' serve() takes other options")
+    if not set(dir(ServerConnection)) >= _NEEDED_OF_CONNECTION:
+        raise ViserChanged("websockets' connections are built differently")
+    for ours in PAGE_MESSAGES:
+        theirs = getattr(_messages, ours.__name__, None)
+        fields = {field.name for field in dataclasses.fields(theirs)} if theirs else set()
+        if fields != set(ours.__struct_fields__):
+            raise ViserChanged(f"its {ours.__name__} is different")
+
+
+def start_viser(
+    bound: socket.socket,
+    host: str,
+    gate: ConnectionGuard,
+    wrap_connection: Callable[..., GuardedConnection],
+) -> viser.ViserServer:
+    """Start viser on a socket that is already bound, behind ``gate``.
+
+    The gate is still closed when this returns.
+
+    Args:
+        bound: Listening socket.
+        host: Name it was bound under, for viser's messages.
+        gate: Decides what is served.
+        wrap_connection: Makes a connection; see ``create_connection`` of websockets' ``serve``.
+
+    Raises:
+        ViserChanged: viser did not start its server the way it used to.
+    """
+    port = bound.getsockname()[1]
+    pages: list[Any] = []
+
+    # Must not raise: viser waits for this thread without end. What is amiss is found out below,
+    # while the gate is closed.
+    def serve(handler: Any, *_address: Any, **options: Any) -> websockets_serve:
+        pages.append(options.get("process_request"))
+        ours = {
+            "process_request": gate.answering(pages[-1]),
+            "process_response": gate.process_response,
+            "create_connection": wrap_connection,
+            "max_size": gate.limits.message_bytes,
+            "close_timeout": _CLOSE_TIMEOUT,
+            "logger": socket_logger(),
+        }
+        return websockets_serve(handler, sock=bound, **(options | ours))
+
+    names = _infra.__dict__
+    with _making:
+        real = names["websockets"]
+        names["websockets"] = _Overlay(
+            real, asyncio=_Overlay(real.asyncio, server=_Overlay(real.asyncio.server, serve=serve))
+        )
+        try:
+            with quiet():
+                server = viser.ViserServer(host, port, verbose=False)
+        finally:
+            names["websockets"] = real
+    try:
+        if len(pages) != 1 or not callable(pages[0]) or server.get_port() != port:
+            raise ViserChanged("it does not serve through websockets' serve()")
+        _separate_pages(server)
+    except BaseException:
+        server.stop()
+        raise
+    return server
+
+
+@contextmanager
+def quiet() -> Iterator[None]:
+    """Keep viser from announcing a server; whoever starts one says what is to be known of it."""
+    console = rich.get_console()  # where viser prints
+    with _printing:
+        before, console.quiet = console.quiet, True
+        try:
+            yield
+        finally:
+            console.quiet = before
+
+
+def _separate_pages(server: viser.ViserServer) -> None:
+    """Take off what one page could use to reach another, or the world; find a session's inputs."""
+    try:
+        shared = server._websock_server
+        connections: Mapping[int, Any] = shared._live_connections
+        # Share tunnels, the forms' broadcast, and inputs on ``server.gui``, which all pages see.
+        for message_type in list(shared._incoming_handlers):
+            shared.unregister_handler(message_type)
+        _inputs(server.gui)  # every session's GUI is built like the server's
+    except AttributeError as error:
+        raise ViserChanged(str(error)) from error
+
+    # viser awaits async callbacks in the order of registration: this one comes before the page's.
+    @server.on_client_connect
+    async def find_inputs(client: viser.ClientHandle) -> None:  # pyright: ignore[reportUnusedFunction]
+        connection = connections.get(client.client_id)
+        if isinstance(connection, GuardedConnection):
+            connection.screen.inputs = _inputs(client.gui)
+
+
+def _inputs(gui: viser.GuiApi) -> Mapping[str, Any]:
+    return gui._gui_input_handle_from_uuid
+
+
+def contain_failures(
+    loop: asyncio.AbstractEventLoop, report: Callable[[str, BaseException | None], None]
+) -> None:
+    """Send what goes wrong in viser's tasks to ``report`` instead of to the console every time."""
+
+    def handle(_loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
+        report(context["message"], context.get("exception"))
+
+    loop.call_soon_threadsafe(loop.set_exception_handler, handle)

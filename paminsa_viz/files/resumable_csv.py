@@ -1,0 +1,205 @@
+"""A CSV table that grows for hours, may be killed at any moment, and then goes on.
+
+Every row begins with its number. Rows are written in their order, at the end of the file, so that
+all a kill can leave behind is a last line without its end. That line is cut off, and the next row
+written in its place.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
+from types import TracebackType
+from typing import BinaryIO
+
+from paminsa_viz.files.atomic import as_file_error
+from paminsa_viz.files.errors import TableFileError, printable
+
+LONGEST_LINE = 1_000_000
+"""Longest line [bytes]; a file of something else must not fill the memory."""
+
+
+class ResumableCsv:
+    """An open table that rows are appended to.
+
+    Attributes:
+        rows: Number of complete rows in the file.
+    """
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        head: Mapping[str, str],
+        columns: Sequence[str],
+        *,
+        identity: str,
+        restart: bool = False,
+    ) -> None:
+        """Open a table, or begin one where there is none.
+
+        Args:
+            path: The file.
+            head: Key and value of the ``#`` lines at the top of a new table, each on one line. A
+                table begins with the first of them.
+            columns: Names of the columns; the first one is the row's number.
+            identity: Key of the head that tells this table from others. The lines below it are
+                what it follows from: where it differs, the first of them that does is named.
+            restart: Throw away what the file holds.
+
+        Raises:
+            TableFileError: If the file cannot be used, holds something else, or is being written
+                by another process.
+        """
+        self._source = os.fspath(path)
+        self._columns = tuple(columns)
+        self.rows = 0
+        try:
+            # Neither "r+" nor "w": what is there stays, and what is not there is made.
+            number = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+            self._file: BinaryIO = open(number, "r+b")  # noqa: SIM115  closed in close()
+        except OSError as error:
+            problem = as_file_error(self._source, error, "written").problem
+            raise TableFileError(self._source, problem) from error
+        try:
+            self._lock()
+            if restart:
+                self._file.truncate(0)
+            if not self._find_head(head, identity):
+                self._begin(head)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def __enter__(self) -> ResumableCsv:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Put everything on the disk and close the file."""
+        with suppress(OSError):  # what cannot be synced, such as a pipe, has no more to offer
+            os.fsync(self._file.fileno())
+        self._file.close()
+
+    def read(self) -> Iterable[tuple[str, ...]]:
+        """Yield the rows that are there, check them, and cut off a last one without its end.
+
+        Has to be run through before `append`.
+
+        Raises:
+            TableFileError: At a row that is none, or is not the next one.
+        """
+        self.rows = 0
+        end = self._file.seek(self._start)
+        while (line := self._file.readline(LONGEST_LINE)).endswith(b"\n"):
+            cells = tuple(line.decode("utf-8", "replace")[:-1].split(","))
+            if len(cells) != len(self._columns) or cells[0] != str(self.rows):
+                problem = (
+                    f"is not the row {self.rows} that belongs here; cut the file off before it, or "
+                    "begin again"
+                )
+                raise TableFileError(self._source, problem, row=self._head_lines + self.rows + 1)
+            end += len(line)
+            self.rows += 1
+            yield cells
+        self._file.truncate(end)
+        self._file.seek(end)
+
+    def append(self, rows: Iterable[Sequence[str]]) -> None:
+        """Write rows, whose numbers go on from those that are there, and hand them to the system.
+
+        Raises:
+            TableFileError: If they cannot be written; what is in the file can still be gone on
+                from.
+        """
+        lines = []
+        for cells in rows:
+            if cells[0] != str(self.rows + len(lines)):
+                raise ValueError(f"row {cells[0]} is not the next one")
+            lines.append(",".join(cells) + "\n")
+        self._write("".join(lines))
+        self.rows += len(lines)
+
+    def _write(self, text: str) -> None:
+        try:
+            self._file.write(text.encode())
+            self._file.flush()
+        except OSError as error:
+            problem = as_file_error(self._source, error, "written").problem
+            raise TableFileError(self._source, problem) from error
+
+    def _find_head(self, head: Mapping[str, str], identity: str) -> bool:
+        """Read the lines above the rows; return false if a kill left no more than a part of them.
+
+        Raises:
+            TableFileError: If they are not those of this table.
+        """
+        wanted = f"# {identity}: {head[identity]}"
+        first = _first(head).encode()
+        found: list[str] = []
+        for number in range(1, 10_000):
+            line = self._file.readline(LONGEST_LINE)
+            if number == 1 and not (line.startswith(first) or first.startswith(line)):
+                break
+            if not line.endswith(b"\n"):
+                return False
+            text = line.decode("utf-8", "replace").rstrip("\n")
+            if text.startswith("#"):
+                found.append(text)
+            elif wanted in found and text == ",".join(self._columns):
+                self._head_lines, self._start = number, self._file.tell()
+                return True
+            else:
+                break
+        other = _difference(found, head, identity)
+        problem = f"holds {other}; take another name, or begin again"
+        raise TableFileError(self._source, problem)
+
+    def _begin(self, head: Mapping[str, str]) -> None:
+        self._file.seek(0)
+        self._file.truncate()
+        lines = [*(f"# {key}: {value}" for key, value in head.items()), ",".join(self._columns)]
+        self._write("\n".join(lines) + "\n")
+        self._head_lines, self._start = len(lines), self._file.tell()
+
+    def _lock(self) -> None:
+        """Keep others off the file until it is closed, or this process is gone."""
+        try:
+            import fcntl
+        except ImportError:  # Windows: there, two runs into one file are the person's to avoid
+            return
+        try:
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise TableFileError(self._source, "is being written by another process") from None
+        except OSError:
+            return  # some network disks know no locks
+
+
+def _first(head: Mapping[str, str]) -> str:
+    key, value = next(iter(head.items()))
+    return f"# {key}: {value}\n"
+
+
+def _difference(found: Sequence[str], head: Mapping[str, str], identity: str) -> str:
+    """Return what a table holds instead, by the first value below the identity that differs."""
+    theirs = {key: value for key, _, value in (line[2:].partition(": ") for line in found)}
+    if identity not in theirs:
+        return "something else"
+    for key in (*_below(head, identity), *_below(theirs, identity)):
+        there, here = (printable(said.get(key, "none")[:80]) for said in (theirs, head))
+        if there != here:
+            return f'another {identity}, whose {key} is "{there}", not "{here}"'
+    return "something else" if theirs[identity] == head[identity] else f"another {identity}"
+
+
+def _below(head: Mapping[str, str], identity: str) -> list[str]:
+    keys = list(head)
+    return keys[keys.index(identity) + 1 :]

@@ -1,0 +1,65 @@
+"""The robot's shape: parts, bodies made to the design's lengths, and their placement.
+
+`make_body` gives a body in its own frame, `place_parts` says where each is, `assemble_glb` puts the
+posed robot into one file. The fixed parts are mesh files that ``python -m paminsa_viz.meshes``
+writes.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from paminsa_viz.meshes.layout import Layout, layout
+
+if TYPE_CHECKING:
+    from paminsa_viz.meshes.bodies import (
+        STANDING,
+        body_glb,
+        color_of,
+        lengths_of,
+        make_body,
+        prepare,
+    )
+    from paminsa_viz.meshes.library import MissingMeshes, fixed_part, write_meshes
+    from paminsa_viz.meshes.part import Part
+    from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
+    from paminsa_viz.meshes.posed import assemble_glb
+
+__all__ = [
+    "BODIES",
+    "STANDING",
+    "Layout",
+    "MissingMeshes",
+    "Part",
+    "Placement",
+    "assemble_glb",
+    "body_glb",
+    "color_of",
+    "fixed_part",
+    "layout",
+    "lengths_of",
+    "make_body",
+    "place_parts",
+    "prepare",
+    "write_meshes",
+]
+
+_HOMES = {
+    "bodies": ("STANDING", "body_glb", "color_of", "lengths_of", "make_body", "prepare"),
+    "library": ("MissingMeshes", "fixed_part", "write_meshes"),
+    "part": ("Part",),
+    "placement": ("BODIES", "Placement", "place_parts"),
+    "posed": ("assemble_glb",),
+}
+"""Modules of the other names. They are imported when asked for: trimesh takes half a second, and
+whoever needs lengths alone should not wait for it."""
+
+
+def __getattr__(name: str) -> object:
+    for module, names in _HOMES.items():
+        if name in names:
+            found = getattr(import_module(f"{__name__}.{module}"), name)
+            globals()[name] = found
+            return found
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

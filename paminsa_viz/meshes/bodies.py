@@ -1,0 +1,272 @@
+"""The moving bodies, made to the design's lengths out of fixed parts and tubes.
+
+`make_body` gives any body by its name in its own frame (see `paminsa_viz.meshes.placement`);
+`lengths_of` tells which lengths it depends on, so that a viewer rebuilds only what changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import trimesh
+
+from paminsa_viz import palette
+from paminsa_viz.meshes import frame
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes.joint_parts import collar, pin
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.meshes.library import fixed_part
+from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.placement import BODIES
+from paminsa_viz.meshes.shading import is_plain, plain_shapes
+from paminsa_viz.meshes.solids import (
+    ALONG,
+    Array,
+    beam,
+    box,
+    loft,
+    moved,
+    prism,
+    rod,
+    rounded_polygon,
+    tube,
+    turn,
+)
+from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.kinematics import AXIS_ANGLES
+
+STANDING: Final = ("ground", "base", "m1", "m2", "m3", "m4")
+"""Names of the bodies that do not move."""
+
+SMALL: Final = 0.028
+"""Pieces smaller than this are left out of plain bodies [m]."""
+
+ACTUATOR_NAMES: Final = ("m1", "m2", "m3", "m4")
+
+
+def color_of(body: str) -> str:
+    """Return the color (``#rrggbb``) of a body's colored faces."""
+    if body.startswith("leg"):
+        return palette.LEG_COLORS[int(body[3]) - 1]
+    if body in ACTUATOR_NAMES:
+        return palette.ACTUATOR_COLORS[int(body[1]) - 1]
+    return palette.LIFT_COLOR if body == "carriage" else palette.PLATFORM
+
+
+def lengths_of(
+    body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER
+) -> tuple[object, ...]:
+    """Return what a body's shape depends on; equal tuples mean an equal shape.
+
+    Raises:
+        KeyError: If there is no such body.
+    """
+    g = geometry
+    place = layout(g, assembly)
+    ram = place.column_top - place.lift_low if assembly is KneeBranch.UPPER else 0.0
+    heights = (place.ground, place.mast_top, place.column_top)
+    depends: dict[str, tuple[object, ...]] = {
+        "ground": (place.ground, place.mast_radius),
+        "base": (g.base_radius, place.mast_radius, *heights, assembly),
+        "m1": (g.base_radius, assembly),
+        "m2": (g.base_radius, assembly),
+        "m3": (g.base_radius, assembly),
+        "m4": (place.column_top, place.lift_high - place.lift_low, assembly),
+        "carriage": (g.base_radius, g.arm_length, ram),
+        "platform": (g.platform_radius, g.platform_joint_height),
+        "guide": (g.guide_link_length, assembly),
+        "shaft": (g.shaft_length,),
+        "slider": (),
+        "swivel": (),
+        "b3": (g.crank_length, g.magnification),
+        "b4": (g.coupler_length, g.magnification),
+        "b7": ("b7", g.short_coupler_length),
+        "b8": ("b8", g.crank_length),
+    }
+    return depends[_kind(body)]
+
+
+def make_body(body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Part:
+    """Return a body by its name, in its own frame [m]; standing bodies in the world frame.
+
+    Raises:
+        KeyError: If there is no such body.
+    """
+    kind = _kind(body)
+    if kind in ACTUATOR_NAMES:
+        return frame.actuators(geometry, assembly)[ACTUATOR_NAMES.index(kind)][0]
+    if kind == "ground":
+        return frame.ground(geometry, assembly)
+    if kind == "base":
+        return frame.base(geometry, assembly)
+    if kind in ("slider", "swivel"):
+        return fixed_part(kind)
+    makers: dict[str, Callable[..., Part]] = {
+        "carriage": carriage,
+        "platform": platform,
+        "guide": guide,
+        "shaft": shaft,
+        "b3": bar_b3,
+        "b4": bar_b4,
+        "b7": bar,
+        "b8": bar,
+    }
+    return _made(makers[kind], lengths_of(body, geometry, assembly), is_plain()).copy()
+
+
+@lru_cache(maxsize=64)
+def _made(maker: Callable[..., Part], lengths: tuple[object, ...], plain: bool) -> Part:
+    """Return a moving body; the three legs share what is made here."""
+    del plain  # only tells one from the other
+    return maker(*lengths)
+
+
+def _kind(body: str) -> str:
+    """Return what kind of body a name stands for: the same for the three legs."""
+    if body not in BODIES and body not in STANDING:
+        raise KeyError(body)
+    return body.rpartition("/")[2]
+
+
+def bar(layer: str, length: float, middle: float | None = None) -> Part:
+    """Return a bar along +x with barrels at 0, at ``length`` and, if given, at ``middle`` [m].
+
+    The bar is drawn at its layer's offset across the leg plane; its origin lies on the plane.
+    """
+    radius = at.TUBE_RADIUS[layer]
+    stops = [0.0, length] if middle is None else [0.0, middle, length]
+    part = Part()
+    socket = 0.014
+    if length > 2 * socket:
+        part.add("accent", moved(rod(radius, socket, length - socket, 0.0, 12), rotation=ALONG))
+    for stop in stops:
+        part.join(fixed_part("barrel").moved((stop, 0.0, 0.0)))
+    gaps = [high - low for low, high in pairwise(stops)]
+    for i, stop in enumerate(stops):
+        if i < len(gaps) and gaps[i] > 0.062:
+            part.join(fixed_part("bar_end").moved((stop, 0.0, 0.0)))
+        if i > 0 and gaps[i - 1] > 0.062:
+            part.join(fixed_part("bar_end").moved((stop, 0.0, 0.0), turn("z", np.pi)))
+    return part.moved((0.0, at.LAYER[layer], 0.0))
+
+
+def bar_b4(length: float, magnification: float) -> Part:
+    """Return bar B4 (joints 9-4-5) with the pins of 9 and 4; origin at 9, x toward 5."""
+    to_4 = length / magnification
+    part = bar("b4", length, to_4)
+    (outside, near_b8), (near, _), (near_b3, far) = (at.span(b) for b in ("b8", "b4", "b3"))
+    part.join(pin(outside, at.span("b4")[1])).add("steel", collar(near_b8, near))
+    joint_4 = pin(near, far, (False, True)).add("steel", collar(at.span("b4")[1], near_b3))
+    return part.join(joint_4.moved((to_4, 0.0, 0.0)))
+
+
+def bar_b3(length: float, magnification: float) -> Part:
+    """Return bar B3 (joints 4-3-7) with the pin of 7; origin at 3, x toward 7."""
+    to_3 = length * (1 - 1 / magnification)
+    (near, near_b3), (far_b7, far) = at.span("b7"), at.span("b3")
+    joint_7 = pin(near, far, (False, True)).add("steel", collar(near_b3, far_b7))
+    part = bar("b3", length, to_3).join(joint_7.moved((length, 0.0, 0.0)))
+    return part.moved((-to_3, 0.0, 0.0))
+
+
+def shaft(length: float) -> Part:
+    """Return shaft B2 with the pin of joint 3; origin at 3, +z up to joint 2."""
+    top = length + at.ARM_BEARING_HALF + 0.004
+    part = fixed_part("shaft_end")
+    part.add("steel", splined(at.SHAFT_RADIUS, 0.02, top))
+    return part.join(fixed_part("shaft_nut").moved((0.0, 0.0, length)))
+
+
+def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
+    """Return a shaft with six shallow grooves along z, which show that it turns."""
+    if is_plain():
+        return rod(radius, bottom, top)
+    angle = 2 * np.pi * np.arange(24) / 24
+    depth = np.where(np.arange(24) % 6 == 0, 0.0016, 0.0)
+    flat = (radius - depth)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+    def level(height: float) -> Array:
+        return np.hstack([flat, np.full((24, 1), height)])
+
+    return loft([level(bottom), level(top)])
+
+
+def guide(length: float, assembly: KneeBranch) -> Part:
+    """Return guide link B10 with the quill that M1..M3 turn; origin on the leg axis, link to -x."""
+    part = fixed_part("quill")
+    if assembly is KneeBranch.UPPER:
+        part = part.moved(rotation=turn("x", np.pi))
+    rail = beam(0.02, length - 0.001, (0.022, 0.021), (0.022, 0.021), 0.002, 0.0005)
+    part.add("body", moved(rail, rotation=turn("z", np.pi)))
+    for side in (-1.0, 1.0):
+        strip = box((max(length - 0.045, 0.01), 0.003, 0.007), chamfer=0.0)
+        part.add("steel", moved(strip, (-(length + 0.015) / 2, side * 0.0112, 0.0)))
+    part.add("accent", box((0.010, 0.034, 0.032), (-length - 0.005, 0.0, 0.0), 0.002))
+    return part
+
+
+def carriage(base_radius: float, arm_length: float, ram: float) -> Part:
+    """Return M4's carriage with the arms B1 and the bearings of joint 2; origin on the axis."""
+    part = fixed_part("lift_carriage")
+    tip = base_radius
+    root = tip - arm_length
+    for angle in AXIS_ANGLES:
+        spin = turn("z", angle)
+        start = min(max(root, 0.0), tip) - 0.006
+        if root > 0.042:
+            # The arm begins further out than the carriage is wide: a neck bridges the rest.
+            part.add("body", moved(beam(0.03, root, (0.024, 0.026), (0.024, 0.026)), rotation=spin))
+        if tip - 0.02 > start:
+            arm = beam(start, tip - 0.02, (0.034, 0.048), (0.021, 0.026), 0.006, 0.002)
+            part.add("accent", moved(arm, rotation=spin))
+        part.join(fixed_part("arm_bearing").moved(frame.polar(tip, angle)))
+    if ram:
+        top = at.CARRIAGE_HALF + ram + 0.02
+        part.add("steel", rod(frame.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 22))
+        part.add("body", rod(0.026, at.CARRIAGE_HALF - 0.001, at.CARRIAGE_HALF + 0.012, 0.002, 24))
+        part.add("body", rod(0.026, -at.CARRIAGE_HALF - 0.004, 0.001 - at.CARRIAGE_HALF, 0.002, 24))
+    return part
+
+
+def platform(radius: float, joint_height: float) -> Part:
+    """Return the platform without its swivels; origin at the paper's point P of the platform."""
+    top = joint_height - at.PLATE_BELOW_5
+    corners = np.array([frame.polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
+    part = Part()
+    plate = prism(rounded_polygon(corners, 0.025, steps=8), top - 0.010, top, 0.0016)
+    part.add("platform", plate)
+    part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0, 28))
+    return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - 0.010)))
+
+
+def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:
+    """Return where a leg's axis (index 0 to 2) crosses the plane of the guides [m]."""
+    x, y, z = frame.polar(geometry.base_radius, AXIS_ANGLES[leg])
+    return float(x), float(y), float(z)
+
+
+@lru_cache(maxsize=256)
+def body_glb(
+    body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER, *, fine: bool = True
+) -> bytes:
+    """Return a body as a colored GLB in its own frame, z up; the last ones made are kept.
+
+    One that is not ``fine`` has a quarter of the triangles, no bolts and pins, round sides of few
+    faces, and its colors at its points instead of a mesh for each.
+    """
+    if fine:
+        return make_body(body, geometry, assembly).glb(color_of(body))
+    with plain_shapes():
+        part = make_body(body, geometry, assembly).without_small(SMALL)
+        return part.glb(color_of(body), plain=True)
+
+
+def prepare(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> None:
+    """Make and keep every body's GLB, so that no scene need wait for them; the plain ones first."""
+    for fine in (False, True):
+        for body in (*STANDING, *BODIES):
+            body_glb(body, geometry, assembly, fine=fine)

@@ -1,0 +1,206 @@
+"""The standing part of the machine: ground, posts, base plate with M1..M3, and M4's column."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from paminsa_viz import palette
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes.actuator_parts import ROD_ANGLES, ROD_CIRCLE, ROD_RADIUS, SCREW_RADIUS
+from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, Layout, layout
+from paminsa_viz.meshes.library import fixed_part
+from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.solids import (
+    Array,
+    arc_beam,
+    beam,
+    box,
+    flat_ring,
+    loft,
+    moved,
+    prism,
+    rod,
+    rounded_rectangle,
+    tube,
+    turn,
+)
+from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.kinematics import AXIS_ANGLES
+
+_ROUND = 2 * np.pi * np.arange(72) / 72
+"""Corners of the plinth, fine or plain: nothing else is so large [rad]."""
+
+CYLINDER_RADIUS = 0.034
+RAM_RADIUS = 0.016
+
+FLIP = turn("y", np.pi)
+"""Turns the base plate over; it keeps the three leg directions where they are."""
+
+
+def polar(radius: float, angle: float, height: float = 0.0) -> Array:
+    """Return the point at a radius and angle [rad] about the robot's axis, at a height [m]."""
+    return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
+
+
+def plinth_radius(geometry: Geometry, assembly: KneeBranch) -> float:
+    """Return the radius of the plinth [m]."""
+    return layout(geometry, assembly).mast_radius + 0.115
+
+
+def ground(geometry: Geometry, assembly: KneeBranch) -> Part:
+    """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
+    radius = plinth_radius(geometry, assembly)
+    top = layout(geometry, assembly).ground
+    part = Part().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
+    rim = [np.array([polar(radius, a, h) for a in _ROUND]) for h in (top - 0.020, top - 0.0015)]
+    part.add("rim", loft(rim))
+    # Circles every 0.2 m for scale; they stand out by less than the pictures laid on the floor.
+    for line in np.arange(0.2, radius - 0.05, 0.2):
+        part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
+    return part
+
+
+def base(geometry: Geometry, assembly: KneeBranch) -> Part:
+    """Return the frame that does not move, without the actuators' bodies. World frame."""
+    place = layout(geometry, assembly)
+    plate = _base_plate(geometry, place)
+    if assembly is KneeBranch.LOWER:
+        return plate.join(_mast(place), _arm(place), _column(place))
+    return plate.moved(rotation=FLIP).join(_mast(place), _stay(place), _bridge(place))
+
+
+def actuators(geometry: Geometry, assembly: KneeBranch) -> list[tuple[Part, str]]:
+    """Return the bodies of M1..M4, each with its color, in the world frame."""
+    place = layout(geometry, assembly)
+    out = []
+    for angle, color in zip(AXIS_ANGLES, palette.LEG_COLORS, strict=True):
+        seat = polar(geometry.base_radius, angle, at.MOUNT + at.PLATE)
+        motor = fixed_part("rotary_actuator").moved(seat, turn("z", angle))
+        if assembly is KneeBranch.UPPER:
+            # Turned over, legs 1 and 2 change places, so each motor goes to the other's seat.
+            motor = fixed_part("rotary_actuator").moved(
+                FLIP @ seat * [-1, 1, 1], turn("z", angle) @ turn("x", np.pi)
+            )
+        out.append((motor, color))
+    return [*out, (_lift(place, assembly), palette.LIFT_COLOR)]
+
+
+def lift_motor_height(geometry: Geometry, assembly: KneeBranch) -> float:
+    """Return the height of the top of M4's motor [m]."""
+    place = layout(geometry, assembly)
+    stand = 0.0 if assembly is KneeBranch.LOWER else _cylinder_length(place) + PLATE_OF_BRIDGE
+    return place.column_top + stand + 0.104
+
+
+PLATE_OF_BRIDGE = 0.012
+
+
+def _cylinder_length(place: Layout) -> float:
+    """Return the length of M4's cylinder in the mirror assembly: it takes in the whole ram [m]."""
+    return place.lift_high - place.lift_low + 0.03
+
+
+def _lift(place: Layout, assembly: KneeBranch) -> Part:
+    if assembly is KneeBranch.LOWER:
+        return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
+    foot = place.column_top + PLATE_OF_BRIDGE
+    top = foot + _cylinder_length(place)
+    part = fixed_part("lift_foot").moved((0.0, 0.0, foot - 0.002))
+    part.add("frame", moved(rod(CYLINDER_RADIUS, foot, top, 0.002, 32)))
+    part.add("accent", tube(0.03, CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 32))
+    return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
+
+
+def _base_plate(geometry: Geometry, place: Layout) -> Part:
+    """The plate above the guides: hub, spokes to the motors, ring."""
+    low, high = at.MOUNT, at.MOUNT + at.PLATE
+    part = Part().add("frame", rod(0.064, low, high, 0.002, 32))
+    radius = geometry.base_radius
+    for angle in AXIS_ANGLES:
+        spin = turn("z", angle)
+        # Spokes stand on edge above the plate's lower face, clear of the bars below.
+        spoke = beam(0.05, radius - 0.05, (0.050, 0.016), (0.034, 0.016), 0.003, 0.0015)
+        part.add("frame", moved(spoke, (0.0, 0.0, low + 0.0085), spin))
+        seat = tube(at.QUILL_RADIUS + 0.001, 0.073, low + 0.0003, high, 0.0015, 28)
+        part.add("frame", moved(seat, polar(radius, angle)))
+    gap = 2 * np.arcsin(min(0.060 / (2 * radius), 1.0))
+    for angle in AXIS_ANGLES:
+        start, end = angle + gap, angle + 2 * np.pi / 3 - gap
+        if end > start:
+            ring = arc_beam(radius, 0.026, low + 0.0008, low + 0.0152, start, end)
+            part.add("frame", ring)
+    return part
+
+
+def _mast(place: Layout) -> Part:
+    """The mast behind the robot, on its foot."""
+    spin = turn("z", MAST_ANGLE)
+    where = polar(place.mast_radius, MAST_ANGLE)
+    low, top = place.ground, place.mast_top
+    part = fixed_part("mast_foot").moved(where + polar(0.0, 0.0, low), spin)
+    profile = prism(rounded_rectangle(*MAST, 0.010, steps=3), low + 0.008, top, 0.001)
+    part.add("frame", moved(profile, where, spin))
+    for side in (-1.0, 1.0):
+        # Dark inlays in the profile's grooves; they stand out by less than can be seen.
+        for offset in (-0.022, 0.022):
+            groove = box((0.008, 0.002, top - low - 0.07), chamfer=0.0)
+            across = np.array([offset, side * (MAST[1] / 2 - 0.0006), (top + low) / 2])
+            part.add("body", moved(moved(groove, across), where, spin))
+    cap = prism(
+        rounded_rectangle(MAST[0] + 0.003, MAST[1] + 0.003, 0.011), top - 0.001, top + 0.010
+    )
+    return part.add("dark", moved(cap, where, spin))
+
+
+def _arm(place: Layout) -> Part:
+    """The arm that carries the base plate in the printed assembly, deeper toward the mast."""
+    low = at.MOUNT + 0.0012
+    return _cantilever(place, 0.045, low, (0.036, 0.020), (0.054, 0.092))
+
+
+def _stay(place: Layout) -> Part:
+    """The arm below the guides that carries the base plate in the mirror assembly."""
+    top = -at.MOUNT - 0.0012
+    part = _cantilever(place, 0.045, top, (0.036, 0.020), (0.054, 0.092))
+    # Mirrored in the plane of its straight edge: deep side down.
+    return part.moved((0.0, 0.0, 2 * top), FLIP @ turn("z", np.pi - 2 * MAST_ANGLE))
+
+
+def _cantilever(
+    place: Layout, start: float, low: float, inner: tuple[float, float], outer: tuple[float, float]
+) -> Part:
+    """An arm from the mast to the robot's axis, level below and sloping above.
+
+    ``inner`` and ``outer`` are its (width, height) at the axis and at the mast.
+    """
+    end = place.mast_radius - MAST[0] / 2 + 0.004
+    spin = turn("z", MAST_ANGLE)
+
+    def loop(x: float, size: tuple[float, float]) -> Array:
+        flat = rounded_rectangle(size[0], size[1], 0.006, steps=3)
+        height = low + size[1] / 2 + flat[:, 1]
+        return np.stack([np.full(len(flat), x), flat[:, 0], height], axis=1)
+
+    flange = (outer[0] + 0.012, outer[1] + 0.012)
+    part = Part().add("frame", moved(loft([loop(start, inner), loop(end, outer)]), rotation=spin))
+    plate = prism(rounded_rectangle(0.014, flange[0], 0.003), low - 0.006, low + outer[1] + 0.006)
+    return part.add("body", moved(plate, polar(end - 0.006, MAST_ANGLE), spin))
+
+
+def _column(place: Layout) -> Part:
+    """M4's column in the printed assembly: foot, three guide rods and the screw."""
+    bottom = at.MOUNT + at.PLATE
+    part = fixed_part("lift_foot").moved((0.0, 0.0, bottom))
+    part.add("steel", rod(SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 10))
+    for angle in ROD_ANGLES:
+        guide = rod(ROD_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 8)
+        part.add("steel", moved(guide, polar(ROD_CIRCLE, angle)))
+    return part
+
+
+def _bridge(place: Layout) -> Part:
+    """The arm over the robot in the mirror assembly, which carries M4."""
+    low, high = place.column_top, place.column_top + PLATE_OF_BRIDGE
+    part = Part().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
+    part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))
+    return part

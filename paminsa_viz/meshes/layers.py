@@ -1,0 +1,59 @@
+"""Where the bodies of one leg lie across the leg plane, and the sizes their fittings share.
+
+The leg frame has x along the horizontal direction of the leg plane (from the leg axis toward the
+platform), y across it and z up. Shaft B2, guide link B10 and the slider lie in the middle (y = 0).
+B8 runs on one side of them; B4 and B7, which are parallel, share the layer on the other side, and
+B3 runs outside those. So bars that cross each other are never in one layer, whatever the pose and
+the assembly, and no bar is in the middle, where the shaft stands. Pins bridge the layers at the
+joints. All lengths in meters.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+BARREL: Final = 0.026
+"""Length of a joint barrel across the plane."""
+
+BARREL_RADIUS: Final = 0.0165
+PIN_RADIUS: Final = 0.0065
+PIN_HEAD: Final = 0.0045
+"""How far a pin's head stands out of the outermost barrel on it."""
+
+LAYER: Final[dict[str, float]] = {"b8": -0.036, "b4": 0.036, "b7": 0.036, "b3": 0.065}
+"""Offset of the middle of each bar from the leg plane."""
+
+TUBE_RADIUS: Final[dict[str, float]] = {"b3": 0.0105, "b4": 0.012, "b7": 0.0085, "b8": 0.0105}
+
+CORE: Final = 0.0195
+"""Half width of what lies in the middle: shaft end, guide link with its quill, slider."""
+
+SHAFT_RADIUS: Final = 0.0095
+QUILL_BORE: Final = 0.0115
+QUILL_RADIUS: Final = 0.0185
+SLIDER_HALF: Final = 0.023
+"""Half length of the slider along the guide."""
+
+MOUNT: Final = 0.096
+"""Height of the base plate's guide side from the plane of the guides."""
+
+PLATE: Final = 0.010
+"""Thickness of the base plate."""
+
+MOTOR_HEIGHT: Final = 0.036
+QUILL_TOP: Final = MOUNT + PLATE + MOTOR_HEIGHT + 0.006
+"""Height of the far end of the quill, the hollow shaft that M1..M3 turn, above the guides."""
+
+ARM_BEARING_HALF: Final = 0.018
+"""Half height of the bearing at joint 2."""
+
+CARRIAGE_HALF: Final = 0.028
+"""Half height of M4's carriage."""
+
+PLATE_BELOW_5: Final = 0.0235
+"""Depth of the platform plate's upper face below the pins of joints 5."""
+
+
+def span(bar: str) -> tuple[float, float]:
+    """Return the room that a bar takes across the leg plane, barrels included (low, high) [m]."""
+    return LAYER[bar] - BARREL / 2, LAYER[bar] + BARREL / 2

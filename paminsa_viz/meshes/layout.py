@@ -1,0 +1,131 @@
+"""Where the machine's frame stands: heights and radii that follow from the geometry.
+
+The frame is drawn around the mechanism; the paper does not give it. In the printed assembly the
+robot hangs from a mast with one arm: M1..M3 sit on a base plate above the guides and M4 is a column
+on that plate, whose carriage slides along fixed rods. In the mirror assembly the base plate lies
+below the guides and the platform above them, so M4 hangs from a second arm and pushes its carriage
+down with a ram.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.model.design import Geometry, KneeBranch
+
+MAST_ANGLE: Final = float(np.radians(150.0))
+"""Direction of the mast, midway between legs 1 and 3 [rad]."""
+
+MAST: Final = (0.090, 0.066)
+"""Depth (along its direction) and width of the mast [m]."""
+
+HANG: Final = 0.18
+"""Room between the lowest platform and the ground, for the payload [m]."""
+
+STRETCHED: Final = 0.07
+"""Room between the lowest joints and the ground [m]."""
+
+TABLE: Final = 0.30
+"""Least height of the guides above the ground in the mirror assembly [m]."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Heights (world z) and radii of the frame [m].
+
+    Attributes:
+        ground: Height of the ground's surface.
+        mast_radius: Distance of the mast from the robot's axis.
+        mast_top: Height of the mast's upper end.
+        column_top: Printed assembly: underside of M4's end plate. Mirror: underside of the bridge.
+        lift_low, lift_high: Range of Z that M4's column or ram spans.
+        platform_low, platform_high: Range of z in which the drawn bodies stay clear of the frame
+            with the platform near the center; equal where there is no such height.
+    """
+
+    ground: float
+    mast_radius: float
+    mast_top: float
+    column_top: float
+    lift_low: float
+    lift_high: float
+    platform_low: float
+    platform_high: float
+
+
+def mast_radius(geometry: Geometry) -> float:
+    """Return how far out the mast stands, so that no link reaches it at any angle [m]."""
+    reach = max(
+        geometry.guide_link_length + at.SLIDER_HALF,
+        geometry.stroke + at.SLIDER_HALF,
+        1.16 * geometry.crank_length,
+    )
+    clear = reach + float(np.hypot(*MAST)) / 2 + 0.012
+    radius = geometry.base_radius
+    # Mast, leg axis and robot axis form a triangle with 60 degrees at the robot axis.
+    inside = clear**2 - 0.75 * radius**2
+    outer = radius / 2 + np.sqrt(inside) if inside > 0 else 0.0
+    return float(max(outer, radius + 0.12))
+
+
+@lru_cache(maxsize=64)
+def layout(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Layout:
+    """Return the frame's heights and radii for a geometry and an assembly."""
+    reach = geometry.crank_length + geometry.coupler_length
+    # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
+    deepest = float(np.sqrt(max(reach**2 - geometry.home_span**2, 0.0025)))
+    factor = geometry.magnification
+    lowest_arm = at.QUILL_TOP + at.ARM_BEARING_HALF + 0.008
+    radius = mast_radius(geometry)
+    if assembly is KneeBranch.LOWER:
+        by_arms = factor * (geometry.shaft_length - lowest_arm)
+        depth = max(min(deepest, by_arms), 0.1)
+        low = -depth - geometry.platform_joint_height
+        high = max(geometry.shaft_length, lowest_arm + 0.05) + 0.004
+        return Layout(
+            ground=_rounded(min(low - HANG, -deepest - STRETCHED)),
+            mast_radius=radius,
+            mast_top=at.MOUNT + 0.105,
+            column_top=high + at.CARRIAGE_HALF + 0.012,
+            lift_low=lowest_arm,
+            lift_high=high,
+            platform_low=low,
+            platform_high=max(low, -_near_guides(geometry) - geometry.platform_joint_height),
+        )
+    high = geometry.shaft_length + deepest / factor + 0.01
+    bridge = high + at.CARRIAGE_HALF + 0.03
+    # The arms travel above the platform; they meet where Z comes down to the forks.
+    meet = (geometry.shaft_length - at.CARRIAGE_HALF - 0.02) / (1 - 1 / factor)
+    low = _near_guides(geometry)
+    # Joints 9 turn about the guides on B8; with the pantographs folded they come to hang from them.
+    hanging = geometry.crank_length + STRETCHED
+    return Layout(
+        ground=_rounded(-max(TABLE, hanging)),
+        mast_radius=radius,
+        mast_top=bridge + 0.085,
+        column_top=bridge,
+        lift_low=geometry.shaft_length,
+        lift_high=high,
+        platform_low=low - geometry.platform_joint_height,
+        platform_high=min(deepest, max(meet, low + 0.01)) - geometry.platform_joint_height,
+    )
+
+
+def _near_guides(geometry: Geometry) -> float:
+    """Return how far joint 5 has to stay from the guides, so that B7 clears the base plate [m].
+
+    Joint 7 is at z_7 = (z_5 - z_9)/k; it comes nearest to the plate with the knee 9 straight
+    below (or above) the guide.
+    """
+    room = at.MOUNT - at.BARREL_RADIUS - 0.004
+    return float(max(geometry.crank_length - geometry.magnification * room, 0.03))
+
+
+def _rounded(height: float) -> float:
+    """Return a height rounded down to a full centimeter [m]."""
+    return float(np.floor(round(height * 100, 6)) / 100)

@@ -1,0 +1,101 @@
+"""The whole robot in one configuration as a GLB file for other programs."""
+
+from __future__ import annotations
+
+from typing import cast
+
+import numpy as np
+import trimesh
+from trimesh.exchange.gltf import export_glb
+
+from paminsa_viz.meshes import bodies, load
+from paminsa_viz.meshes.library import Z_UP, fixed_part
+from paminsa_viz.meshes.part import Array, Part
+from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
+from paminsa_viz.meshes.weights import counterweight
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.kinematics import Configuration
+
+
+def transform(place: Placement) -> Array:
+    """Return a placement of shape () as a homogeneous matrix, (4, 4)."""
+    w, x, y, z = place.wxyz
+    out = np.eye(4)
+    out[:3, :3] = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    out[:3, 3] = place.position
+    return out
+
+
+def assemble_glb(design: Design, configuration: Configuration, *, ground: bool = True) -> bytes:
+    """Return the posed robot as a GLB with one named node for each body.
+
+    Lengths are in meters and y is up, as glTF wants: the node "paminsa" turns the base frame, in
+    which z is up. Below it each body is a node named as in `paminsa_viz.meshes.placement`
+    (``leg1_b3`` for ``leg1/b3``), whose children are its meshes by material, and its counterweights
+    (``leg1_b3_weight1``). The file's scene carries the pose and the design's name as extras.
+
+    Args:
+        design: Lengths, payload and counterweights; its geometry is the configuration's.
+        configuration: A solved configuration of shape () that can be taken.
+        ground: Whether the plinth is included.
+
+    Raises:
+        InvalidInput: If the configuration is a batch, is not finite for some joint, or belongs to
+            another geometry.
+    """
+    if configuration.geometry != design.geometry:
+        raise InvalidInput("configuration", "it was solved for another geometry than the design's")
+    if configuration.pose.shape != (4,):
+        raise InvalidInput(
+            "configuration", f"one pose is needed; its shape is {configuration.pose.shape}"
+        )
+    places = place_parts(configuration)
+    if not all(
+        np.isfinite(p.position).all() and np.isfinite(p.wxyz).all() for p in places.values()
+    ):
+        raise InvalidInput("configuration", "the bars cannot close in this pose")
+    geometry, assembly = design.geometry, configuration.assembly
+    scene = trimesh.Scene()
+    scene.metadata.update(
+        design=design.name,
+        assembly=assembly.value,
+        pose={
+            n: float(v) for n, v in zip(("x", "y", "theta", "z"), configuration.pose, strict=True)
+        },
+        units="m, rad",
+        up="y (the node paminsa turns the base frame, in which z is up)",
+    )
+    scene.graph.update(frame_to="paminsa", frame_from=scene.graph.base_frame, matrix=Z_UP)
+    for body in (*bodies.STANDING, *BODIES):
+        if body == "ground" and not ground:
+            continue
+        matrix = transform(places[body]) if body in places else np.eye(4)
+        part = bodies.make_body(body, geometry, assembly)
+        _add(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.color_of(body))
+    if design.payload.mass > 0:
+        matrix = load.payload_transform(geometry, assembly, design.payload.mass)
+        _add(scene, fixed_part("payload"), "payload", matrix, "platform", None)
+    for number, weight in enumerate(design.counterweights, 1):
+        if weight.mass == 0:
+            continue
+        part = counterweight(geometry, weight)
+        for leg in (1, 2, 3):
+            bar = f"leg{leg}_{weight.bar}"
+            color = bodies.color_of(f"leg{leg}/{weight.bar}")
+            _add(scene, part, f"{bar}_weight{number}", np.eye(4), bar, color)
+    return cast(bytes, export_glb(scene, include_normals=True))
+
+
+def _add(
+    scene: trimesh.Scene, part: Part, name: str, matrix: Array, parent: str, accent: str | None
+) -> None:
+    """Hang a part below a node of the scene, one mesh for each material."""
+    scene.graph.update(frame_to=name, frame_from=parent, matrix=matrix)
+    for material, mesh in part.colored(accent):
+        label = f"{name}.{material}"
+        scene.add_geometry(mesh, node_name=label, geom_name=label, parent_node_name=name)

@@ -1,0 +1,198 @@
+"""The MuJoCo model with the robot's real shapes: an MJCF text and the mesh files it names.
+
+`paminsa_viz.engines.mjcf` writes the mechanics, with capsules for looks. Here every body gets its
+meshes on top, as geoms without mass that touch nothing, so that the mechanics stay what they were.
+The capsules move to group 3, which viewers hide until asked.
+
+One shape has no body of its own: the swivels of joint 5, on which the mechanics put a point mass.
+Their round feet go with the platform; their heads and pins go with B4, as they stand at the start.
+"""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ET
+import zipfile
+from collections.abc import Iterator, Mapping
+from typing import Final, cast
+
+import numpy as np
+import trimesh
+from scipy.spatial.transform import Rotation
+from trimesh.exchange.obj import export_obj
+
+from paminsa_viz import palette
+from paminsa_viz.engines.mechanism import LIFT, PLATFORM
+from paminsa_viz.meshes import bodies, joint_parts, load
+from paminsa_viz.meshes.library import fixed_part
+from paminsa_viz.meshes.materials import ACCENT, SURFACES
+from paminsa_viz.meshes.part import Array, Part
+from paminsa_viz.meshes.placement import place_parts
+from paminsa_viz.meshes.posed import transform
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.kinematics import Configuration
+
+ROOT: Final = "base"
+CAPSULES: Final = "3"
+"""Group of the schematic geoms; MuJoCo's viewer shows groups 0 to 2."""
+
+_CARRIERS: Final = {
+    "guide": "B10", "shaft": "B2", "slider": "slider", "b3": "B3", "b4": "B4", "b7": "B7",
+    "b8": "B8",
+}  # fmt: skip
+"""Bodies of a leg in `paminsa_viz.meshes.placement`, and the MuJoCo bodies that carry them."""
+
+
+def robot_files(text: str, design: Design, configuration: Configuration) -> dict[str, bytes]:
+    """Return an MJCF model with meshes as files by name: ``robot.xml`` and ``meshes/*.obj``.
+
+    Args:
+        text: What `paminsa_viz.engines.mjcf` wrote for the design, standing in the configuration.
+        design: The robot; its geometry is the configuration's.
+        configuration: A solved configuration of shape ().
+
+    Raises:
+        InvalidInput: If the text stands in another pose or belongs to another robot.
+    """
+    root = ET.fromstring(text)
+    frames = dict(_frames(root))
+    if configuration.geometry != design.geometry or configuration.pose.shape != (4,):
+        raise InvalidInput("configuration", "one pose of the design's geometry is needed")
+    place = transform(place_parts(configuration)["platform"])
+    if PLATFORM not in frames or np.abs(frames[PLATFORM] - place).max() > 1e-9:
+        raise InvalidInput("text", "it is not the design's model, standing in the configuration")
+    element = {body.attrib["name"]: body for body in root.iter("body")}
+    assets, compiler = root.find("asset"), root.find("compiler")
+    if assets is None or compiler is None:
+        raise InvalidInput("text", "it has no assets or no compiler settings")
+    compiler.set("meshdir", "meshes")
+    for name, body in element.items():
+        for geom in body.findall("geom"):
+            if "counterweight" not in name:  # they have no meshes
+                geom.set("group", CAPSULES)
+    colors: dict[str, str] = {}
+    files: dict[str, bytes] = {}
+    for carrier, name, part, color in _shapes(design, configuration, frames):
+        for material, mesh in part.merged():
+            looks = material if material != ACCENT else f"accent_{color.lstrip('#')}"
+            colors.setdefault(looks, SURFACES[material].color if material != ACCENT else color)
+            label = f"{name}.{material}"
+            path = f"meshes/{label}.obj"
+            if path not in files:
+                files[path] = _obj(mesh)
+                # Shells: some parts are hollow or very flat, and no mass comes from them.
+                ET.SubElement(assets, "mesh", name=label, file=f"{label}.obj", inertia="shell")
+            attributes = {"type": "mesh", "mesh": label, "material": looks}
+            ET.SubElement(element[carrier], "geom", attributes)
+    for looks, color in colors.items():
+        assets.append(_material(looks, color))
+    _light(root, design, configuration)
+    ET.indent(root)
+    return {"robot.xml": (ET.tostring(root, encoding="unicode") + "\n").encode(), **files}
+
+
+def zipped(files: Mapping[str, bytes], folder: str = "robot") -> bytes:
+    """Return files as a zip archive, all in one folder; equal files give equal bytes."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, content in files.items():
+            info = zipfile.ZipInfo(f"{folder}/{name}")
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, content)
+    return stream.getvalue()
+
+
+def _shapes(
+    design: Design, configuration: Configuration, frames: Mapping[str, Array]
+) -> Iterator[tuple[str, str, Part, str]]:
+    """Yield all shapes: the MuJoCo body that carries them, a name, the part in its frame, color.
+
+    What has the same name has the same shape.
+    """
+    g, assembly = design.geometry, configuration.assembly
+    places = {name: transform(place) for name, place in place_parts(configuration).items()}
+
+    def seen(part: Part, carrier: str, body: str) -> Part:
+        """Return a part of a drawn body in the frame of the MuJoCo body that carries it."""
+        matrix = np.linalg.inv(frames[carrier]) @ places[body]
+        return part.moved(matrix[:3, 3], matrix[:3, :3])
+
+    for body in bodies.STANDING:
+        yield ROOT, body, bodies.make_body(body, g, assembly), bodies.color_of(body)
+    for body, carrier in (("carriage", LIFT), ("platform", PLATFORM)):
+        part = seen(bodies.make_body(body, g, assembly), carrier, body)
+        yield carrier, body, part, bodies.color_of(body)
+    for leg, color in enumerate(palette.LEG_COLORS, 1):
+        for kind, link in _CARRIERS.items():
+            body, carrier = f"leg{leg}/{kind}", f"leg{leg}_{link}"
+            part = seen(bodies.make_body(body, g, assembly), carrier, body)
+            yield carrier, kind, part, color
+        swivel = f"leg{leg}/swivel"
+        foot = seen(joint_parts.swivel_disc(), PLATFORM, swivel)
+        yield PLATFORM, f"leg{leg}.swivel_disc", foot, color
+        head = seen(joint_parts.swivel_head(), f"leg{leg}_B4", swivel)
+        yield f"leg{leg}_B4", f"leg{leg}.swivel_head", head, color
+    if design.payload.mass > 0:
+        matrix = load.payload_transform(g, assembly, design.payload.mass)
+        drum = fixed_part("payload").moved(matrix[:3, 3], matrix[:3, :3])
+        yield PLATFORM, "payload", drum, ""
+
+
+def _light(root: ET.Element, design: Design, configuration: Configuration) -> None:
+    """Set light and view for the whole machine; capsules bear darker light than meshes."""
+    visual, statistic = root.find("visual"), root.find("statistic")
+    if visual is not None:
+        level = {"ambient": "0.4 0.4 0.4", "diffuse": "0.45 0.45 0.45", "specular": "0.3 0.3 0.3"}
+        ET.SubElement(visual, "headlight", level)
+    for light in root.iterfind("worldbody/light"):
+        light.set("diffuse", "0.4 0.4 0.4")
+    if statistic is not None:
+        machine = [
+            bodies.make_body(b, design.geometry, configuration.assembly) for b in bodies.STANDING
+        ]
+        heights = np.array([part.bounds()[:, 2] for part in machine])
+        low, high = heights.min(), heights.max()
+        statistic.set("center", f"0 0 {(low + high) / 2:.4g}")
+        statistic.set("extent", f"{high - low:.4g}")
+
+
+def _frames(root: ET.Element) -> Iterator[tuple[str, Array]]:
+    """Yield name and frame (4, 4) in the world of every body, at the start."""
+
+    def below(parent: ET.Element, frame: Array) -> Iterator[tuple[str, Array]]:
+        for body in parent.findall("body"):
+            here = np.eye(4)
+            here[:3, 3] = _numbers(body, "pos", (0, 0, 0))
+            quaternion = _numbers(body, "quat", (1, 0, 0, 0))
+            here[:3, :3] = Rotation.from_quat(quaternion, scalar_first=True).as_matrix()
+            yield body.attrib["name"], frame @ here
+            yield from below(body, frame @ here)
+
+    world = root.find("worldbody")
+    if world is not None:
+        yield from below(world, np.eye(4))
+
+
+def _numbers(element: ET.Element, name: str, default: tuple[float, ...]) -> Array:
+    text = element.get(name)
+    return np.array(default if text is None else text.split(), dtype=float)
+
+
+def _obj(mesh: trimesh.Trimesh) -> bytes:
+    """Return a mesh as OBJ, with its own normals, in tenths of a micrometer."""
+    text = export_obj(
+        mesh, include_normals=True, include_color=False, include_texture=False, digits=7, header=""
+    )
+    return (cast(str, text) + "\n").encode()
+
+
+def _material(name: str, color: str) -> ET.Element:
+    surface = SURFACES[ACCENT if name.startswith(ACCENT) else name]
+    rgba = " ".join(f"{channel / 255:.4g}" for channel in palette.rgb(color))
+    return ET.Element(
+        "material", name=name, rgba=f"{rgba} 1", specular=f"{0.6 * (1 - surface.roughness):.3g}",
+        shininess=f"{1 - surface.roughness:.3g}", metallic=f"{surface.metallic:.3g}",
+        roughness=f"{surface.roughness:.3g}",
+    )  # fmt: skip

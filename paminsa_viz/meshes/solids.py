@@ -1,0 +1,284 @@
+"""Solids made by lofting closed loops, with chamfered edges and normals that keep edges crisp.
+
+Everything drawn is built from one operation, `loft`: a skin over a row of closed loops of equal
+point count. A rod is a loft over circles, a beam one over rounded rectangles, a ring one that
+closes on itself. All lengths in meters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import trimesh
+
+from paminsa_viz.meshes.shading import Array, is_plain, shade
+
+
+def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
+    """Skin a row of loops, each (N, 3), counter-clockwise seen from the far end of the row.
+
+    Args:
+        loops: The loops in order.
+        closed: Join the last loop to the first instead of capping both ends. Caps are fans from
+            the middle of the end loop, so an end loop has to be star-shaped about its middle.
+    """
+    stack = np.asarray(loops, dtype=np.float64)
+    rows, count = stack.shape[:2]
+    vertices = stack.reshape(-1, 3)
+    i = np.arange(count)
+    j = (i + 1) % count
+    faces = []
+    for row in range(rows if closed else rows - 1):
+        low, high = row * count, ((row + 1) % rows) * count
+        faces.append(np.stack([low + i, low + j, high + j], axis=1))
+        faces.append(np.stack([low + i, high + j, high + i], axis=1))
+    if not closed:
+        middle = np.stack([stack[0].mean(axis=0), stack[-1].mean(axis=0)])
+        first, last = len(vertices), len(vertices) + 1
+        vertices = np.vstack([vertices, middle])
+        end = (rows - 1) * count
+        faces.append(np.stack([np.full(count, first), j, i], axis=1))
+        faces.append(np.stack([np.full(count, last), end + i, end + j], axis=1))
+    return shade(vertices, np.vstack(faces))
+
+
+def circle(radius: float, height: float = 0.0, segments: int = 24) -> Array:
+    """Return a circle about z at a height, (segments, 3); a third of the points if plain."""
+    if is_plain():
+        segments = max(6, round(segments / 3))
+    angle = 2 * np.pi * np.arange(segments) / segments
+    return np.stack(
+        [radius * np.cos(angle), radius * np.sin(angle), np.full(segments, height)], axis=1
+    )
+
+
+def rounded_rectangle(
+    width: float, depth: float, radius: float, height: float = 0.0, steps: int = 2
+) -> Array:
+    """Return a rectangle (width along x, depth along y) with round corners about z."""
+    radius = min(radius, width / 2, depth / 2)
+    if is_plain():
+        radius, steps = 0.0, 0
+    corners = []
+    for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        angle = np.pi / 2 * (quarter + np.arange(steps + 1) / max(steps, 1))
+        corners.append(
+            np.stack(
+                [
+                    sx * (width / 2 - radius) + radius * np.cos(angle),
+                    sy * (depth / 2 - radius) + radius * np.sin(angle),
+                    np.full(steps + 1, height),
+                ],
+                axis=1,
+            )
+        )
+    return np.vstack(corners)
+
+
+def rounded_polygon(corners: Array, radius: float, height: float = 0.0, steps: int = 10) -> Array:
+    """Return the outline around equal circles at the corners of a convex polygon, (N, 2) -> (M, 3).
+
+    The corners run counter-clockwise.
+    """
+    corners = np.asarray(corners, dtype=np.float64)
+    steps = 3 if is_plain() else steps
+    out = []
+    for before, here, after in zip(
+        np.roll(corners, 1, axis=0), corners, np.roll(corners, -1, axis=0), strict=True
+    ):
+        start = np.arctan2(*(here - before)[::-1]) - np.pi / 2
+        turn = np.arctan2(*(after - here)[::-1]) - np.pi / 2 - start
+        angle = start + (turn % (2 * np.pi)) * np.arange(steps + 1) / steps
+        out.append(here + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
+    flat = np.vstack(out)
+    return np.hstack([flat, np.full((len(flat), 1), height)])
+
+
+def revolve(profile: Sequence[tuple[float, float]], segments: int = 20) -> trimesh.Trimesh:
+    """Turn a profile of (radius, height) points about z; it runs bottom up on the outside.
+
+    An end on the axis is closed there; other ends are capped.
+    """
+    return loft([circle(r, h, segments) for r, h in profile])
+
+
+def _chamfer(wanted: float, *most: float) -> float:
+    """Return how far edges are broken [m]."""
+    return 0.0 if is_plain() else min((wanted, *most))
+
+
+def rod(
+    radius: float, bottom: float, top: float, chamfer: float = 0.001, segments: int = 16
+) -> trimesh.Trimesh:
+    """Return a round bar along z from ``bottom`` to ``top`` with chamfered ends."""
+    c = _chamfer(chamfer, radius / 2, (top - bottom) / 2.5)
+    return revolve(
+        [(radius - c, bottom), (radius, bottom + c), (radius, top - c), (radius - c, top)], segments
+    )
+
+
+def tube(
+    inner: float,
+    outer: float,
+    bottom: float,
+    top: float,
+    chamfer: float = 0.001,
+    segments: int = 24,
+) -> trimesh.Trimesh:
+    """Return a hollow cylinder along z with chamfered outer edges."""
+    c = _chamfer(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
+    profile = [
+        (inner, bottom),
+        (outer - c, bottom),
+        (outer, bottom + c),
+        (outer, top - c),
+        (outer - c, top),
+        (inner, top),
+    ]
+    return loft([circle(r, h, segments) for r, h in profile], closed=True)
+
+
+def flat_ring(inner: float, outer: float, height: float, segments: int) -> trimesh.Trimesh:
+    """Return a ring about z that is only seen from above; a disc if ``inner`` is 0."""
+    angle = 2 * np.pi * np.arange(segments) / segments
+    around = np.stack([np.cos(angle), np.sin(angle), np.zeros(segments)], axis=1)
+    i = np.arange(segments)
+    j = (i + 1) % segments
+    if inner == 0:
+        corners = np.vstack([outer * around, np.zeros(3)])
+        faces = np.stack([i, j, np.full(segments, segments)], axis=1)
+    else:
+        corners = np.vstack([outer * around, inner * around])
+        faces = np.vstack(
+            [np.stack([i, j, i + segments], 1), np.stack([j, j + segments, i + segments], 1)]
+        )
+    return shade(corners + np.array([0.0, 0.0, height]), faces)
+
+
+def prism(
+    outline: Array, bottom: float, top: float, chamfer: float = 0.001, steps: int = 1
+) -> trimesh.Trimesh:
+    """Raise an outline (N, 3; star-shaped, heights ignored) from ``bottom`` to ``top``.
+
+    Both rims are broken by ``chamfer``; with ``steps`` > 1 they are rounded.
+    """
+    flat = np.asarray(outline)[:, :2]
+    c, steps = _chamfer(chamfer, (top - bottom) / 2.5), 1 if is_plain() else steps
+    nudge = np.roll(flat, -1, axis=0) - np.roll(flat, 1, axis=0)
+    inward = np.stack([-nudge[:, 1], nudge[:, 0]], axis=1)
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+
+    def level(shrink: float, height: float) -> Array:
+        return np.hstack([flat + shrink * inward, np.full((len(flat), 1), height)])
+
+    angles = np.pi / 2 * np.arange(steps + 1) / steps
+    rim = [(c * (1 - np.sin(a)), c * (1 - np.cos(a))) for a in angles]
+    loops = [level(s, bottom + h) for s, h in rim]
+    loops += [level(s, top - h) for s, h in reversed(rim)]
+    return loft(loops)
+
+
+def box(
+    size: tuple[float, float, float],
+    center: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    chamfer: float = 0.0015,
+) -> trimesh.Trimesh:
+    """Return a box with broken edges, or with sharp ones where ``chamfer`` is 0."""
+    width, depth, height = size
+    steps = 1 if chamfer else 0
+    outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=steps)
+    solid = prism(outline, -height / 2, height / 2, chamfer)
+    return moved(solid, center)
+
+
+def beam(
+    start: float,
+    end: float,
+    section_start: tuple[float, float],
+    section_end: tuple[float, float],
+    radius: float = 0.004,
+    chamfer: float = 0.0015,
+) -> trimesh.Trimesh:
+    """Return a tapered beam along +x; a section is (width along y, height along z)."""
+
+    def loop(x: float, section: tuple[float, float], shrink: float) -> Array:
+        flat = rounded_rectangle(section[0] - 2 * shrink, section[1] - 2 * shrink, radius - shrink)
+        return np.stack([np.full(len(flat), x), flat[:, 0], flat[:, 1]], axis=1)
+
+    c = _chamfer(chamfer, (end - start) / 3)
+    return loft(
+        [
+            loop(start, section_start, c),
+            loop(start + c, section_start, 0.0),
+            loop(end - c, section_end, 0.0),
+            loop(end, section_end, c),
+        ]
+    )
+
+
+def arc_beam(
+    radius: float,
+    width: float,
+    bottom: float,
+    top: float,
+    start: float,
+    end: float,
+    chamfer: float = 0.002,
+) -> trimesh.Trimesh:
+    """Return a piece of a flat ring about z, ``width`` wide about ``radius``.
+
+    It runs from the angle ``start`` counter-clockwise to ``end`` [rad].
+    """
+    c, half = _chamfer(chamfer), width / 2
+    section = [
+        (half, bottom),
+        (half, top - c),
+        (half - c, top),
+        (c - half, top),
+        (-half, top - c),
+        (-half, bottom),
+    ]
+    step = np.radians(20.0 if is_plain() else 7.5)
+    steps = max(int(np.ceil((end - start) / step)), 1)
+    loops = []
+    for angle in np.linspace(start, end, steps + 1):
+        loops.append(
+            [((radius + r) * np.cos(angle), (radius + r) * np.sin(angle), h) for r, h in section]
+        )
+    # Seen from the far end of the sweep the section runs counter-clockwise.
+    return loft([np.array(loop)[::-1] for loop in loops])
+
+
+def moved(
+    mesh: trimesh.Trimesh,
+    offset: tuple[float, float, float] | Array = (0.0, 0.0, 0.0),
+    rotation: Array | None = None,
+) -> trimesh.Trimesh:
+    """Return a copy turned by ``rotation`` (3, 3), then shifted by ``offset`` [m]."""
+    vertices, normals = mesh.vertices, mesh.vertex_normals
+    if rotation is not None:
+        vertices, normals = vertices @ rotation.T, normals @ rotation.T
+    return trimesh.Trimesh(
+        vertices=vertices + np.asarray(offset),
+        faces=mesh.faces,
+        vertex_normals=normals,
+        process=False,
+    )
+
+
+def turn(axis: str, angle: float) -> Array:
+    """Return the rotation matrix about ``"x"``, ``"y"`` or ``"z"`` by ``angle`` [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    out = np.eye(3)
+    out[i, i] = out[j, j] = c
+    out[i, j], out[j, i] = -s, s
+    return out
+
+
+ACROSS = turn("x", -np.pi / 2)
+"""Turns z to +y: an axis across the leg plane."""
+
+ALONG = turn("y", np.pi / 2)
+"""Turns z to +x: an axis along a bar."""

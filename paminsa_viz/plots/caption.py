@@ -1,0 +1,96 @@
+"""What stands under a printed figure: what it shows, of which robot, where, and made by what."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from paminsa_viz.plots import axes, ticks
+from paminsa_viz.plots.maps import MapData, Provenance
+from paminsa_viz.plots.scale import Scale
+
+LONGEST_NAME = 60
+"""Characters of a design's name that a caption repeats."""
+
+_TIE = "\u00a0"  # a space at which lines do not break
+
+
+def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
+    """Return the caption of a figure as one paragraph."""
+    source = data.provenance
+    x, y, z = (float(v) * axes.MM for v in data.pose[[0, 1, 3]])
+    theta = equals("θ", math.degrees(data.theta), "") + "°"
+    parts = [
+        f"{robot(source)}; {theta}, {equals('z', z, 'mm')}.",
+        f"Ring: pose {equals('x', x, 'mm')}, {equals('y', y, 'mm')}{_trouble(data)}.",
+        _contours(data, scales),
+        "Thick line: boundary of the workspace; hatched: not reachable.",
+    ]
+    if data.singular_radius:
+        radius = equals("radius", data.singular_radius * axes.MM, "mm")
+        parts.append(f"Dashed: singular positions, {radius}.")
+    if _beyond(data, scales):
+        parts.append("Pointed ends of the color bar: beyond its range.")
+    parts.append(f"paminsa_viz {source.version}.")
+    return " ".join(part for part in parts if part)
+
+
+def robot(source: Provenance) -> str:
+    """Return which robot numbers are of, as the start of a sentence."""
+    numbers = "".join(f", {equals(s, v, u)}" for s, v, u in source.numbers)
+    words = f"PAMINSA, design {shown(source.design)}, {source.assembly} assembly{numbers}"
+    return f"{words}, minus design {shown(source.reference)}" if source.reference else words
+
+
+def summary(data: MapData) -> str:
+    """Return one line about a map for a file's metadata."""
+    source = data.provenance
+    x, y, theta, z = data.pose
+    return (
+        f"{data.title or 'Map'} of PAMINSA, design {shown(source.design)}, {source.assembly} "
+        f"assembly, pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
+    )
+
+
+def shown(name: str) -> str:
+    """Return a name that a person gave, on one line and not too long, in quotation marks."""
+    plain = " ".join("".join(c if c.isprintable() else " " for c in name).split())
+    if len(plain) > LONGEST_NAME:
+        plain = plain[: LONGEST_NAME - 1] + "…"
+    return f"“{plain}”"
+
+
+def _contours(data: MapData, scales: tuple[Scale, ...]) -> str:
+    if len(set(scales)) > 1 or scales[0].kind != "linear" or len(scales[0].levels) < 2:
+        return ""
+    factor, unit = data.display
+    step = (scales[0].levels[1] - scales[0].levels[0]) * factor
+    return f"Contours every {ticks.number(step)}{_TIE}{unit}".rstrip(_TIE) + "."
+
+
+def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
+    with np.errstate(invalid="ignore"):
+        return any(
+            bool(((panel < scale.low) | (panel > scale.high)).any())
+            for panel, scale in zip(data.values, scales, strict=True)
+        )
+
+
+def equals(symbol: str, value: float, unit: str) -> str:
+    """Return ``symbol = value unit`` that no line break tears apart."""
+    return _TIE.join([symbol, "=", ticks.number(value), *([unit] if unit else [])])
+
+
+def _trouble(data: MapData) -> str:
+    """Return why the cell under the pose has no value, if it has none."""
+    left, right, bottom, top = data.extent
+    x, y = float(data.pose[0]), float(data.pose[1])
+    if not (left <= x < right and bottom <= y < top):
+        return " (outside the map)"
+    column = int((x - left) / (right - left) * data.x.size)
+    row = int((y - bottom) / (top - bottom) * data.y.size)
+    values = data.values[:, row, column]
+    if np.isnan(values).any():
+        return f" ({axes.reasons(data)[row, column]})"
+    return ""

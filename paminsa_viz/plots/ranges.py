@@ -1,0 +1,118 @@
+"""Which range of values the colors span: robust by default, or as a person asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.plots import colors, ticks
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.scale import InvalidScale, Scale, ScaleChoice
+
+NEGLIGIBLE = 1e-9
+"""Smallest range, in the unit of the data; below it are rounding errors of a balanced robot."""
+
+
+def choose_scales(data: MapData, choice: ScaleChoice | None = None) -> tuple[Scale, ...]:
+    """Return one scale a panel; with ``choice.shared`` they are all the same one."""
+    asked = choice or ScaleChoice()
+    if asked.shared or data.panels == 1:
+        return (_scale(data.values, data.signed, asked),) * data.panels
+    return tuple(_scale(values, data.signed, asked) for values in data.values)
+
+
+def per_panel(data: MapData, scale: Scale | Sequence[Scale]) -> tuple[Scale, ...]:
+    """Return one scale a panel from a single one or a sequence.
+
+    Raises:
+        InvalidScale: If a sequence has another length than there are panels.
+    """
+    if isinstance(scale, Scale):
+        return (scale,) * data.panels
+    if len(scale) != data.panels:
+        raise InvalidScale("scale", f"1 or {data.panels} are needed, not {len(scale)}")
+    return tuple(scale)
+
+
+def robust_range(values: ArrayLike, signed: bool) -> tuple[float, float]:
+    """Return a round range that shows the ordinary values and lets explosions run over its ends.
+
+    Near a singularity torques grow like one over the distance, so no percentile near 100 is safe:
+    a quarter of a map can lie above ten times its median. The range is therefore tied to the
+    lower part of the values, and holds them all where they have no such tail.
+    Signed quantities get a range symmetric about zero of four times the 40th percentile of their
+    size; magnitudes four times as far from their low end as the 40th percentile is. Values below
+    `NEGLIGIBLE` count as zero; where there is nothing else, the range is (-1, 1) or (0, 1).
+    """
+    array = np.asarray(values, dtype=np.float64)
+    finite = array[np.isfinite(array)]
+    if signed:
+        size = np.abs(finite)
+        size = size[size > NEGLIGIBLE]
+        if size.size == 0:
+            return -1.0, 1.0
+        ordinary = 4 * float(np.percentile(size, 40.0))
+        most = _high_end(size, 0.0)
+        # Rounded up if the range is to hold the data, to the nearest where it cannot anyway.
+        limit = ticks.nice_limit(min(ordinary, most), nearest=ordinary < most)
+        return -limit, limit
+    if finite.size == 0:
+        return 0.0, 1.0
+    least, lower, middle, upper = (float(v) for v in np.percentile(finite, [2.0, 40.0, 50.0, 60.0]))
+    least = min(least, -_high_end(-finite, -middle))
+    most = _high_end(finite, middle)
+    high = min(least + 4 * (lower - least), most) if lower - least > NEGLIGIBLE else most
+    low = max(most - 4 * (most - upper), least) if most - upper > NEGLIGIBLE else least
+    return _rounded(low, high, middle)
+
+
+def _high_end(values: NDArray[np.float64], base: float) -> float:
+    """Return the largest value, or the 98th percentile where the last 2 % stick out."""
+    largest, most = float(values.max()), float(np.percentile(values, 98.0))
+    return largest if largest - base <= 1.25 * (most - base) else most
+
+
+def _rounded(low: float, high: float, middle: float) -> tuple[float, float]:
+    """Widen a range to round ends, to zero where that is near, to something where it is empty."""
+    if high - low <= NEGLIGIBLE + 1e-9 * max(abs(low), abs(high)):
+        if abs(middle) <= NEGLIGIBLE:
+            return 0.0, 1.0
+        low, high = middle - abs(middle) / 10, middle + abs(middle) / 10
+    if 0 < low < high / 4:
+        low = 0.0
+    elif high < 0 and high > low / 4:
+        high = 0.0
+    step = ticks.nice_step(high - low, 10)
+    return (
+        float(f"{math.floor(low / step + 1e-9) * step:.12g}"),
+        float(f"{math.ceil(high / step - 1e-9) * step:.12g}"),
+    )
+
+
+def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Scale:
+    if choice.low is not None and choice.high is not None:
+        low, high = choice.low, choice.high
+    else:
+        low, high = robust_range(values, signed)
+        if choice.kind == "symlog":  # a log has room for the explosion, so show most of it
+            low, high = _wide_range(values, low, high)
+    threshold = choice.threshold
+    if threshold is None:
+        threshold = float(f"1e{math.floor(math.log10(max(abs(low), abs(high)))) - 2}")
+    default = colors.DIVERGING if signed else colors.SEQUENTIAL
+    return Scale(low, high, choice.kind, threshold, choice.colors or default[0], choice.contours)
+
+
+def _wide_range(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float]:
+    """Widen a robust range to the power of ten that holds 95 % of the cells."""
+    finite = values[np.isfinite(values)]
+    if finite.size == 0:
+        return low, high
+    most = float(np.percentile(np.abs(finite), 95.0))
+    if most <= max(abs(low), abs(high)):
+        return low, high
+    limit = float(f"1e{math.ceil(math.log10(most) - 1e-9)}")
+    return (-limit if low < 0 else low), (limit if high > 0 else high)

@@ -1,0 +1,211 @@
+"""From values to colors: range, linear or symmetric log, contour levels, and beyond the range.
+
+A `ScaleChoice` is what a person asks for; `ranges.choose_scales` makes a `Scale` of it for the data
+at hand.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.palette import INK
+from paminsa_viz.plots import colors, ticks
+
+Kind = Literal["linear", "symlog"]
+
+_LARGEST = 1e100  # far from overflow and underflow in everything below
+_DECADE_ROOM = 1 / (1 - 1 / 10)  # width of the linear part of the symmetric log, in decades
+
+
+class InvalidScale(InvalidInput):
+    """A color scale that cannot be drawn; ``argument`` and ``problem`` say why."""
+
+
+@dataclass(frozen=True)
+class ScaleChoice:
+    """What a person chose for the colors of a map.
+
+    Attributes:
+        low: Lower end in the unit of the data, or None for the robust default. Give both or none.
+        high: Upper end, or None.
+        shared: One range for all panels, or one for each.
+        kind: ``"linear"`` or ``"symlog"``.
+        threshold: Where the symmetric log turns linear around zero, or None for a default.
+        colors: Name of a color table, or None for the default of the kind of quantity.
+        contours: About how many contour levels; 0 for none.
+
+    Raises:
+        InvalidScale: If a number is not finite, the range is empty, or a name is not known.
+    """
+
+    low: float | None = None
+    high: float | None = None
+    shared: bool = True
+    kind: Kind = "linear"
+    threshold: float | None = None
+    colors: str | None = None
+    contours: int = 12
+
+    def __post_init__(self) -> None:
+        if (self.low is None) != (self.high is None):
+            raise InvalidScale("low" if self.low is None else "high", "give both ends or none")
+        if self.low is not None and self.high is not None:
+            _check_range(self.low, self.high)
+        _check_kind(self.kind, self.threshold)
+        if self.colors is not None:
+            _check_table(self.colors)
+        if not 0 <= self.contours <= 40:
+            raise InvalidScale("contours", f"0 to 40 are possible, not {self.contours!r}")
+
+
+@dataclass(frozen=True)
+class Scale:
+    """A color scale. Equal scales give equal pictures.
+
+    Attributes:
+        low: Value of the first color.
+        high: Value of the last color.
+        kind: ``"linear"``, or ``"symlog"``: linear within ``threshold`` of zero, logarithmic
+            beyond, the linear part taking as much room as one decade (matplotlib's ``SymLogNorm``).
+        threshold: See ``kind``; not used by a linear scale.
+        colors: Name of the color table. A diverging table keeps its neutral center at zero,
+            also where ``low`` and ``high`` are not opposite.
+        contours: About how many contour levels.
+
+    Raises:
+        InvalidScale: If a number is not finite, the range is empty, or a name is not known.
+    """
+
+    low: float
+    high: float
+    kind: Kind = "linear"
+    threshold: float = 1.0
+    colors: str = colors.DIVERGING[0]
+    contours: int = 12
+
+    def __post_init__(self) -> None:
+        _check_range(self.low, self.high)
+        _check_kind(self.kind, self.threshold)
+        _check_table(self.colors)
+
+    def stretch(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Return values on the axis along which colors are spread evenly (monotonic, odd)."""
+        array = np.asarray(values, dtype=np.float64)
+        if self.kind == "linear":
+            return array
+        size = np.abs(array)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            outer = np.sign(array) * (_DECADE_ROOM + np.log10(size / self.threshold))
+        return np.where(size <= self.threshold, array / self.threshold * _DECADE_ROOM, outer)
+
+    def position(self, values: ArrayLike) -> NDArray[np.float64]:
+        """Return where values lie on the color bar: 0 at ``low``, 1 at ``high``, not clipped."""
+        low, high = self._ends
+        return (self.stretch(values) - low) / (high - low)
+
+    @cached_property
+    def _ends(self) -> tuple[float, float]:
+        ends = self.stretch([self.low, self.high])
+        return float(ends[0]), float(ends[1])
+
+    @cached_property
+    def table(self) -> NDArray[np.float64]:
+        """Colors (256, 3) of sRGB in 0..1 from low to high."""
+        base = colors.table(self.colors)
+        if self.colors not in colors.DIVERGING or self.low == -self.high:
+            return base
+        reach = float(self.stretch(max(abs(self.low), abs(self.high))))
+        low, high = self._ends
+        step = (np.arange(colors.SIZE) + 0.5) / colors.SIZE
+        where = (low + (high - low) * step + reach) / (2 * reach) * colors.SIZE - 0.5
+        grid = np.arange(colors.SIZE)
+        return np.stack([np.interp(where, grid, base[:, i]) for i in range(3)], axis=1)
+
+    @property
+    def beyond(self) -> tuple[str, str]:
+        """Colors of values below ``low`` and above ``high``, as ``#rrggbb``."""
+        return colors.BEYOND[self.colors]
+
+    def ink(self, level: float) -> str:
+        """Return the color of a contour line: dark, but white on the dark end of a magnitude.
+
+        Diverging tables keep dark lines throughout, so that a line means the same on both sides.
+        """
+        if self.colors in colors.DIVERGING:
+            return INK
+        place = min(max(float(self.position(level)), 0.0), 1.0)
+        color = self.table[round(place * (colors.SIZE - 1))]
+        return INK if colors.oklab(color)[0] > 0.6 else "#ffffff"
+
+    @cached_property
+    def levels(self) -> tuple[float, ...]:
+        """Contour levels: round numbers strictly inside the range."""
+        if self.contours == 0:
+            return ()
+        if self.kind == "linear":
+            step = ticks.nice_step(self.high - self.low, self.contours)
+            found = ticks.multiples(self.low, self.high, step)
+        else:
+            found = self._decades(max(1, self.contours // 2))
+        return tuple(v for v in found if self.low < v < self.high)
+
+    def ticks(self, count: float) -> tuple[float, ...]:
+        """Return about ``count`` round numbers for a color bar, and both ends of the range."""
+        if self.kind == "symlog":
+            found = self._decades(max(1.0, (count - 1) / 2))
+        else:
+            step = ticks.dividing_step(self.low, self.high, count)
+            if step is not None:
+                return ticks.multiples(self.low, self.high, step)
+            step = ticks.nice_step(self.high - self.low, count)
+            found = ticks.multiples(self.low, self.high, step)
+        room = 0.6 / max(count, 1.0)
+        where = self.position(np.array(found))
+        inner = [v for v, p in zip(found, where, strict=True) if min(p, 1 - p) >= room]
+        ends = [v for v, p in zip(found, where, strict=True) if min(p, 1 - p) < 1e-9]
+        return tuple(sorted({*inner, *(ends if len(ends) == 2 else (self.low, self.high))}))
+
+    def _decades(self, each_side: float) -> tuple[float, ...]:
+        """Return zero and powers of ten on both sides, thinned to ``each_side``."""
+        largest = max(abs(self.low), abs(self.high))
+        first = math.floor(math.log10(self.threshold) + 0.5)
+        last = math.floor(math.log10(largest) + 1e-9)
+        stride = max(1, math.ceil((last - first + 1) / each_side))
+        powers = [float(f"1e{n}") for n in range(last, first - 1, -stride)]
+        both = [-p for p in powers] + [0.0] + powers[::-1]
+        return tuple(v for v in both if self.low <= v <= self.high)
+
+
+def _check_range(low: float, high: float) -> None:
+    for name, value in (("low", low), ("high", high)):
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
+            raise InvalidScale(name, f"a number is needed, not {value!r}")
+        if not math.isfinite(value):
+            raise InvalidScale(name, f"a finite number is needed, not {value!r}")
+    if not high > low:
+        raise InvalidScale("high", f"it has to be above low = {low:.6g}, not {high:.6g}")
+    size = max(abs(float(low)), abs(float(high)))
+    if size > _LARGEST:
+        raise InvalidScale("high", "the range is too wide for a color scale")
+    if float(high) - float(low) < max(1e-12 * size, 1 / _LARGEST):
+        raise InvalidScale("high", "the range is too narrow for a color scale")
+
+
+def _check_kind(kind: str, threshold: float | None) -> None:
+    if kind not in ("linear", "symlog"):
+        raise InvalidScale("kind", f"'linear' or 'symlog' is needed, not {kind!r}")
+    if threshold is not None and not (math.isfinite(threshold) and threshold > 0):
+        raise InvalidScale("threshold", f"a finite number above 0 is needed, not {threshold!r}")
+
+
+def _check_table(name: str) -> None:
+    known = colors.DIVERGING + colors.SEQUENTIAL
+    if name not in known:
+        raise InvalidScale("colors", f"one of {', '.join(known)} is needed, not {name!r}")

@@ -1,0 +1,87 @@
+"""Trajectories: planned, timed within limits, checked, analyzed, and simulated with a controller.
+
+The way through it: a planner (or a preset) makes a `Plan`; `shortest` may give it its shortest
+duration within limits; `Plan.sample` makes a `Trajectory`, as `from_samples` does of a file's rows;
+`analyze` says what it asks of a design, and where it fails; `simulate` lets a controller drive it.
+"""
+
+from __future__ import annotations
+
+from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis, analyze
+from paminsa_viz.trajectory.check import (
+    SINGULAR_CLEARANCE,
+    ImpossibleTrajectory,
+    PathCheck,
+    PathEvent,
+    check_path,
+)
+from paminsa_viz.trajectory.comparison import ActuatorChange, compare
+from paminsa_viz.trajectory.control import Control, Controller, actuator_inertia
+from paminsa_viz.trajectory.equations import load_kernel
+from paminsa_viz.trajectory.imported import from_samples
+from paminsa_viz.trajectory.limits import MotionLimits
+from paminsa_viz.trajectory.plan import Plan
+from paminsa_viz.trajectory.planners import (
+    arch,
+    chain,
+    circle,
+    line,
+    move,
+    round_trip,
+    through,
+)
+from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, home, paper_like
+from paminsa_viz.trajectory.sampled import States, Trajectory
+from paminsa_viz.trajectory.simulation import (
+    Simulation,
+    SimulationFailed,
+    simulate,
+)
+from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
+from paminsa_viz.trajectory.time_laws import Profile, TimeLaw, fit_law
+from paminsa_viz.trajectory.timing import InfeasibleMotion, Shortest, shortest
+
+__all__ = [
+    "PRESET",
+    "PRESETS",
+    "SINGULAR_CLEARANCE",
+    "ActuatorChange",
+    "ActuatorSummary",
+    "Control",
+    "Controller",
+    "ImpossibleTrajectory",
+    "InfeasibleMotion",
+    "MotionLimits",
+    "PathCheck",
+    "PathEvent",
+    "Plan",
+    "Preset",
+    "Profile",
+    "Shortest",
+    "Simulation",
+    "SimulationFailed",
+    "SolvedTrajectory",
+    "States",
+    "TimeLaw",
+    "Trajectory",
+    "TrajectoryAnalysis",
+    "actuator_inertia",
+    "analyze",
+    "arch",
+    "chain",
+    "check_path",
+    "circle",
+    "compare",
+    "fit_law",
+    "from_samples",
+    "home",
+    "line",
+    "load_kernel",
+    "move",
+    "paper_like",
+    "round_trip",
+    "shortest",
+    "simulate",
+    "solve_trajectory",
+    "through",
+]

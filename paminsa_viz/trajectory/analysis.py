@@ -1,0 +1,178 @@
+"""What a trajectory asks of a robot: torques, their causes, power, energy, and where it fails."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
+from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.model.statics import potential_energy
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
+from paminsa_viz.trajectory.integrals import rms, running_integral
+from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
+
+
+@dataclass(frozen=True)
+class ActuatorSummary:
+    """What an actuator has to give before the motion ends or first fails.
+
+    Attributes:
+        peak: Torque or force that is largest in size, with its sign [N m or N].
+        peak_t: When [s].
+        rms: Root mean square over time [N m or N].
+        top_speed: Largest speed [rad/s or m/s].
+        top_power: Power that is largest in size, with its sign [W].
+        top_power_t: When [s].
+        driven: Energy it puts in while driving [J], at least 0.
+        braked: Energy it takes up while braking [J], at most 0.
+    """
+
+    peak: float
+    peak_t: float
+    rms: float
+    top_speed: float
+    top_power: float
+    top_power_t: float
+    driven: float
+    braked: float
+
+    @property
+    def work(self) -> float:
+        """Energy it puts in on balance [J]."""
+        return self.driven + self.braked
+
+
+@dataclass(frozen=True, eq=False)
+class TrajectoryAnalysis:
+    """A design on a trajectory of n samples; NaN exactly where ``check.status`` is not OK.
+
+    Attributes:
+        design: The robot.
+        solved: What the motion asks of its geometry.
+        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction included.
+    """
+
+    design: Design
+    solved: SolvedTrajectory
+    torque: Array
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """The motion."""
+        return self.solved.trajectory
+
+    @property
+    def check(self) -> PathCheck:
+        """Where and why the motion fails, if it does."""
+        return self.solved.check
+
+    @cached_property
+    def breakdown(self) -> TorqueBreakdown:
+        """The torque's parts, each (n, 4); they add up to it."""
+        return self.solved.breakdown(self.design)
+
+    @cached_property
+    def power(self) -> Array:
+        """Power of each actuator, positive where it drives, (n, 4) [W]."""
+        return self.torque * self.solved.speed
+
+    @cached_property
+    def work(self) -> Array:
+        """Energy each actuator has put in since the start, (n, 4) [J]; NaN from a failure on."""
+        until = self.check.until
+        work = np.full_like(self.torque, np.nan)
+        work[:until] = running_integral(self.trajectory.t[:until], self.power[:until])
+        return work
+
+    @cached_property
+    def summary(self) -> tuple[ActuatorSummary, ...]:
+        """The four actuators, up to the first failure; empty if the first sample fails."""
+        until = self.check.until
+        if until == 0:
+            return ()
+        t, power = self.trajectory.t[:until], self.power[:until]
+        torque, speed = self.torque[:until], self.solved.speed[:until]
+        driven = running_integral(t, np.maximum(power, 0.0))[-1]
+        braked = running_integral(t, np.minimum(power, 0.0))[-1]
+        peak, top = np.abs(torque).argmax(axis=0), np.abs(power).argmax(axis=0)
+        mean = rms(t, torque)
+        return tuple(
+            ActuatorSummary(
+                peak=float(torque[peak[j], j]),
+                peak_t=float(t[peak[j]]),
+                rms=float(mean[j]),
+                top_speed=float(np.abs(speed[:, j]).max()),
+                top_power=float(power[top[j], j]),
+                top_power_t=float(t[top[j]]),
+                driven=float(driven[j]),
+                braked=float(braked[j]),
+            )
+            for j in range(4)
+        )
+
+    @cached_property
+    def energy(self) -> Array:
+        """Kinetic plus potential energy, (n,) [J]."""
+        t, solved = self.trajectory, self.solved
+        total = kinetic_energy(
+            self.design, t.pose, t.velocity, solved.assembly, solved.misprints
+        ) + potential_energy(self.design, t.pose, solved.assembly)
+        total[~self.check.good] = np.nan
+        return total
+
+    @cached_property
+    def energy_residual(self) -> Array:
+        """Work of all actuators minus growth of energy and friction losses, (n,) [J].
+
+        Zero but for the integration over samples: the energy balance of the formulae. Printed
+        formulae with `misprints` do not balance.
+        """
+        until = self.check.until
+        residual = np.full(self.trajectory.size, np.nan)
+        if until == 0:
+            return residual
+        lost = np.zeros(until)
+        if not frictionless(self.design.friction):
+            friction = self.solved.friction(self.design.friction)[:until]
+            loss = (friction * self.solved.speed[:until]).sum(axis=1)
+            lost = running_integral(self.trajectory.t[:until], loss)
+        work = self.work[:until].sum(axis=1)
+        residual[:until] = work - lost - (self.energy[:until] - self.energy[0])
+        return residual
+
+
+def analyze(
+    design: Design,
+    trajectory: Trajectory,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    misprints: Misprint = Misprint.NONE,
+    clearance: float = SINGULAR_CLEARANCE,
+    keep: SolvedTrajectory | None = None,
+) -> TrajectoryAnalysis:
+    """Return what a trajectory asks of a robot.
+
+    A path that the robot cannot run raises nothing: the result says where it fails and why, and
+    is NaN there.
+
+    Args:
+        design: The robot.
+        trajectory: The motion.
+        assembly: Root of the knee.
+        misprints: Formulae to take as printed.
+        clearance: See `check_path`.
+        keep: The ``solved`` of an earlier result, which is used again if geometry, trajectory,
+            assembly and misprints are the same: then only one product is computed.
+    """
+    if keep is None or not keep.serves(design.geometry, trajectory, assembly, misprints):
+        keep = solve_trajectory(
+            design.geometry, trajectory, assembly,
+            gravity=design.gravity, misprints=misprints, clearance=clearance,
+        )  # fmt: skip
+    return TrajectoryAnalysis(design, keep, keep.torques(design))

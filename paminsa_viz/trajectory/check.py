@@ -1,0 +1,249 @@
+"""Whether the robot can run a trajectory: every sample, and what lies between samples.
+
+The pose is followed by the polynomials of `Trajectory.at`. Besides the limits of `reach`, a motion
+must not cross a type-2 singularity, nor come closer to one than a clearance: torques grow there
+without bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.kinematics import wrap
+from paminsa_viz.model.reach import MARGINS, Limit, check_reach, status_words
+from paminsa_viz.model.singularity import singular_radius, singular_rotation
+from paminsa_viz.trajectory.sampled import Trajectory
+
+SINGULAR_CLEARANCE = 0.005
+"""Least distance from a singular position [m]; a turn counts as the way of the joints 5.
+
+At 5 mm the static torques of Appendix 4's robot are some fifty times what they are at the center.
+"""
+
+_BETWEEN = 32
+"""Parts into which a step is cut where something may happen between its ends."""
+
+_FEW = 300
+"""Number of samples up to which every step is looked into: they may lie far apart."""
+
+_FAR = 1e6
+"""Distance from what does not exist [m]."""
+
+_LIMITS = (*(MARGINS * 3), Limit.SINGULAR, Limit.SINGULAR)
+GUIDES = np.array([limit is Limit.GUIDE for limit in _LIMITS])
+"""Which of the 14 limits are those of the guides; up to their end they may be used."""
+_LEGS = (*(leg for leg in range(3) for _ in MARGINS), -1, -1)
+
+
+@dataclass(frozen=True)
+class PathEvent:
+    """Something that a trajectory runs into, or comes near to.
+
+    Attributes:
+        t: When [s].
+        limit: What.
+        leg: Index of the leg, 0 to 2, or -1 if no single leg is concerned.
+        margin: Distance left to the limit, negative beyond it [m].
+        pose: (x, y, theta, z) at that time [m, m, rad, m].
+    """
+
+    t: float
+    limit: Limit
+    leg: int
+    margin: float
+    pose: tuple[float, ...]
+
+    @property
+    def explanation(self) -> str:
+        """What happens, in words."""
+        if self.limit is Limit.SINGULAR:
+            what = "the platform comes too close to a singular pose; torques have no bound there"
+        else:
+            what = self.limit.explanation
+        return f"at {self.t:.4g} s{f', leg {self.leg + 1}' if self.leg >= 0 else ''}: {what}"
+
+
+@dataclass(frozen=True, eq=False)
+class PathCheck:
+    """What `check_path` found along n samples.
+
+    Attributes:
+        status: (n,) values of `Limit`. Beyond a type-2 singularity that the motion would have to
+            cross, and closer to one than the clearance, it is ``SINGULAR``.
+        leg: (n,) index of the leg in the way, -1 for none.
+        first: The first failure, also between samples; None if the robot can run it all.
+        closest: The least distance to any limit, before the first failure.
+        until: Number of samples before the first failure.
+        side: (+1 or -1) for the position and for the turn: on which side of the type-2
+            singularities the motion starts, as the signs of `measure_singularity`'s distances.
+    """
+
+    status: NDArray[np.uint8]
+    leg: NDArray[np.int8]
+    first: PathEvent | None
+    closest: PathEvent
+    until: int
+    side: tuple[float, float]
+
+    @property
+    def ok(self) -> bool:
+        """Whether the robot can run the whole trajectory."""
+        return self.first is None
+
+    @property
+    def good(self) -> NDArray[np.bool_]:
+        """(n,) samples at which the pose can be taken and a torque be given."""
+        return self.status == Limit.OK
+
+    def words(self) -> NDArray[np.str_]:
+        """Return the status as words for tables, such as ``ok`` or ``guide:leg2``, (n,)."""
+        return status_words(self.status, self.leg)
+
+    def require(self) -> None:
+        """Raise `ImpossibleTrajectory` if there is a failure."""
+        if self.first is not None:
+            raise ImpossibleTrajectory(self.first)
+
+
+class ImpossibleTrajectory(PaminsaError):
+    """A trajectory that the robot cannot run.
+
+    Attributes:
+        event: The first failure.
+    """
+
+    def __init__(self, event: PathEvent) -> None:
+        self.event = event
+        super().__init__(f"the trajectory cannot be run: {event.explanation}")
+
+
+def check_path(
+    geometry: Geometry, trajectory: Trajectory, clearance: float = SINGULAR_CLEARANCE
+) -> PathCheck:
+    """Check a trajectory; both assembly modes alike.
+
+    Args:
+        geometry: Lengths and limits.
+        trajectory: The motion.
+        clearance: Least distance from type-2 singular positions [m].
+
+    Raises:
+        InvalidInput: If the clearance is negative or not finite.
+    """
+    if not (np.isfinite(clearance) and clearance >= 0):
+        raise InvalidInput("clearance", f"a length of at least 0 m is needed, not {clearance!r}")
+    distances = _singular_distances(geometry, trajectory.pose[:1])[0]
+    side = np.where(distances < 0, -1.0, 1.0)
+    margins = limit_margins(geometry, trajectory.pose, side, clearance)
+    # A guide may be used to its end; on the other limits the mechanism is singular.
+    bad = beyond(margins)
+    worst = np.argmin(np.where(bad, margins, np.inf), axis=1)
+    failed = np.any(bad, axis=1)
+    status = np.where(failed, np.array(_LIMITS, np.uint8)[worst], np.uint8(Limit.OK))
+    leg = np.where(failed, np.array(_LEGS, np.int8)[worst], np.int8(-1))
+    first, until = _first_failure(geometry, trajectory, margins, bad, side, clearance)
+    stop = max(until, 1)
+    row = int(np.argmin(margins[:stop].min(axis=1)))
+    closest = worst_event(trajectory.t[row], trajectory.pose[row], margins[row])
+    return PathCheck(status, leg, first, closest, until, (float(side[0]), float(side[1])))
+
+
+def _singular_distances(geometry: Geometry, pose: Array) -> Array:
+    """Return signed distances (n, 2) to both type-2 loci [m], turns as the way of the joints 5.
+
+    Each of them changes sign where its factor of the determinant does.
+    """
+    position = singular_radius(geometry, pose[:, 2]) - np.hypot(pose[:, 0], pose[:, 1])
+    angle = singular_rotation(geometry)
+    turn = geometry.platform_radius * (angle - np.abs(wrap(pose[:, 2])))
+    if not np.isfinite(angle):  # R_pl > R_b: no turn is singular everywhere
+        turn = np.full(len(pose), _FAR)
+    return np.stack([position, turn], axis=1)
+
+
+def limit_margins(geometry: Geometry, pose: Array, side: Array, clearance: float) -> Array:
+    """Return the distances of poses (n, 4) to every limit, (n, 14) [m], negative beyond it.
+
+    Args:
+        geometry: Lengths and limits.
+        pose: (n, 4) [m, m, rad, m].
+        side: (2,) signs of the singular distances that are allowed, see `PathCheck.side`.
+        clearance: Least distance from singular positions [m].
+    """
+    reach = check_reach(geometry, pose).margins.reshape(-1, 12)
+    return np.concatenate([reach, side * _singular_distances(geometry, pose) - clearance], axis=1)
+
+
+def beyond(margins: Array) -> NDArray[np.bool_]:
+    """Return which limits are exceeded, of the shape of `limit_margins`' result (..., 14)."""
+    return (margins < 0) | ((margins == 0) & ~GUIDES)
+
+
+def _first_failure(
+    geometry: Geometry,
+    trajectory: Trajectory,
+    margins: Array,
+    bad: NDArray[np.bool_],
+    side: Array,
+    clearance: float,
+) -> tuple[PathEvent | None, int]:
+    """Return the first failure, and the number of samples before it."""
+    t = trajectory.t
+    failed = np.any(bad, axis=1)
+    until = int(np.argmax(failed)) if failed.any() else t.size
+    if until == 0:
+        return _at_sample(trajectory, margins, bad, 0), 0
+    # A margin may dip below zero within a step only if it is small against its change there.
+    step = np.abs(np.diff(margins[: until + 1], axis=0))
+    change = np.maximum(step[:-1], step[1:]) if len(step) > 1 else step
+    near = np.zeros((min(until + 1, t.size) - 1), dtype=bool)
+    low = np.any(margins[1 : len(change) + 1] < change, axis=1)
+    near[: len(low)] |= low
+    near[1 : len(low) + 1] |= low[: len(near) - 1]
+    if t.size <= _FEW:
+        near[:] = True
+    if until < t.size:
+        near[-1] = True
+    starts = np.flatnonzero(near)
+    if starts.size == 0:
+        return None, until
+    share = np.arange(1, _BETWEEN + 1) / _BETWEEN
+    inside = t[starts, None] + (t[starts + 1] - t[starts])[:, None] * share
+    found = limit_margins(geometry, trajectory.at(inside.ravel()).pose, side, clearance)
+    wrong = np.any(beyond(found), axis=1)
+    if not wrong.any():  # or only the sample itself, by a rounding error
+        return (_at_sample(trajectory, margins, bad, until) if until < t.size else None), until
+    index = int(np.argmax(wrong))
+    until = int(starts[index // _BETWEEN]) + 1
+    after = float(inside.ravel()[index])
+    before = after - float(t[until] - t[until - 1]) / _BETWEEN
+    for _ in range(8):  # to 1e-12 of a step
+        times = np.linspace(before, after, _BETWEEN + 1)[1:]
+        found = limit_margins(geometry, trajectory.at(times).pose, side, clearance)
+        wrong = np.any(beyond(found), axis=1)
+        if not wrong.any():
+            break
+        index = int(np.argmax(wrong))
+        before, after = (before if index == 0 else float(times[index - 1])), float(times[index])
+    pose = trajectory.at([after]).pose
+    return worst_event(after, pose[0], limit_margins(geometry, pose, side, clearance)[0]), until
+
+
+def _at_sample(
+    trajectory: Trajectory, margins: Array, bad: NDArray[np.bool_], index: int
+) -> PathEvent:
+    pose = trajectory.pose[index]
+    return worst_event(trajectory.t[index], pose, np.where(bad[index], margins[index], np.inf))
+
+
+def worst_event(t: float, pose: Array, margins: Array) -> PathEvent:
+    """Return the event of the least of 14 margins at a time and a pose (4,)."""
+    column = int(np.argmin(margins))
+    place = tuple(float(value) for value in pose)
+    return PathEvent(float(t), _LIMITS[column], _LEGS[column], float(margins[column]), place)

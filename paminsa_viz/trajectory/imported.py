@@ -1,0 +1,145 @@
+"""Trajectories from samples that someone else made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.trajectory.sampled import Trajectory
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+COORDINATES = ("x", "y", "theta", "z")
+UNITS = ("m", "m", "rad", "m")
+
+
+def from_samples(
+    t: ArrayLike,
+    pose: ArrayLike,
+    velocity: ArrayLike | None = None,
+    acceleration: ArrayLike | None = None,
+    *,
+    rest: bool = False,
+    name: str = "imported",
+) -> Trajectory:
+    """Return a trajectory from poses at given times; what is not given comes from a spline.
+
+    Without a velocity, velocity and acceleration are those of the spline of fifth degree through
+    the poses (of a lower one through fewer than six); with it, the acceleration is that of the
+    spline through the velocities. Times are shifted to start at zero, and turns by a full circle
+    between neighbors are taken out of theta; notes say so.
+
+    Args:
+        t: (n,) increasing, at least two [s].
+        pose: (n, 4) [m, m, rad, m].
+        velocity: (n, 4) [m/s, m/s, rad/s, m/s].
+        acceleration: (n, 4); only together with a velocity.
+        rest: Whether the motion starts and ends at rest: speed and acceleration of a spline
+            vanish there. Use it where the samples are a few waypoints.
+        name: Its name.
+
+    Raises:
+        InvalidInput: If shapes do not fit, a number is not finite, or times do not increase.
+    """
+    if acceleration is not None and velocity is None:
+        raise InvalidInput("acceleration", "it can be given only together with the velocity")
+    times = np.array(as_numbers(t, "t"))
+    poses = np.array(as_vectors(pose, "pose"))
+    zero = np.zeros((times.size, 4))
+    # Checks shapes and values, before anything is made of them.
+    speeds = zero if velocity is None else as_vectors(velocity, "velocity")
+    growth = zero if acceleration is None else as_vectors(acceleration, "acceleration")
+    Trajectory(times, poses, speeds, growth)
+    notes: list[str] = []
+    if times[0] != 0.0:
+        notes.append(f"The times are shifted by {-times[0]:.6g} s, to start at zero.")
+        times -= times[0]
+    straight = np.unwrap(poses[:, 2])
+    if not np.array_equal(straight, poses[:, 2]):
+        turned = np.abs(straight - poses[:, 2]) > 1.0
+        if turned.any():
+            notes.append("Jumps of theta by a full turn between samples are taken out.")
+            poses[turned, 2] = straight[turned]
+    if velocity is None:
+        spline = _spline(times, poses, rest)
+        speeds, growth = spline(times, 1), spline(times, 2)
+        notes.append(f"Velocity and acceleration are those of a spline of degree {spline.k}.")
+    elif acceleration is None:
+        spline = _spline(times, speeds, False)
+        growth = spline(times, 1)
+        notes.append(f"The acceleration is that of a spline of degree {spline.k}.")
+    if not (np.isfinite(speeds).all() and np.isfinite(growth).all()):
+        problem = (
+            "no finite velocity and acceleration follow from it; check the units of t and pose"
+        )
+        raise InvalidInput("pose", problem)
+    if velocity is None:
+        notes += _rounding(times, poses)
+    if velocity is not None:
+        notes += _mismatch("velocity", times, poses, speeds)
+    if acceleration is not None:
+        notes += _mismatch("acceleration", times, speeds, growth)
+    return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes))
+
+
+def _spline(t: Array, values: Array, rest: bool) -> BSpline:
+    from scipy.interpolate import make_interp_spline  # slow to load
+
+    if rest:
+        still = np.zeros(4)
+        ends = [(1, still), (2, still)]
+        return make_interp_spline(t, values, k=5, bc_type=(ends, ends))
+    degree = 5 if len(t) > 5 else 3 if len(t) > 3 else len(t) - 1
+    return make_interp_spline(t, values, k=degree)
+
+
+def _rounding(t: Array, pose: Array) -> list[str]:
+    """Say by how much the last digit of the poses may move the acceleration, if that matters."""
+    if len(t) < 3:
+        return []
+    step = np.median(np.diff(t))
+    for column, (word, unit) in enumerate(zip(COORDINATES, UNITS, strict=True)):
+        if np.ptp(pose[:, column]) == 0:
+            continue  # a coordinate that rests says nothing of how it is written
+        digit = _last_digit(pose[:, column])
+        # Second differences of numbers that are wrong by up to half a digit each.
+        noise = 2.0 * digit / step**2
+        if noise > 0.1:
+            return [
+                f"{word} is written in steps of {digit:.3g} {unit}; at this rate of samples the "
+                f"acceleration may be wrong by {noise:.2g} {unit}/s²."
+            ]
+    return []
+
+
+def _last_digit(values: Array) -> float:
+    """Return the decimal step in which numbers are written, 0 if it is finer than 1e-9."""
+    for digits in range(10):
+        if np.abs(values - np.round(values, digits)).max() < 1e-12:
+            return 10.0**-digits
+    return 0.0
+
+
+def _mismatch(what: str, t: Array, values: Array, rate: Array) -> list[str]:
+    """Say if a given rate is not that of the values.
+
+    Over a step, the change of a value is compared with the mean of its given rates.
+    """
+    actual = np.diff(values, axis=0) / np.diff(t)[:, None]
+    wrong = np.abs(actual - 0.5 * (rate[1:] + rate[:-1]))
+    size = np.maximum(np.abs(rate).max(axis=0), np.abs(actual).max(axis=0))
+    share = np.where(size > 1e-9, wrong / np.maximum(size, 1e-300), 0.0)
+    # A jump of a rate within one step is no mismatch; a wrong unit is one nearly everywhere.
+    typical = np.median(share, axis=0)
+    column = int(np.argmax(typical))
+    if typical[column] <= 0.05:
+        return []
+    return [
+        f"The {what} of {COORDINATES[column]} is not the rate at which the samples change: it is "
+        f"typically off by {100 * typical[column]:.0f} % of its largest value."
+    ]

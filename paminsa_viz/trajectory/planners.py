@@ -1,0 +1,257 @@
+"""Planners: motions of the platform that start and end at rest.
+
+Each takes a duration; `timing.shortest` finds the shortest one within limits. Poses are
+(x, y, theta, z) [m, m, rad, m] in the base frame.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.trajectory.curves import Arc, Blend, Chain, Curve, Reversed, Spline, Term
+from paminsa_viz.trajectory.plan import Plan
+from paminsa_viz.trajectory.time_laws import TimeLaw
+
+PLACE = [0, 1, 3]
+"""Columns of a pose that are lengths."""
+
+TURN_LENGTH = 0.1
+"""Lever by which turns count beside lengths where waypoints share out the time [m/rad]."""
+
+PLANES = {"xy": (0, 1), "xz": (0, 3), "yz": (1, 3)}
+"""Columns of a pose along which a circle may lie."""
+
+
+def move(
+    start: ArrayLike,
+    goal: ArrayLike,
+    duration: float = 1.0,
+    law: TimeLaw | None = None,
+    *,
+    name: str = "move",
+) -> Plan:
+    """Return a move from pose to pose (4,): all coordinates together, by one law (a quintic).
+
+    The platform runs straight and turns in proportion.
+
+    Raises:
+        InvalidInput: If a pose is not finite or the duration not positive.
+    """
+    law = law or TimeLaw()
+    begin, end = _pose(start, "start"), _pose(goal, "goal")
+    return Plan(
+        Blend(begin, (Term(end - begin, law),)), duration, name, f"move, {law.profile.value}"
+    )
+
+
+def line(
+    start: ArrayLike,
+    point: ArrayLike,
+    duration: float = 1.0,
+    law: TimeLaw | None = None,
+    *,
+    name: str = "line",
+) -> Plan:
+    """Return a straight line from a pose (4,) to a point (3,) = (x, y, z), theta held."""
+    begin = _pose(start, "start")
+    x, y, z = _finite(as_vectors(point, "point", 3), "point", (3,))
+    law = law or TimeLaw()
+    plan = move(begin, [x, y, begin[2], z], duration, law, name=name)
+    return Plan(plan.curve, duration, name, f"straight line, {law.profile.value}")
+
+
+def circle(
+    center: ArrayLike,
+    radius: float,
+    duration: float = 1.0,
+    law: TimeLaw | None = None,
+    *,
+    plane: str = "xy",
+    begin: float = 0.0,
+    angle: float = 2 * np.pi,
+    name: str = "circle",
+) -> Plan:
+    """Return a run along a circle, theta held.
+
+    Args:
+        center: (4,) pose of the center.
+        radius: [m].
+        duration: [s].
+        law: How the angle grows in time; a quintic by default.
+        plane: ``"xy"``, ``"xz"`` or ``"yz"``.
+        begin: Where on the circle it starts, from the plane's first axis toward its second [rad].
+        angle: How far it goes, negative for the other way round [rad].
+        name: Its name.
+
+    Raises:
+        InvalidInput: If the plane is unknown, a number is not finite, or the radius not positive.
+    """
+    law = law or TimeLaw()
+    middle = _pose(center, "center")
+    if plane not in PLANES:
+        raise InvalidInput("plane", f"one of {', '.join(PLANES)} is needed, not {plane!r}")
+    for argument, value in (("radius", radius), ("begin", begin), ("angle", angle)):
+        if not np.isfinite(value):
+            raise InvalidInput(argument, f"a finite number is needed, not {value!r}")
+    if radius <= 0:
+        raise InvalidInput("radius", f"a length above 0 m is needed, not {radius!r}")
+    axes = np.zeros((2, 4))
+    axes[[0, 1], PLANES[plane]] = radius
+    first = axes[0] * np.cos(begin) + axes[1] * np.sin(begin)
+    second = axes[1] * np.cos(begin) - axes[0] * np.sin(begin)
+    curve = Arc(middle, first, second, float(angle), law)
+    return Plan(curve, duration, name, f"circle, {law.profile.value}")
+
+
+def arch(
+    start: ArrayLike,
+    goal: ArrayLike,
+    height: float,
+    duration: float = 1.0,
+    law: TimeLaw | None = None,
+    *,
+    lift_share: float = 0.4,
+    overlap: float = 0.5,
+    name: str = "arch",
+) -> Plan:
+    """Return a pick-and-place arch: up, across, down, the three overlapping in time.
+
+    Args:
+        start, goal: (4,) poses.
+        height: How far the platform rises above the higher of the two [m].
+        duration: [s].
+        law: TimeLaw of each of the three; a quintic by default.
+        lift_share: Share of the time spent going up, and as much going down; at most 1/2.
+        overlap: Share of the lift during which the crossing already runs, from 0 to 1; with 0 the
+            arch has corners, and stops there.
+        name: Its name.
+
+    Raises:
+        InvalidInput: If a pose is not finite, the height negative, or a share out of its range.
+    """
+    law = law or TimeLaw()
+    begin, end = _pose(start, "start"), _pose(goal, "goal")
+    if not (np.isfinite(height) and height >= 0):
+        raise InvalidInput("height", f"a length of at least 0 m is needed, not {height!r}")
+    if not 0 < lift_share <= 0.5:
+        raise InvalidInput("lift_share", f"above 0 and up to 1/2 is needed, not {lift_share!r}")
+    if not 0 <= overlap <= 1:
+        raise InvalidInput("overlap", f"0 to 1 is needed, not {overlap!r}")
+    corner = lift_share * (1.0 - overlap)
+    if 1.0 - 2.0 * corner < 1e-6:
+        raise InvalidInput("overlap", "no time is left for the crossing; overlap more, lift less")
+    top = max(begin[3], end[3]) + height
+    up, across, down = np.zeros(4), end - begin, np.zeros(4)
+    up[3], across[3], down[3] = top - begin[3], 0.0, end[3] - top
+    terms = (
+        Term(up, law, 0.0, lift_share),
+        Term(across, law, corner, 1.0 - corner),
+        Term(down, law, 1.0 - lift_share, 1.0),
+    )
+    return Plan(Blend(begin, terms), duration, name, f"arch, {law.profile.value}")
+
+
+def through(
+    poses: ArrayLike,
+    duration: float | None = None,
+    *,
+    times: ArrayLike | None = None,
+    name: str = "waypoints",
+) -> Plan:
+    """Return a motion through waypoints whose velocity, acceleration and jerk are continuous.
+
+    It is the spline of fifth degree through the poses that starts and ends at rest.
+
+    Args:
+        poses: (n, 4), at least two; neighbors have to differ.
+        duration: [s]; by default 1 s, or the span of ``times``.
+        times: (n,) when each is passed, in any unit. By default each stretch gets time by the
+            square root of its length, the first and the last a little more.
+        name: Its name.
+
+    Raises:
+        InvalidInput: If there are fewer than two poses, two neighbors are the same, or times do
+            not increase.
+    """
+    from scipy.interpolate import make_interp_spline  # slow to load
+
+    way = as_vectors(poses, "poses")
+    if way.ndim != 2 or len(way) < 2:
+        raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {way.shape}")
+    way = _finite(way, "poses", way.shape)
+    if times is None:
+        ends = _shared_time(way)
+    else:
+        given = _finite(as_numbers(times, "times"), "times", (len(way),))
+        if not (np.diff(given) > 0).all():
+            raise InvalidInput("times", "the times have to increase")
+        duration = float(given[-1] - given[0]) if duration is None else duration
+        ends = (given - given[0]) / (given[-1] - given[0])
+    still = np.zeros(4)
+    rest = [(1, still), (2, still)]
+    spline = make_interp_spline(ends, way, k=5, bc_type=(rest, rest))
+    curve = Spline(spline, ends)
+    return Plan(curve, 1.0 if duration is None else duration, name, "waypoints, quintic spline")
+
+
+def chain(*plans: Plan, name: str = "") -> Plan:
+    """Return plans run after each other, with a stop in between; each in its duration.
+
+    Raises:
+        InvalidInput: If there is none, or one does not start where the one before it ends.
+    """
+    if not plans:
+        raise InvalidInput("plans", "at least one plan is needed")
+    zero, one = np.zeros(1), np.ones(1)
+    for number, (before, after) in enumerate(pairwise(plans), 2):
+        if not np.allclose(before.curve(one), after.curve(zero), rtol=0.0, atol=1e-9):
+            raise InvalidInput("plans", f"plan {number} does not start where the one before ends")
+    ends = np.cumsum([0.0, *(plan.duration for plan in plans)])
+    curve = Chain(tuple(plan.curve for plan in plans), ends / ends[-1])
+    notes = tuple(dict.fromkeys(note for plan in plans for note in plan.notes))
+    return Plan(
+        curve,
+        float(ends[-1]),
+        name or " + ".join(dict.fromkeys(plan.name for plan in plans)),
+        ", then ".join(dict.fromkeys(plan.kind for plan in plans)),
+        notes,
+    )
+
+
+def round_trip(plan: Plan) -> Plan:
+    """Return a plan followed by itself run backwards: a closed motion of twice the duration."""
+    both: tuple[Curve, ...] = (plan.curve, Reversed(plan.curve))
+    curve = Chain(both, np.array([0.0, 0.5, 1.0]))
+    return Plan(curve, 2 * plan.duration, f"{plan.name}, there and back", plan.kind, plan.notes)
+
+
+def _shared_time(way: Array) -> Array:
+    """Return instants in [0, 1] for waypoints (n, 4)."""
+    steps = np.diff(way, axis=0)
+    length = np.hypot(np.linalg.norm(steps[:, PLACE], axis=1), TURN_LENGTH * steps[:, 2])
+    if not length.all():
+        number = int(np.argmin(length)) + 1
+        raise InvalidInput("poses", f"waypoints {number} and {number + 1} are the same")
+    # By the root of the length the spline swings out least; its ends also have to come to rest.
+    share = np.sqrt(length)
+    if len(share) > 1:
+        share[[0, -1]] *= 1.3
+    ends = np.concatenate([[0.0], np.cumsum(share)])
+    return ends / ends[-1]
+
+
+def _pose(values: ArrayLike, argument: str) -> Array:
+    return _finite(as_vectors(values, argument), argument, (4,))
+
+
+def _finite(values: Array, argument: str, shape: tuple[int, ...]) -> Array:
+    if values.shape != shape:
+        raise InvalidInput(argument, f"the shape has to be {shape}, not {values.shape}")
+    if not np.isfinite(values).all():
+        raise InvalidInput(argument, "all numbers have to be finite")
+    return np.array(values)

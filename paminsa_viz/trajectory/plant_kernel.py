@@ -1,0 +1,89 @@
+"""The formulae of `plant.py` compiled; nothing of the mechanics stands here."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numba.extending import register_jitable
+from numba.np.unsafe.ndarray import to_fixed_tuple
+
+from paminsa_viz.model import leg
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.compiled import DIGEST, OPTIONS
+from paminsa_viz.model.lumped import EnergyTerms
+from paminsa_viz.trajectory import plant
+
+for _formula in (
+    plant.legs, plant.turn_rate, plant.speeds, plant._leg_load, plant.platform_load,
+    plant.to_actuators, plant.to_platform, plant.friction, plant.inverse_torques, plant.solve,
+    plant.acceleration_under, plant.turn_error, plant._toward, plant.command, plant.hermite,
+    plant.reference, plant.commanded, plant.derivative,
+):  # fmt: skip
+    register_jitable(_formula)
+
+
+_MECHANISM, _TERMS, _LOSSES = (
+    len(kind._fields) for kind in (leg.Mechanism, EnergyTerms, plant.Losses)
+)
+_GAINS = len(plant.Gains._fields)
+_ROBOT = _MECHANISM + _TERMS + _LOSSES
+
+
+@register_jitable
+def _robot(numbers):  # type: ignore[no-untyped-def]
+    """Unpack a robot from a list of numbers: a tuple of named tuples is slow to hand over."""
+    return (
+        leg.Mechanism(*to_fixed_tuple(numbers, _MECHANISM)),  # type: ignore[call-arg]
+        EnergyTerms(*to_fixed_tuple(numbers[_MECHANISM:], _TERMS)),
+        plant.Losses(*to_fixed_tuple(numbers[_MECHANISM + _TERMS :], _LOSSES)),
+    )
+
+
+@register_jitable
+def _gains(numbers):  # type: ignore[no-untyped-def]
+    return plant.Gains(*to_fixed_tuple(numbers[2 * _ROBOT :], _GAINS))  # type: ignore[call-arg]
+
+
+def pack(true: plant.Robot, believed: plant.Robot, gains: plant.Gains) -> Array:
+    """Return the robot, what the controller believes of it, and its gains as one list."""
+    numbers = [value for part in (*true, *believed, gains) for value in part]
+    return np.array(numbers, dtype=np.float64)
+
+
+def _kernels(digest: int) -> tuple[Any, Any]:
+    """``digest`` is used for its being a closure variable, and so part of Numba's cache key."""
+
+    @njit(**OPTIONS)
+    def derivative(t, state, numbers, times, states, out):  # type: ignore[no-untyped-def]
+        if digest < 0:
+            return
+        true, believed = _robot(numbers), _robot(numbers[_ROBOT:])
+        plant.derivative(t, state, true, believed, _gains(numbers), times, states, out)
+
+    @njit(**OPTIONS)
+    def torques(t, state, numbers, times, states, out):  # type: ignore[no-untyped-def]
+        """Commanded torques at times (n,) and states (n, 10)."""
+        if digest < 0:
+            return
+        robot, k = _robot(numbers[_ROBOT:]), _gains(numbers)
+        for i in range(t.size):
+            q = plant.commanded(t[i], state[i], robot, k, times, states)
+            out[i, 0], out[i, 1], out[i, 2], out[i, 3] = q
+
+    return derivative, torques
+
+
+_TEXT = Path(plant.__file__).read_bytes()
+derivative, torques = _kernels(DIGEST ^ int.from_bytes(hashlib.sha256(_TEXT).digest()[:7], "big"))
+
+
+def warm_up() -> None:
+    """Compile the kernels, or load them from disk, by a call."""
+    numbers = np.ones(2 * _ROBOT + _GAINS)
+    times, states, state = np.arange(2.0), np.zeros((2, 12)), np.zeros(10)
+    derivative(0.0, state, numbers, times, states, np.zeros(10))
+    torques(times[:0], states[:0, :10], numbers, times, states, np.zeros((0, 4)))

@@ -1,0 +1,140 @@
+"""Ready-made motions, sized for a robot: they fit Appendix 4's, and grow with the lengths.
+
+None of them is a motion of the paper: the curves of its Figs. 8-11 are not in its text.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.reach import workspace_height
+from paminsa_viz.trajectory.plan import Plan
+from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, move, through
+from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
+
+PAPER_ACCELERATION = 1.0
+"""Largest acceleration of the paper's motion [m/s^2]; all that its text says of it."""
+
+QUINTIC_PEAK = 10 / np.sqrt(3)
+"""Largest acceleration of the quintic law in unit time."""
+
+_FROM = (-0.08, 0.06, -0.4, -0.08)
+_TO = (0.1, -0.05, 0.5, 0.08)
+
+
+def home(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Array:
+    """Return the pose (4,) about which the presets lie, in the middle of the natural side.
+
+    (0, 0, 0, -0.5 m) for Appendix 4's robot; the joints 5 as high above the guides in the mirror
+    assembly as they are below them in the printed one.
+    """
+    height = 0.4725 * workspace_height(geometry) / workspace_height(Geometry())
+    return np.array([0.0, 0.0, 0.0, -assembly.sign * height - geometry.platform_joint_height])
+
+
+class Room:
+    """Poses of a preset, given beside `home` as they are for Appendix 4's robot."""
+
+    def __init__(self, geometry: Geometry, assembly: KneeBranch) -> None:
+        across = geometry.base_radius / Geometry().base_radius
+        up = workspace_height(geometry) / workspace_height(Geometry())
+        self.scale = np.array([across, across, 1.0, up])
+        self.home = home(geometry, assembly)
+
+    def pose(self, x: float, y: float, theta: float, z: float) -> Array:
+        """Return the pose at a displacement from home [m, m, rad, m], scaled to the robot."""
+        return self.home + self.scale * np.array([x, y, theta, z])
+
+
+@dataclass(frozen=True)
+class Preset:
+    """A ready-made motion.
+
+    Attributes:
+        key: Short name for files and links.
+        label: What a person reads.
+        build: Makes the plan for a robot.
+    """
+
+    key: str
+    label: str
+    build: Callable[[Geometry, KneeBranch], Plan]
+
+
+def paper_like(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Plan:
+    """Return a move of all four coordinates whose largest acceleration is exactly 1 m/s^2.
+
+    The acceleration is that of the platform's position; its duration follows from that.
+    """
+    room = Room(geometry, assembly)
+    start, goal = room.pose(*_FROM), room.pose(*_TO)
+    length = np.linalg.norm((goal - start)[PLACE])
+    duration = np.sqrt(QUINTIC_PEAK * length / PAPER_ACCELERATION)
+    plan = move(start, goal, float(duration), name="four coordinates, 1 m/s²")
+    note = (
+        "A quintic move of all four coordinates with a largest acceleration of 1 m/s², which is "
+        "what the paper's text says of its motion. It is not the motion of the paper's "
+        "Figs. 8-11, whose curves the text does not give."
+    )
+    return replace(plan, notes=(note,))
+
+
+def _move(profile: Profile) -> Callable[[Geometry, KneeBranch], Plan]:
+    def build(geometry: Geometry, assembly: KneeBranch) -> Plan:
+        room = Room(geometry, assembly)
+        return move(
+            room.pose(*_FROM), room.pose(*_TO), 1.5, TimeLaw(profile), name=f"{profile.value} move"
+        )
+
+    return build
+
+
+def _line(geometry: Geometry, assembly: KneeBranch) -> Plan:
+    room = Room(geometry, assembly)
+    start, goal = room.pose(-0.12, -0.04, 0.2, 0.0), room.pose(0.12, 0.04, 0.2, 0.0)
+    return line(start, goal[PLACE], 1.5)
+
+
+def _circle(geometry: Geometry, assembly: KneeBranch) -> Plan:
+    room = Room(geometry, assembly)
+    return circle(room.home, 0.1 * room.scale[0], 3.0)
+
+
+def _arch(geometry: Geometry, assembly: KneeBranch) -> Plan:
+    room = Room(geometry, assembly)
+    start, goal = room.pose(-0.12, 0.02, -0.3, -0.06), room.pose(0.12, -0.02, 0.3, -0.06)
+    return arch(start, goal, 0.12 * room.scale[3], 1.2, name="pick-and-place arch")
+
+
+def _waypoints(geometry: Geometry, assembly: KneeBranch) -> Plan:
+    room = Room(geometry, assembly)
+    corners = [
+        (0.0, 0.0, 0.0, 0.0),
+        (0.1, 0.02, 0.3, -0.05),
+        (0.04, 0.1, 0.0, 0.04),
+        (-0.1, 0.03, -0.4, 0.06),
+        (-0.03, -0.09, -0.1, -0.04),
+        (0.0, 0.0, 0.0, 0.0),
+    ]
+    return through([room.pose(*corner) for corner in corners], 4.0)
+
+
+PRESETS: tuple[Preset, ...] = (
+    Preset("paper-like", "Four coordinates, 1 m/s²", paper_like),
+    Preset("quintic", "Quintic move", _move(Profile.QUINTIC)),
+    Preset("trapezoid", "Trapezoidal-velocity move", _move(Profile.TRAPEZOID)),
+    Preset("s-curve", "S-curve move", _move(Profile.S_CURVE)),
+    Preset("waypoints", "Through waypoints", _waypoints),
+    Preset("line", "Straight line", _line),
+    Preset("circle", "Circle", _circle),
+    Preset("arch", "Pick-and-place arch", _arch),
+)
+"""All presets, in the order in which a page offers them."""
+
+PRESET: dict[str, Preset] = {preset.key: preset for preset in PRESETS}
+"""The same by key."""

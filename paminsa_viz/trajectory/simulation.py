@@ -1,0 +1,242 @@
+"""Forward simulation: what the robot does when a controller drives it along a trajectory.
+
+The controller works with a model of the robot that may differ from the robot in masses, payload,
+gravity and friction. The equations of motion are solved by SciPy; the balance of energy along the
+solution tells how well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.dynamics import kinetic_energy
+from paminsa_viz.model.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.statics import potential_energy
+from paminsa_viz.trajectory.check import (
+    GUIDES,
+    SINGULAR_CLEARANCE,
+    PathEvent,
+    check_path,
+    limit_margins,
+    worst_event,
+)
+from paminsa_viz.trajectory.control import Controller
+from paminsa_viz.trajectory.equations import equations
+from paminsa_viz.trajectory.sampled import States, Trajectory
+
+PANTOGRAPH_CLEARANCE = 1e-4
+"""Distance from a stretched or folded pantograph at which a simulation stops [m].
+
+Beyond the limit there is no motion to compute, and accelerations grow without bound before it.
+"""
+
+_TOLERANCE = 1e-8
+"""Relative error of a step that the solver aims at."""
+
+_NEAR = 1e-2
+"""Margin below which a solver that gives up has come to a limit [m]."""
+
+_MOST_EVALUATIONS = 100_000
+_MOST_A_SECOND = 20_000
+"""How often the equations may be evaluated, and how often more for a second of the motion.
+
+Ten times what the default gains need; much higher gains would have a person wait for ever.
+"""
+
+_LONGEST_STEP = 0.02
+"""Longest step [s], so that nothing of the wanted motion is stepped over."""
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """What the robot did, at n instants: the samples of the trajectory until it stopped.
+
+    Attributes:
+        design: The robot.
+        assembly: How its pantographs are put together.
+        controller: What drove it.
+        t: (n,) [s].
+        pose: (n, 4) [m, m, rad, m].
+        velocity: (n, 4) [m/s, m/s, rad/s, m/s].
+        torque: (n, 4) commanded torques of M1..M3 [N m] and force of M4 [N].
+        wanted: States of the trajectory, (n, 4) each.
+        work: (n,) energy that the actuators have put in [J].
+        loss: (n,) energy that friction has taken [J].
+        stopped: Why it stopped before the trajectory's end; None if it did not.
+        evaluations: Number of times the equations of motion were evaluated.
+    """
+
+    design: Design
+    assembly: KneeBranch
+    controller: Controller
+    t: Array
+    pose: Array
+    velocity: Array
+    torque: Array
+    wanted: States
+    work: Array
+    loss: Array
+    stopped: PathEvent | None
+    evaluations: int
+
+    @property
+    def error(self) -> Array:
+        """Pose minus wanted pose, (n, 4) [m, m, rad, m]."""
+        return self.pose - self.wanted.pose
+
+    @cached_property
+    def distance(self) -> Array:
+        """Distance of the platform from where it should be, (n,) [m]."""
+        return np.linalg.norm(self.error[:, [0, 1, 3]], axis=1)
+
+    @cached_property
+    def energy(self) -> Array:
+        """Kinetic plus potential energy of the robot, (n,) [J]."""
+        moving = kinetic_energy(self.design, self.pose, self.velocity, self.assembly)
+        return moving + potential_energy(self.design, self.pose, self.assembly)
+
+    @cached_property
+    def energy_drift(self) -> Array:
+        """Growth of energy minus work put in plus friction losses, (n,) [J].
+
+        Zero but for the error of the solution: how far it is from a motion of the robot.
+        """
+        return self.energy - self.energy[0] - (self.work - self.loss)
+
+
+class SimulationFailed(PaminsaError):
+    """A simulation that the solver could not carry on, for no limit that is known.
+
+    Attributes:
+        t: How far it came [s].
+    """
+
+    def __init__(self, t: float, message: str) -> None:
+        self.t = t
+        super().__init__(f"the simulation failed at {t:.4g} s: {message}")
+
+
+def simulate(
+    design: Design,
+    trajectory: Trajectory,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    model: Design | None = None,
+    controller: Controller | None = None,
+    offset: ArrayLike = (0.0, 0.0, 0.0, 0.0),
+    clearance: float = SINGULAR_CLEARANCE,
+    tolerance: float = _TOLERANCE,
+) -> Simulation:
+    """Let a controller drive a robot along a trajectory.
+
+    It stops, and says why, where the robot comes to a limit of its workspace or too close to a
+    singular pose. Without feedback the robot is unstable: held by constant torques at Appendix 4's
+    home pose, an error of theta grows by a factor e in 0.18 s.
+
+    Args:
+        design: The robot itself, with its friction and its payload.
+        trajectory: The wanted motion.
+        assembly: Root of the knee.
+        model: What the controller takes the robot for; by default the robot itself. It may differ
+            in masses, payload, gravity and friction, not in geometry.
+        controller: By default feed-forward with PD at the actuators.
+        offset: (4,) pose error at the start [m, m, rad, m].
+        clearance: Least distance from singular positions [m].
+        tolerance: Relative error of a step.
+
+    Raises:
+        ImpossibleTrajectory: If the robot cannot run the trajectory at all.
+        InvalidInput: If the model's geometry is another, or the start with its offset is out of
+            reach.
+        SimulationFailed: If the solver gives up away from any limit, or would take too long.
+    """
+    from scipy.integrate import solve_ivp  # slow to load
+
+    model = model or design
+    controller = controller or Controller()
+    if model.geometry != design.geometry:
+        raise InvalidInput("model", "its geometry has to be that of the robot")
+    check = check_path(design.geometry, trajectory, clearance)
+    check.require()
+    start = _start(trajectory, offset)
+    stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE)
+    stop_at[12:] = 0.0  # the singular distances hold a clearance already
+    side = np.array(check.side)
+
+    def margins(pose: Array) -> Array:
+        return limit_margins(design.geometry, pose[None], side, clearance)[0] - stop_at
+
+    if not margins(start[:4]).min() > 0:
+        raise InvalidInput("offset", "the robot cannot start there")
+
+    gains = controller.gains(model, trajectory.pose[0], assembly)
+    derivative, torques = equations(design, model, gains, assembly, trajectory)
+    derivative = _bounded(derivative, _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration)
+
+    def least_margin(_: float, state: Array) -> float:
+        return float(margins(state[:4]).min())
+
+    least_margin.terminal = True  # type: ignore[attr-defined]
+    solution = solve_ivp(
+        derivative, (trajectory.t[0], trajectory.t[-1]), start, method="DOP853",
+        t_eval=trajectory.t, events=least_margin, rtol=tolerance, atol=0.01 * tolerance,
+        max_step=_LONGEST_STEP,
+    )  # fmt: skip
+    t, states = solution.t, solution.y.T
+    stopped = None
+    if solution.status != 0:
+        stopped, t, states = _end(trajectory, solution, margins)
+    return Simulation(
+        design, assembly, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
+        trajectory.at(t), states[:, 8], states[:, 9], stopped, int(solution.nfev),
+    )  # fmt: skip
+
+
+def _start(trajectory: Trajectory, offset: ArrayLike) -> Array:
+    """Return the state (10,) at the start: pose, velocity, work, losses."""
+    shift = as_vectors(offset, "offset")
+    if shift.shape != (4,) or not np.isfinite(shift).all():
+        raise InvalidInput("offset", "four finite numbers are needed")
+    return np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
+
+
+def _bounded(
+    derivative: Callable[[float, Array], Array], most: float
+) -> Callable[[float, Array], Array]:
+    """Return a function that raises when it has been called too often."""
+    calls = 0
+
+    def counted(t: float, state: Array) -> Array:
+        nonlocal calls
+        calls += 1
+        if calls > most:
+            raise SimulationFailed(
+                t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
+                f"Coulomb friction would make it easier",
+            )  # fmt: skip
+        return derivative(t, state)
+
+    return counted
+
+
+def _end(
+    trajectory: Trajectory, solution: Any, margins: Callable[[Array], Array]
+) -> tuple[PathEvent, Array, Array]:
+    """Return why a solution stopped, with its times and states up to there."""
+    t, states = solution.t, solution.y.T
+    if solution.status == 1:
+        end, state = solution.t_events[0][-1], solution.y_events[0][-1]
+        if end > t[-1]:
+            t, states = np.append(t, end), np.vstack([states, state])
+    left = margins(states[-1, :4])
+    if solution.status != 1 and left.min() > _NEAR:
+        raise SimulationFailed(float(t[-1]), str(solution.message))
+    return worst_event(t[-1], states[-1, :4], left), t, states

@@ -1,0 +1,185 @@
+"""What depends on geometry and motion alone: the path's check, the actuators' speeds, Y.
+
+It is solved once. A change of masses, of gravity or of friction is then one product Q = Y c.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, Friction, Geometry, KneeBranch
+from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
+from paminsa_viz.model.jacobian import inverse_jacobian
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.lumped import Misprint, lumped_coefficients
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.regressor import regressor_torques, torque_regressor
+from paminsa_viz.trajectory.check import (
+    SINGULAR_CLEARANCE,
+    PathCheck,
+    PathEvent,
+    check_path,
+)
+from paminsa_viz.trajectory.sampled import Trajectory
+
+_WEIGHTS = slice(0, 3)
+"""Places of M_p1..3 among the lumped coefficients."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedTrajectory:
+    """What a motion of n samples asks of a geometry, whatever its masses.
+
+    Attributes:
+        geometry: The lengths.
+        trajectory: The motion.
+        assembly: Root of the knee.
+        misprints: Formulae taken as printed.
+        gravity: Gravitational acceleration that Y was made with [m/s^2].
+        check: Where and why it fails, if it does.
+        y: (n, 4, 18) regressor; NaN at samples whose status is not OK.
+        speed: (n, 4) of the actuators [rad/s, m/s]; NaN there as well.
+    """
+
+    geometry: Geometry
+    trajectory: Trajectory
+    assembly: KneeBranch
+    misprints: Misprint
+    gravity: float
+    check: PathCheck
+    y: Array
+    speed: Array
+
+    def torques(self, design: Design, *, friction: bool = True) -> Array:
+        """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
+        torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
+        if design.gravity != self.gravity:
+            torque[:, 3] += self._extra_weight(design)
+        if friction and not frictionless(design.friction):
+            torque += self.friction(design.friction)
+        return torque
+
+    def friction(self, friction: Friction) -> Array:
+        """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
+        kept = self._friction.get(friction)
+        if kept is None:
+            kept = friction_torque(friction, self.speed)
+            if frictionless(friction):
+                kept[~self.check.good] = np.nan
+            kept.setflags(write=False)
+            self._friction.clear()
+            self._friction[friction] = kept
+        return kept
+
+    @cached_property
+    def _friction(self) -> dict[Friction, Array]:
+        return {}
+
+    def _extra_weight(self, design: Design) -> float:
+        """Return what the platform weighs on M4 beyond the gravity that Y was made with [N].
+
+        The legs' weights stand in c.
+        """
+        mass = design.platform.mass + design.payload.mass
+        return self.geometry.magnification * (design.gravity - self.gravity) * mass
+
+    @cached_property
+    def inertial(self) -> Array:
+        """Regressor of what the acceleration alone adds in a world without gravity, (n, 4, 18)."""
+        t = self.trajectory
+        y = torque_regressor(
+            self.geometry, t.pose, np.zeros_like(t.pose), t.acceleration, self.assembly,
+            gravity=0.0, misprints=self.misprints,
+        )  # fmt: skip
+        y[..., _WEIGHTS] = 0.0
+        y[~self.check.good] = np.nan
+        return y
+
+    def breakdown(self, design: Design) -> TorqueBreakdown:
+        """Return the torques' parts for a design of this geometry, each (n, 4) [N m, N].
+
+        The weights M_p have columns of Y to themselves, so gravity's part needs no other Y, and
+        what is left beside it and the inertial part is the velocity's.
+        """
+        c = lumped_coefficients(design, self.misprints)
+        gravity = np.einsum("nji,i->nj", self.y[..., _WEIGHTS], c[_WEIGHTS])
+        mass = design.platform.mass + design.payload.mass
+        gravity[:, 3] += self.geometry.magnification * design.gravity * mass
+        inertial = regressor_torques(self.inertial, c)
+        velocity = self.torques(design, friction=False) - gravity - inertial
+        friction = np.array(self.friction(design.friction))
+        return TorqueBreakdown(gravity, inertial, velocity, friction)
+
+    @cached_property
+    def actuators(self) -> Array:
+        """Actuator positions without jumps of a full turn, (n, 4) [rad, rad, rad, m]."""
+        configuration = inverse_kinematics(self.geometry, self.trajectory.pose, self.assembly)
+        positions = configuration.actuators.copy()
+        positions[:, :3] = np.unwrap(positions[:, :3], axis=0)
+        positions[~self.check.good] = np.nan
+        return positions
+
+    def serves(
+        self, geometry: Geometry, trajectory: Trajectory, assembly: KneeBranch, misprints: Misprint
+    ) -> bool:
+        """Whether this is what `solve_trajectory` would return for these."""
+        return (
+            self.trajectory is trajectory
+            and self.assembly is assembly
+            and self.misprints == misprints
+            and self.geometry == geometry
+        )
+
+
+def solve_trajectory(
+    geometry: Geometry,
+    trajectory: Trajectory,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    gravity: float = 9.81,
+    misprints: Misprint = Misprint.NONE,
+    clearance: float = SINGULAR_CLEARANCE,
+) -> SolvedTrajectory:
+    """Solve what depends on the geometry and the motion alone; raises nothing for a failing path.
+
+    Args:
+        geometry: Lengths and limits.
+        trajectory: The motion.
+        assembly: Root of the knee.
+        gravity: Gravitational acceleration [m/s^2].
+        misprints: Formulae to take as printed.
+        clearance: See `check_path`.
+    """
+    check = check_path(geometry, trajectory, clearance)
+    y = torque_regressor(
+        geometry, trajectory.pose, trajectory.velocity, trajectory.acceleration, assembly,
+        gravity=gravity, misprints=misprints,
+    )  # fmt: skip
+    speed = np.einsum(
+        "nij,nj->ni", inverse_jacobian(geometry, trajectory.pose), trajectory.velocity
+    )
+    unsolved = ~np.all(np.isfinite(y), axis=(1, 2)) & check.good
+    if np.any(unsolved):
+        check = _with_unsolved(check, trajectory, unsolved)
+    if not check.ok:
+        y[~check.good] = np.nan
+        speed[~check.good] = np.nan
+    return SolvedTrajectory(geometry, trajectory, assembly, misprints, gravity, check, y, speed)
+
+
+def _with_unsolved(
+    check: PathCheck, trajectory: Trajectory, unsolved: NDArray[np.bool_]
+) -> PathCheck:
+    """Mark samples that lie within rounding of a limit, where no torque can be worked out."""
+    status = np.where(unsolved, np.uint8(Limit.SINGULAR), check.status)
+    index = int(np.argmax(unsolved))
+    first = check.first
+    if first is None or trajectory.t[index] < first.t:
+        pose = tuple(float(value) for value in trajectory.pose[index])
+        first = PathEvent(float(trajectory.t[index]), Limit.SINGULAR, -1, 0.0, pose)
+    return replace(check, status=status, first=first, until=min(check.until, index))

@@ -1,0 +1,244 @@
+"""The shortest duration of a motion within limits.
+
+Stretched in time, a motion keeps its poses: speeds divide by the duration T, accelerations by T^2,
+jerks by T^3. The actuators' torques are exactly
+
+    Q(u; T) = gravity(u) + friction(u; T) + dynamic(u) / T^2,
+
+where the dynamic part holds inertia and velocity terms, both of second order in 1/T, and viscous
+friction is of first order. So every instant u has its own shortest duration in closed form, and
+that of the motion is the largest of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, Friction, KneeBranch
+from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
+from paminsa_viz.model.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
+from paminsa_viz.trajectory.curves import Blend, Curve
+from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
+from paminsa_viz.trajectory.plan import Plan
+from paminsa_viz.trajectory.planners import PLACE
+from paminsa_viz.trajectory.supremum import supremum
+from paminsa_viz.trajectory.time_laws import fit_law
+
+_ROUNDING = 1e-12
+"""Share by which a duration is longer than its limit asks, against rounding."""
+
+
+@dataclass(frozen=True)
+class Shortest:
+    """A motion in its shortest duration.
+
+    Attributes:
+        plan: The motion.
+        quantity: What reaches its limit, one of `limits.QUANTITIES`.
+        limit: The limit that is reached.
+        unit: Its unit.
+        t: When it is reached [s].
+    """
+
+    plan: Plan
+    quantity: str
+    limit: float
+    unit: str
+    t: float
+
+    @property
+    def explanation(self) -> str:
+        """What keeps the motion from being shorter, in words."""
+        return (
+            f"{self.plan.duration:.4g} s: {self.quantity} reaches {self.limit:.4g} {self.unit} "
+            f"at {self.t:.4g} s"
+        )
+
+
+class InfeasibleMotion(PaminsaError):
+    """A motion that keeps its limits in no duration: an actuator is too weak even to creep.
+
+    Attributes:
+        actuator: Index of the actuator, 0 to 3.
+        share: Where along the motion, 0 at its start and 1 at its end, in time.
+        pose: The pose there (4,) [m, m, rad, m].
+        needed: What gravity, with Coulomb friction, asks there [N m or N].
+        limit: What the actuator may give [N m or N].
+    """
+
+    def __init__(
+        self, actuator: int, share: float, pose: tuple[float, ...], needed: float, limit: float
+    ) -> None:
+        self.actuator = actuator
+        self.share = share
+        self.pose = pose
+        self.needed = needed
+        self.limit = limit
+        name, unit = QUANTITIES[6 + actuator], UNITS[6 + actuator]
+        super().__init__(
+            f"no duration is long enough: at {100 * share:.3g} % of the motion gravity (with "
+            f"Coulomb friction, if there is any) takes {abs(needed):.4g} {unit}, and the {name} "
+            f"is limited to {limit:.4g} {unit}"
+        )
+
+
+def shortest(
+    plan: Plan,
+    limits: MotionLimits,
+    design: Design | None = None,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    *,
+    reshape: bool = True,
+    misprints: Misprint = Misprint.NONE,
+    clearance: float = SINGULAR_CLEARANCE,
+) -> Shortest:
+    """Return a motion in the shortest duration that keeps all limits; every longer one does too.
+
+    One of the limits is reached, to rounding, and none exceeded, at any instant. Coulomb friction
+    is counted in full wherever an actuator moves, so where it matters at a near standstill the
+    torque stays a little below its limit.
+
+    Args:
+        plan: The motion; its duration does not matter.
+        limits: The limits.
+        design: The robot. Needed for torque limits; where it is given, the path is checked.
+        assembly: Root of the knee.
+        reshape: Whether a straight trapezoid or S-curve may change its ramps to use the limits of
+            speed, acceleration and jerk fully. Otherwise it is only stretched.
+        misprints: Formulae to take as printed.
+        clearance: See `check_path`.
+
+    Raises:
+        InvalidInput: If nothing that moves is limited, torques are without a design, or a jerk is
+            limited and the motion's acceleration jumps.
+        ImpossibleTrajectory: If the robot cannot run the path.
+        InfeasibleMotion: If gravity alone exceeds a torque limit.
+    """
+    if limits.needs_torques and design is None:
+        raise InvalidInput("design", "limits of torque and force need a design")
+    if design is not None:
+        check_path(design.geometry, plan.lasting(1.0).sample(), clearance).require()
+    if reshape:
+        plan = _reshaped(plan, limits)
+    curve = plan.curve
+    rates = limits.rates
+    if np.isfinite(rates[2]).any() and not curve.bounded_jerk:
+        raise InvalidInput(
+            "limits", "the acceleration of this motion jumps, so its jerk has no bound"
+        )
+    columns = _rate_durations(curve, rates)
+    if limits.needs_torques and design is not None:
+        actuators = _torque_durations(curve, limits.actuators, design, assembly, misprints)
+        needed = supremum(
+            lambda u: np.concatenate([columns(u), actuators(u)], axis=1), curve.breaks
+        )
+        if not np.isfinite(needed.value):
+            raise _infeasible(curve, limits, design, assembly, misprints, needed.u)
+    else:
+        needed = supremum(columns, curve.breaks)
+    if needed.value <= 0:
+        raise InvalidInput("limits", "nothing that moves is limited")
+    duration = needed.value * (1.0 + _ROUNDING)
+    limit = [*rates.ravel(), *limits.actuators][needed.column]
+    return Shortest(
+        plan.lasting(duration), QUANTITIES[needed.column], float(limit), UNITS[needed.column],
+        needed.u * duration,
+    )  # fmt: skip
+
+
+def _reshaped(plan: Plan, limits: MotionLimits) -> Plan:
+    """Return a straight move with the law that uses the limits of its rates fully."""
+    curve = plan.curve
+    if not (isinstance(curve, Blend) and len(curve.terms) == 1):
+        return plan
+    term = curve.terms[0]
+    lengths = np.array([np.linalg.norm(term.shift[PLACE]), abs(term.shift[2])])
+    with np.errstate(divide="ignore"):
+        fitted = fit_law(term.law, *(limits.rates / lengths).min(axis=1))
+    if fitted is None:
+        return plan
+    law, _ = fitted
+    return replace(plan, curve=replace(curve, terms=(replace(term, law=law),)))
+
+
+def _rate_durations(curve: Curve, limits: Array) -> Callable[[Array], Array]:
+    """Return the durations that limits (3, 2) ask for, as a function (n,) -> (n, 6) [s]."""
+
+    def durations(u: Array) -> Array:
+        found = []
+        for order in (1, 2, 3):
+            if np.isfinite(limits[order - 1]).any():
+                rate = curve(u, order)
+                size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
+                found.append((size / limits[order - 1]) ** (1.0 / order))
+            else:
+                found.append(np.zeros((len(u), 2)))
+        return np.concatenate(found, axis=1)
+
+    return durations
+
+
+def _parts(
+    curve: Curve, design: Design, assembly: KneeBranch, misprints: Misprint, u: Array
+) -> tuple[Array, Array, Array]:
+    """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
+    friction = design.friction
+    plain = replace(design, friction=Friction())
+    pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
+    still = np.zeros_like(pose)
+    gravity = inverse_dynamics(plain, pose, still, still, assembly, misprints).torque
+    weightless = replace(plain, gravity=0.0)
+    dynamic = inverse_dynamics(weightless, pose, rate, growth, assembly, misprints).torque
+    speed = actuator_velocity(design, pose, rate)
+    coulomb = np.array([friction.coulomb_rotary] * 3 + [friction.coulomb_linear])
+    viscous = np.array([friction.viscous_rotary] * 3 + [friction.viscous_linear])
+    return gravity + coulomb * np.sign(speed), viscous * speed, dynamic
+
+
+def _torque_durations(
+    curve: Curve, limits: Array, design: Design, assembly: KneeBranch, misprints: Misprint
+) -> Callable[[Array], Array]:
+    """Return the durations that limits (4,) ask for, as a function (n,) -> (n, 4) [s].
+
+    With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
+    and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.
+    """
+
+    def durations(u: Array) -> Array:
+        constant, first, second = _parts(curve, design, assembly, misprints, u)
+        longest = np.zeros_like(constant)
+        for sign in (1.0, -1.0):
+            room = limits - sign * constant
+            with np.errstate(all="ignore"):
+                square = (sign * first) ** 2 + 4.0 * sign * second * room
+                numerator = sign * first + np.sqrt(square)
+                needed = np.where(square >= 0, numerator / (2.0 * room), 0.0)
+            needed = np.where(room > 0, np.maximum(needed, 0.0), np.inf)
+            longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, needed))
+        return longest
+
+    return durations
+
+
+def _infeasible(
+    curve: Curve,
+    limits: MotionLimits,
+    design: Design,
+    assembly: KneeBranch,
+    misprints: Misprint,
+    u: float,
+) -> InfeasibleMotion:
+    """Return the error for an instant at which a torque is beyond its limit even at rest."""
+    at = np.array([u])
+    held = _parts(curve, design, assembly, misprints, at)[0][0]
+    actuator = int(np.argmax(np.abs(held) / limits.actuators))
+    pose = tuple(float(value) for value in curve(at)[0])
+    return InfeasibleMotion(
+        actuator, u, pose, float(held[actuator]), float(limits.actuators[actuator])
+    )

@@ -1,0 +1,152 @@
+"""A counterweight anywhere on a bar does what first principles and independent engines say."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from paminsa_viz.engines.mujoco_model import MujocoRobot
+from paminsa_viz.engines.pinocchio_model import PinocchioRobot
+from paminsa_viz.model import (
+    APPENDIX_4,
+    BAR_ENDS,
+    Counterweight,
+    Design,
+    InvalidDesign,
+    KneeBranch,
+    inverse_dynamics,
+    inverse_kinematics,
+    kinetic_energy,
+    lumped_coefficients,
+    potential_energy,
+    regressor_torques,
+    static_breakdown,
+    static_torques,
+    torque_regressor,
+)
+from paminsa_viz.model.leg_points import bar_length, bar_point
+from tests import oracle
+from tests.balancing.weighted import on_the_bars, random_weights
+from tests.model.cases import BOTH, Case, assert_close, assert_within, cases
+
+
+def weighted(case: Case) -> Design:
+    """The case's robot with random counterweights."""
+    weights = random_weights(np.random.default_rng(case.seed))
+    return replace(case.design, counterweights=weights)
+
+
+@given(case=cases())
+def test_torques_are_those_of_first_principles(case: Case) -> None:
+    design = weighted(case)
+    pose, velocity, acceleration = case.states()
+    with on_the_bars():
+        expected = oracle.inverse_dynamics(design, pose, velocity, acceleration, case.assembly)
+    found = inverse_dynamics(design, pose, velocity, acceleration, case.assembly).torque
+    assert_close(found, expected, 1e-10)
+    y = torque_regressor(
+        design.geometry, pose, velocity, acceleration, case.assembly, gravity=design.gravity
+    )
+    assert_close(regressor_torques(y, lumped_coefficients(design)), expected, 1e-10)
+
+
+@given(case=cases())
+def test_energies_and_static_torques_are_those_of_first_principles(case: Case) -> None:
+    design = weighted(case)
+    pose, velocity, _ = case.states()
+    with on_the_bars():
+        kinetic = oracle.kinetic(design, pose, velocity, case.assembly)
+        potential = oracle.potential(design, pose, case.assembly)
+        static = oracle.static_torques(design, pose, case.assembly)
+    np.testing.assert_allclose(
+        kinetic_energy(design, pose, velocity, case.assembly), kinetic, rtol=1e-12
+    )
+    np.testing.assert_allclose(
+        potential_energy(design, pose, case.assembly), potential, rtol=1e-12, atol=1e-11
+    )
+    assert_close(static_torques(design, pose, case.assembly), static, 1e-10)
+    parts = static_breakdown(design, pose, case.assembly)
+    assert_close(parts.total, static, 1e-10)
+    assert parts.names[-len(design.counterweights) :] == tuple(
+        f"counterweights.{i}.mass" for i in range(len(design.counterweights))
+    )
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("engine", "library"), [(MujocoRobot, "mujoco"), (PinocchioRobot, "pinocchio")]
+)
+def test_torques_are_those_of_the_engines(engine, library: str, assembly: KneeBranch) -> None:
+    pytest.importorskip(library, reason=f"{library} comes with the extra 'verify'")
+    for seed in range(3):
+        case = Case(seed, assembly)
+        design = weighted(case)
+        states = case.states()
+        found = engine(design, assembly).inverse_dynamics(*states)
+        assert_close(found, inverse_dynamics(design, *states, assembly).torque, 1e-9)
+
+
+@given(case=cases())
+def test_points_of_the_leg_stand_where_the_posture_has_them(case: Case) -> None:
+    g, pose = case.geometry, case.poses()
+    configuration = inverse_kinematics(g, pose, case.assembly)
+
+    def place(point) -> np.ndarray:
+        axis = configuration.points[3].copy()
+        axis[..., 2] = 0.0
+        knee, tip = configuration.points[9] - axis, configuration.points[5] - axis
+        return axis + point.r9 * knee + tip * np.array([point.r5, point.r5, point.z5])
+
+    for bar, (first, second) in BAR_ENDS.items():
+        length = bar_length(g, bar)
+        assert_within(place(bar_point(g, bar, first, -length)), configuration.points[second], 1e-13)
+        end = place(bar_point(g, bar, second, 0.1))
+        gap = np.linalg.norm(end - configuration.points[second], axis=-1)
+        assert_within(gap, np.full_like(gap, 0.1), 1e-12)
+        assert (np.linalg.norm(end - configuration.points[first], axis=-1) > length).all()
+
+
+def test_a_mass_at_a_joint_is_a_joint_mass() -> None:
+    """Two ways to write 1.5 kg at joint 7, one of them from either of two bars."""
+    plain = APPENDIX_4.vary({"joints.j7": APPENDIX_4.joints.j7 + 1.5})
+    for bar, joint, beyond in (("b3", 7, 0.0), ("b7", 7, 0.0), ("b3", 4, -0.42), ("b7", 8, -0.21)):
+        weight = Counterweight(bar, joint, beyond, 1.5)
+        design = replace(APPENDIX_4, counterweights=(weight,))
+        np.testing.assert_allclose(
+            lumped_coefficients(design), lumped_coefficients(plain), rtol=1e-13, atol=1e-13
+        )
+
+
+def test_values_by_path() -> None:
+    weights = (Counterweight("b8", 8, 0.1, 1.0), Counterweight("b3", 7, -0.05, 2.0))
+    design = replace(APPENDIX_4, counterweights=weights)
+    assert design.value("counterweights.1.beyond") == -0.05
+    changed = design.vary({"counterweights.0.mass": 3, "counterweights.1.mass": 4, "links.b3": 1})
+    assert [weight.mass for weight in changed.counterweights] == [3.0, 4.0]
+    assert changed.links.b3 == 1.0
+    assert changed != design
+    assert hash(changed) == hash(replace(changed))
+    assert weights[1].other == 4
+    assert weights[0].place == "B8, 100 mm beyond joint 8"
+    assert weights[1].place == "B3, 50 mm before joint 7"
+
+
+@pytest.mark.parametrize(
+    ("make", "field"),
+    [
+        (lambda: Counterweight("b5", 8), "counterweight.bar"),
+        (lambda: Counterweight("b8", 7), "counterweight.joint"),
+        (lambda: Counterweight("b8", 8, 0.1, -1.0), "counterweight.mass"),
+        (lambda: Counterweight("b8", 8, np.nan, 1.0), "counterweight.beyond"),
+        (lambda: replace(APPENDIX_4, counterweights=(1.0,)), "counterweights.0"),
+        (lambda: APPENDIX_4.vary({"counterweights.0.mass": 1.0}), "counterweights.0.mass"),
+        (lambda: APPENDIX_4.vary({"counterweights": 1.0}), "counterweights"),
+    ],
+)
+def test_impossible_counterweights_are_refused(make, field: str) -> None:
+    with pytest.raises(InvalidDesign) as caught:
+        make()
+    assert caught.value.field == field

@@ -1,0 +1,106 @@
+"""Bounds and limits of an optimum: what relaxing buys, and what is said if they cannot be met."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from paminsa_viz.balancing import (
+    ActiveConstraint,
+    AddedMass,
+    Changes,
+    InfeasibleBounds,
+    MassChange,
+    StaticPeak,
+    Term,
+    TrajectoryPeak,
+    TrajectoryRms,
+    optimize,
+)
+from paminsa_viz.model import APPENDIX_4
+from tests.balancing.measuring import measured
+from tests.balancing.robots import changes, field, solved
+
+
+@pytest.mark.parametrize("term", [TrajectoryPeak(solved()), TrajectoryRms(solved())])
+def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
+    # no two of the same place, or what is taken away from the one could be had from the other
+    masses = tuple(mass for mass in changes().masses if mass.path != "joints.j7")
+    what = Changes(masses, changes().rails[:2])
+    limit = (StaticPeak(field()), 0.5)
+    result = optimize(APPENDIX_4, what, term, limits=[limit])
+    h = 1e-4
+
+    def gain(item: ActiveConstraint, step: float) -> float:
+        """By how much the optimum falls for a bound moved outward by a step."""
+        below, other = 0.5, what
+        outward = -step if item.side in ("low", "nearest") else step
+        if item.side == "limit":
+            below += outward
+        elif any(mass.path == item.name for mass in what.masses):
+            other = replace(what, masses=tuple(
+                replace(mass, **{item.side: item.bound + outward})
+                if mass.path == item.name else mass for mass in what.masses
+            ))  # fmt: skip
+        else:
+            other = replace(what, rails=tuple(
+                replace(rail, **{item.side: item.bound + outward})
+                if rail.name == item.name else rail for rail in what.rails
+            ))  # fmt: skip
+        return (
+            result.objective
+            - optimize(APPENDIX_4, other, term, limits=[(limit[0], below)]).objective
+        )
+
+    seen = set()
+    for item in result.active:
+        if item.price > 1e-3 and not (item.side == "low" and item.bound == 0):
+            seen.add(item.side)
+            # a convex optimum: relaxing buys no more than the multiplier says, tightening costs
+            # no less, and in so small a step both are near to it
+            assert gain(item, h) == pytest.approx(item.price * h, rel=0.02)
+            assert gain(item, -h) == pytest.approx(-item.price * h, rel=0.02)
+    assert {"low", "limit"} <= seen
+
+
+def test_limits_that_can_not_be_met_say_what_can() -> None:
+    what = changes(0.2)
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(APPENDIX_4, what, AddedMass(), limits=[(TrajectoryRms(solved()), 0.5)])
+    (short,) = caught.value.limits
+    least = optimize(APPENDIX_4, what, TrajectoryRms(solved())).objective
+    assert short.attainable == pytest.approx(least, rel=1e-7)
+    assert "RMS torque of M1-M3" in str(caught.value)
+    assert caught.value.relax
+    wider = {item.name: item for item in caught.value.relax}
+
+    def relaxed(name: str, low: float, high: float) -> tuple[float, float]:
+        item = wider.get(name)
+        if item is None:
+            return low, high
+        return (
+            (max(item.needed - 1e-7, 0), high) if item.side == "low" else (low, item.needed + 1e-7)
+        )
+
+    ranges = []
+    for mass in what.masses:
+        low, high = relaxed(mass.path, mass.low, mass.high)
+        ranges.append(replace(mass, low=low, high=high))
+    rails = []
+    for rail in what.rails:
+        low, high = relaxed(rail.name, rail.low, rail.high)
+        rails.append(replace(rail, low=low, high=high))
+    result = optimize(
+        APPENDIX_4, Changes(tuple(ranges), tuple(rails)), AddedMass(),
+        limits=[(TrajectoryRms(solved()), 0.5)],
+    )  # fmt: skip
+    assert measured(result.after)["RMS torque of M1-M3 on the trajectory"] < 0.5 + 1e-6
+
+
+def test_several_limits_at_odds() -> None:
+    limits = [(AddedMass(), -4.0), (StaticPeak(field()), 0.0)]
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(APPENDIX_4, changes(0.2), MassChange(), limits=limits)
+    assert len(caught.value.limits) == 2
+    assert all(item.attainable > item.limit for item in caught.value.limits)

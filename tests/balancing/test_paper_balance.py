@@ -1,0 +1,189 @@
+"""The paper's balance: exact where the bounds allow it, nearest elsewhere, quiet in the engines."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.balancing import (
+    AddedMass,
+    Changes,
+    InfeasibleBounds,
+    MassChange,
+    MassRange,
+    balance,
+    beyond,
+    whole_mass,
+)
+from paminsa_viz.engines.mujoco_model import MujocoRobot
+from paminsa_viz.engines.pinocchio_model import PinocchioRobot
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    Design,
+    KneeBranch,
+    lift_constant,
+    static_imbalance,
+    static_torques,
+)
+from tests import oracle, samples
+from tests.balancing.robots import changes
+from tests.balancing.weighted import on_the_bars
+from tests.model.cases import BOTH, Case, cases
+
+TIGHT = Changes((MassRange("joints.j7", 0.1, 1.5), MassRange("joints.j9", 0.2, 0.3)))
+"""Bounds within which M_p2 cannot vanish."""
+
+
+def balanced() -> list[Design]:
+    """Designs balanced in three ways: the paper's masses, weights beyond 7, weights beyond 8."""
+    rails = [
+        Changes((), (beyond(bar, joint, 0.15, 20.0),)) for bar, joint in (("b3", 7), ("b8", 8))
+    ]
+    return [balance(APPENDIX_4).after, *(balance(APPENDIX_4, rail).after for rail in rails)]
+
+
+@BOTH
+def test_nothing_is_left_over_a_hundred_thousand_poses(assembly: KneeBranch) -> None:
+    poses = np.random.default_rng(0).uniform(
+        (-0.3, -0.3, -1.2, -0.9), (0.3, 0.3, 1.2, 0.9), (250_000, 4)
+    )
+    before = static_torques(APPENDIX_4, poses, assembly)
+    reached = np.isfinite(before).all(axis=1)
+    poses, before = poses[reached], before[reached, :3]
+    assert len(poses) >= 100_000
+    largest = np.abs(before).max(axis=1, keepdims=True)
+    for design in balanced():
+        torque = static_torques(design, poses, assembly)
+        assert (np.abs(torque[:, :3]) <= 1e-14 * largest).all()
+        np.testing.assert_allclose(torque[:, 3], lift_constant(design), rtol=1e-12)
+
+
+@BOTH
+def test_first_principles_find_it_balanced_too(assembly: KneeBranch) -> None:
+    poses = samples.random_poses(np.random.default_rng(1), APPENDIX_4, assembly, 50)
+    before = np.abs(oracle.static_torques(APPENDIX_4, poses, assembly)[:, :3]).max()
+    with on_the_bars():
+        for design in balanced():
+            assert (
+                np.abs(oracle.static_torques(design, poses, assembly)[:, :3]).max() < 1e-11 * before
+            )
+
+
+@BOTH
+@pytest.mark.parametrize(
+    ("engine", "library"), [(MujocoRobot, "mujoco"), (PinocchioRobot, "pinocchio")]
+)
+def test_independent_engines_hold_it_without_torque(engine, library, assembly) -> None:
+    pytest.importorskip(library, reason=f"{library} comes with the extra 'verify'")
+    poses = samples.random_poses(np.random.default_rng(2), APPENDIX_4, assembly, 40)
+    before = np.abs(engine(APPENDIX_4, assembly).static_torques(poses)[:, :3]).max()
+    assert before > 0.1
+    for design in balanced():
+        held = engine(design, assembly).static_torques(poses)
+        assert np.abs(held[:, :3]).max() < 1e-10 * before
+
+
+@given(case=cases(), moved=st.booleans())
+def test_any_robot_can_be_balanced(case: Case, moved: bool) -> None:
+    criterion = MassChange() if moved else AddedMass()
+    result = balance(case.design, criterion=criterion)
+    design = result.after
+    scale = case.design.gravity * whole_mass(case.design)
+    assert abs(static_imbalance(design)) < 1e-15 * scale
+    assert result.gap <= 1e-9
+    added = whole_mass(design) - whole_mass(case.design)
+    assert result.values[1].after == pytest.approx(added, abs=1e-9)
+    assert result.objective == pytest.approx(added, abs=1e-9)
+
+
+def test_appendix_4_gets_it_from_joint_7() -> None:
+    """m_7 has the largest share of those that pull the other way, -g/k for a kg."""
+    result = balance(APPENDIX_4)
+    assert result.after == APPENDIX_4.vary({"joints.j7": result.after.joints.j7})
+    assert result.after.joints.j7 == pytest.approx(0.28 + 3 * 9.10041 / 9.81, abs=1e-12)
+    assert {item.name for item in result.active if item.side == "low"} == {
+        "joints.j4", "joints.j9", "links.b3", "links.b4", "links.b7", "links.b8"
+    }  # fmt: skip
+
+
+def test_a_multiplier_is_what_a_relaxed_bound_buys() -> None:
+    what = changes()
+    result = balance(APPENDIX_4, what)
+    priced = {item.name: item.price for item in result.active if item.side == "low"}
+    mass = next(mass for mass in what.masses if mass.path == "joints.j9")
+    lower = replace(mass, low=mass.low - 0.01)
+    relaxed = replace(what, masses=tuple(lower if m is mass else m for m in what.masses))
+    gain = result.objective - balance(APPENDIX_4, relaxed).objective
+    assert gain == pytest.approx(0.01 * priced["joints.j9"], rel=1e-6)
+    assert gain > 0
+
+
+def test_the_nearest_where_the_bounds_do_not_allow_it() -> None:
+    result = balance(APPENDIX_4, TIGHT)
+    assert result.after.joints.j7 == 1.5
+    assert result.after.joints.j9 == 0.2
+    nearest = static_imbalance(result.after)
+    assert 0 < nearest < static_imbalance(APPENDIX_4)
+    rng = np.random.default_rng(3)
+    for j7, j9 in rng.uniform((0.1, 0.2), (1.5, 0.3), (200, 2)):
+        assert static_imbalance(APPENDIX_4.vary({"joints.j7": j7, "joints.j9": j9})) >= nearest
+    for item in result.active:
+        step = {"low": -1e-3, "high": 1e-3}[item.side]
+        other = result.after.vary({item.name: item.bound + step})
+        assert nearest - static_imbalance(other) == pytest.approx(1e-3 * item.price)
+
+
+def test_bounds_that_forbid_it_are_reported_with_what_to_relax() -> None:
+    with pytest.raises(InfeasibleBounds) as caught:
+        balance(APPENDIX_4, TIGHT, exact=True)
+    (short,) = caught.value.limits
+    nearest = balance(APPENDIX_4, TIGHT).after
+    assert short.attainable == pytest.approx(static_imbalance(nearest))
+    told = {(item.name, item.side): item for item in caught.value.relax}
+    # m_9 counts three times as much for a kg, so that it goes first, and down to nothing
+    assert told["joints.j9", "low"].needed == 0.0
+    assert told["joints.j7", "high"].bound == 1.5
+    assert told["joints.j7", "high"].needed == pytest.approx(3.063 - 3 * 0.259)
+    message = str(caught.value)
+    assert "lower the lower bound of joints.j9 from 0.2 kg to 0 kg" in message
+    assert "raise the upper bound of joints.j7 from 1.5 kg to 2.286 kg" in message
+    # with the bounds moved as told it goes, and with a little less it does not
+    for share, goes in ((1.0 + 1e-9, True), (0.99, False)):
+        ranges = {"joints.j7": [0.1, 1.5], "joints.j9": [0.2, 0.3]}
+        for item in caught.value.relax:
+            side = 0 if item.side == "low" else 1
+            ranges[item.name][side] += share * (item.needed - item.bound)
+        wider = Changes(tuple(MassRange(path, max(a, 0.0), b) for path, (a, b) in ranges.items()))
+        if goes:
+            assert abs(static_imbalance(balance(APPENDIX_4, wider, exact=True).after)) < 1e-14
+        else:
+            with pytest.raises(InfeasibleBounds):
+                balance(APPENDIX_4, wider, exact=True)
+
+
+def test_no_bounds_would_help() -> None:
+    """Every mass that may change pulls the same way, and all of them are gone already."""
+    with pytest.raises(InfeasibleBounds, match="no other bounds would help") as caught:
+        balance(APPENDIX_4, Changes((MassRange("joints.j9", 0.0, 1.0),)), exact=True)
+    assert caught.value.relax == ()
+
+
+def test_a_counterweight_that_is_there_already_may_be_changed() -> None:
+    design = replace(APPENDIX_4, counterweights=(Counterweight("b8", 8, 0.1, 1.0),))
+    result = balance(design, Changes((MassRange("counterweights.0.mass", 0.0, 10.0),)))
+    (weight,) = result.after.counterweights
+    assert weight.beyond == 0.1
+    assert weight.mass == pytest.approx(9.10041 / 9.81 * 4.2, rel=1e-12)
+    assert abs(static_imbalance(result.after)) < 1e-14
+
+
+def test_a_balanced_design_stays_as_it_is() -> None:
+    once = balance(APPENDIX_4).after
+    again = balance(once)
+    assert again.after == once
+    assert again.objective == pytest.approx(0.0, abs=1e-12)

@@ -1,0 +1,84 @@
+"""Fronts: monotone, convex, no point dominated by another or by any random design."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import (
+    AddedMass,
+    Changes,
+    InfeasibleBounds,
+    MassRange,
+    StaticPeak,
+    TrajectoryPeak,
+    pareto_front,
+)
+from paminsa_viz.model import APPENDIX_4, InvalidInput, static_torques
+from paminsa_viz.trajectory import analyze
+from tests.balancing.measuring import of_random
+from tests.balancing.robots import (
+    changes,
+    field,
+    random_choices,
+    solved,
+    trajectory,
+    workspace,
+)
+
+TERMS = (TrajectoryPeak(solved()), StaticPeak(field()))
+
+
+@pytest.mark.parametrize("budget", [None, 0.0])
+def test_the_front_of_dynamic_and_static_peaks(budget: float | None) -> None:
+    limits = [] if budget is None else [(AddedMass(), budget)]
+    front = pareto_front(APPENDIX_4, changes(), *TERMS, points=7, limits=limits)
+    first = np.array([point.first for point in front.points])
+    second = np.array([point.second for point in front.points])
+    assert len(first) == 7
+    assert (np.diff(first) > 0).all()
+    assert (np.diff(second) < 0).all()
+    slopes = np.diff(first) / np.diff(second)
+    assert (np.diff(slopes) <= 1e-6).all()  # convex
+    assert second[-1] < 1e-6
+    c, mass = random_choices(np.random.default_rng(0), changes(), 10_000)
+    within = mass >= 0 if budget is None else of_random(AddedMass(), c, mass) <= budget
+    drawn = np.array([of_random(term, c[:, within], mass[within]) for term in TERMS])
+    for point in front.points:
+        assert not ((drawn[0] < point.first - 1e-8) & (drawn[1] <= point.second)).any()
+        assert point.optimum.gap <= 1e-7 * max(point.first, 1.0)
+
+
+def test_each_point_is_a_design_with_the_values_told() -> None:
+    front = pareto_front(APPENDIX_4, changes(), *TERMS, points=3)
+    for point in front.points:
+        held = static_torques(point.design, workspace().poses())[..., :3]
+        assert np.abs(held).max() == pytest.approx(point.second, abs=1e-7)
+        summary = analyze(point.design, trajectory()).summary[:3]
+        assert max(abs(s.peak) for s in summary) == pytest.approx(point.first, rel=1e-7)
+
+
+def test_terms_that_agree_give_one_point() -> None:
+    what = Changes((MassRange("joints.j9", 0.1, 0.259),))
+    front = pareto_front(APPENDIX_4, what, AddedMass(), StaticPeak(field()), points=5)
+    (point,) = front.points
+    assert point.design.joints.j9 == pytest.approx(0.1)
+
+
+def test_progress_and_canceling() -> None:
+    seen = []
+
+    def stop(done: int, of: int) -> bool:
+        seen.append((done, of))
+        return done >= 4
+
+    front = pareto_front(APPENDIX_4, changes(), *TERMS, points=8, progress=stop)
+    assert seen[:3] == [(2, 8), (3, 8), (4, 8)]
+    assert 1 < len(front.points) < 8
+
+
+def test_impossible_fronts() -> None:
+    with pytest.raises(InvalidInput, match="points"):
+        pareto_front(APPENDIX_4, changes(), *TERMS, points=1)
+    with pytest.raises(InfeasibleBounds, match="added mass"):
+        pareto_front(APPENDIX_4, changes(), *TERMS, limits=[(AddedMass(), -100.0)])

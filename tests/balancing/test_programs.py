@@ -1,0 +1,146 @@
+"""The solver of convex programmes on problems whose answer is known otherwise."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import lsq_linear
+
+from paminsa_viz.balancing.pieces import Deviations, Largest, Norm, PositivePartSum
+from paminsa_viz.balancing.program import Infeasible, Program, Variable, evaluate
+from paminsa_viz.balancing.solver import solve
+from paminsa_viz.balancing.time_weights import time_weights
+from paminsa_viz.trajectory.integrals import running_integral
+
+SEEDS = st.integers(0, 10_000)
+
+
+def plain(columns: Any, low: Any, high: Any) -> tuple[Variable, ...]:
+    """Carriers without a lever."""
+    return tuple(
+        Variable(f"x{i}", float(a), float(b), np.vstack([column, np.zeros((2, len(column)))]))
+        for i, (column, a, b) in enumerate(zip(columns, low, high, strict=True))
+    )
+
+
+@given(seed=SEEDS, size=st.integers(1, 8))
+def test_least_squares_within_bounds(seed: int, size: int) -> None:
+    rng = np.random.default_rng(seed)
+    matrix, offset = rng.normal(size=(12, size)), rng.normal(size=12)
+    low = rng.uniform(0, 0.3, size)
+    high = low + rng.uniform(0, 1, size)
+    program = Program(
+        np.zeros(size), plain(np.eye(size), low, high), ((1.0, Norm(matrix, offset)),)
+    )
+    found = solve(program)
+    other = lsq_linear(matrix, -offset, (low, high + 1e-15), method="bvls", tol=1e-14)
+    assert found.value == pytest.approx(np.sqrt(2 * other.cost), rel=1e-8)
+    assert found.bound <= found.value + 1e-12
+    assert found.gap <= 1e-8 * found.value
+    assert ((low <= found.amounts) & (found.amounts <= high)).all()
+
+
+@given(seed=SEEDS)
+def test_a_lever_splits_no_worse_than_a_fine_grid_of_levers(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    effect = rng.normal(size=(3, 4))
+    rail = Variable("rail", 0.2, 1.0, effect, (-1.0, 1.0))
+    target = Norm(np.eye(4), rng.normal(size=4))
+    free = solve(Program(np.zeros(4), (rail,), ((1.0, target),)))
+    levers = np.linspace(-1.0, 1.0, 41)
+    columns = np.array([rail.column(v) for v in levers])
+    best = np.inf
+    for i in range(41):
+        for j in range(0, 41, 4):
+            pair = columns[[i, j]]
+            at = solve_pair(pair, target.offset)
+            best = min(best, at)
+    assert free.value <= best + 1e-9
+    assert best - free.value < 0.05
+    state, amounts = evaluate(Program(np.zeros(4), (rail,), ()), free.levers)
+    np.testing.assert_array_equal(state, free.state)
+    assert 0.2 - 1e-9 <= amounts[0] <= 1.0 + 1e-9
+
+
+def solve_pair(columns: Any, offset: Any) -> float:
+    """Least norm of two amounts with 0.2 <= sum <= 1, by a fine search."""
+    total = np.linspace(0.2, 1.0, 33)[:, None]
+    first = total * np.linspace(0, 1, 33)
+    state = first[..., None] * columns[0] + (total - first)[..., None] * columns[1] + offset
+    return float(np.linalg.norm(state, axis=-1).min())
+
+
+@given(seed=SEEDS)
+def test_hinges_and_largest_against_many_random_points(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    matrix, offset = rng.normal(size=(40, 3)), rng.normal(size=40)
+    pieces = (Largest(matrix, offset), PositivePartSum(matrix, offset, np.array([0, 10, 20, 30])))
+    carriers = plain(np.eye(3), np.zeros(3), np.ones(3))
+    x = rng.uniform(size=(4000, 3))
+    for piece in pieces:
+        found = solve(Program(np.zeros(3), carriers, ((1.0, piece),)))
+        values = x @ matrix.T + offset
+        each = (
+            np.abs(values).max(axis=1) if piece is pieces[0] else np.maximum(values, 0).sum(axis=1)
+        )
+        assert found.gap <= 1e-8 * max(1.0, found.value)
+        assert each.min() >= found.bound
+        assert found.value == pytest.approx(piece.value(found.state, found.amounts), rel=1e-12)
+
+
+def test_a_limit_that_only_a_lever_in_between_meets_is_found() -> None:
+    """The first levers tried, the ends and the middle, all break it."""
+    effect = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
+    effect[:, 0] = [(0.31) ** 2, -0.62, 1.0]  # (lever - 0.31)^2
+    rail = Variable("rail", 1.0, 1.0, effect, (0.0, 1.0))
+    limit = Largest(np.array([[1.0, 0.0]]), np.zeros(1), absolute=False)
+    goal = Largest(np.array([[0.0, 1.0]]), np.zeros(1))
+    found = solve(Program(np.zeros(2), (rail,), ((1.0, goal),), limits=((1e-6, limit),)))
+    assert found.state[0] <= 1e-6 + 2e-9
+    with pytest.raises(Infeasible):
+        solve(Program(np.zeros(2), (rail,), ((1.0, goal),), limits=((-1e-3, limit),)))
+
+
+def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
+    carriers = plain(np.eye(2), [0, 0], [1, 1])
+    row = np.array([1.0, 1.0])
+    goal = Deviations(np.zeros(2), np.zeros(2), np.array([1.0, 2.0]), 10.0)
+    program = Program(np.zeros(2), carriers, ((1.0, goal),), fixed=((row, 1.5),))
+    assert solve(program).value == pytest.approx(2.0)
+    with pytest.raises(Infeasible) as caught:
+        solve(Program(np.zeros(2), carriers, ((1.0, goal),), fixed=((row, 2.5),)))
+    assert caught.value.excess == pytest.approx(0.5, abs=1e-6)
+
+
+def test_prices_by_difference() -> None:
+    rng = np.random.default_rng(5)
+    matrix, offset = rng.normal(size=(30, 4)), rng.normal(size=30)
+
+    def at(low: float) -> Any:
+        carriers = plain(np.eye(4), [low, 0, 0, 0], np.ones(4))
+        return solve(Program(np.zeros(4), carriers, ((1.0, Norm(matrix, offset)),)))
+
+    for low in (0.8, 0.9):
+        found = at(low)
+        slope = (at(low + 1e-4).value - at(low - 1e-4).value) / 2e-4
+        assert found.prices[0] == pytest.approx(slope, rel=1e-3)
+
+
+@given(seed=SEEDS, count=st.integers(2, 30))
+def test_weights_of_time_are_those_of_the_running_integral(seed: int, count: int) -> None:
+    rng = np.random.default_rng(seed)
+    t, values = np.cumsum(rng.uniform(0.7, 1.3, count)), rng.normal(size=count)
+    weights = time_weights(t)
+    assert weights @ values == pytest.approx(running_integral(t, values)[-1], abs=1e-12)
+    assert (weights >= 0).all()
+
+
+def test_weights_of_very_uneven_times_stay_positive() -> None:
+    t = np.array([0.0, 1.0, 1.001, 2.0, 2.001, 3.0])
+    weights = time_weights(t)
+    assert (weights >= 0).all()
+    assert weights.sum() == pytest.approx(3.0)

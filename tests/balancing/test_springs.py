@@ -1,0 +1,185 @@
+"""Springs: torques are the slope of their energy, fits are optimal, one of them is exact."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.balancing import (
+    Anchor,
+    Spring,
+    SpringPlace,
+    at_joint,
+    balance,
+    fit_springs,
+    on_bar,
+    on_guide,
+    on_slider,
+    spring_energy,
+    spring_lengths,
+    spring_torques,
+)
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidDesign,
+    InvalidInput,
+    KneeBranch,
+    inverse_jacobian,
+    inverse_kinematics,
+    static_imbalance,
+    static_torques,
+)
+from tests import samples
+from tests.balancing.robots import workspace
+from tests.model.cases import BOTH, Case, cases
+
+ANCHORS = (
+    at_joint(2), at_joint(3), at_joint(4), at_joint(5), at_joint(7), at_joint(8), at_joint(9),
+    on_bar("b8", 8, 0.1), on_bar("b3", 7, -0.05), on_guide(0.0, 0.3), on_guide(-0.2, 0.1),
+    on_slider(0.25),
+)  # fmt: skip
+PAIRS = st.lists(st.sampled_from(ANCHORS), min_size=2, max_size=2, unique=True)
+
+
+@given(case=cases(), pair=PAIRS, free=st.sampled_from([0.0, 0.2]))
+def test_torques_are_the_slope_of_the_energy(case: Case, pair: list[Anchor], free: float) -> None:
+    """Power of the actuators against growth of the energy, in each direction of the pose."""
+    g, pose = case.geometry, case.poses(4)
+    spring = Spring(*pair, stiffness=120.0, free_length=free)
+    if not (spring_lengths(g, spring, pose, case.assembly) > 0.01).all():
+        return  # 3 of k and 8 of a short guide may meet: no direction there
+    torque = spring_torques(g, [spring], pose, case.assembly)
+    on_pose = np.einsum("nji,nj->ni", inverse_jacobian(g, pose), torque)
+    h = 1e-6
+    for i in range(4):
+        ahead, behind = pose.copy(), pose.copy()
+        ahead[:, i] += h
+        behind[:, i] -= h
+        slope = (
+            spring_energy(g, spring, ahead, case.assembly)
+            - spring_energy(g, spring, behind, case.assembly)
+        ) / (2 * h)
+        np.testing.assert_allclose(on_pose[:, i], slope, rtol=1e-5, atol=1e-4)
+
+
+@given(case=cases())
+def test_lengths_are_distances_between_joints(case: Case) -> None:
+    pose = case.poses(4)
+    points = inverse_kinematics(case.geometry, pose, case.assembly).points
+    for a, b in ((2, 9), (3, 4), (7, 5), (8, 9)):
+        found = spring_lengths(
+            case.geometry, Spring(at_joint(a), at_joint(b), 1.0), pose, case.assembly
+        )
+        np.testing.assert_allclose(
+            found, np.linalg.norm(points[a] - points[b], axis=-1), rtol=1e-9, atol=1e-12
+        )
+
+
+@BOTH
+def test_a_mast_on_the_slider_balances_exactly(assembly: KneeBranch) -> None:
+    """K h = M_p2 with a free length of zero, where the mast is and wherever the robot goes."""
+    sign = assembly.sign
+    place = SpringPlace(on_slider(0.2), at_joint(9))
+    fit = fit_springs(APPENDIX_4, [place], workspace(sign).poses(), assembly)
+    (spring,) = fit.springs
+    assert spring.stiffness == pytest.approx(static_imbalance(APPENDIX_4) / 0.2, rel=1e-9)
+    assert fit.after < 1e-8
+    poses = samples.random_poses(np.random.default_rng(0), APPENDIX_4, assembly, 1000)
+    exact = Spring(on_slider(0.2), at_joint(9), static_imbalance(APPENDIX_4) / 0.2)
+    held = static_torques(APPENDIX_4, poses, assembly)
+    left = held + spring_torques(APPENDIX_4.geometry, [exact], poses, assembly)
+    assert np.abs(left[:, :3]).max() < 1e-12 * np.abs(held[:, :3]).max()
+    assert np.ptp(left[:, 3]) < 1e-10
+
+
+@pytest.mark.parametrize("measure", ["peak", "rms"])
+def test_a_fit_is_as_good_as_its_bound_and_no_random_springs_are_better(measure: str) -> None:
+    poses = workspace().poses()
+    places = [
+        SpringPlace(on_guide(0.0, 0.3), at_joint(9), 200.0, 0.1, 0.5),
+        SpringPlace(on_guide(-0.2, 0.2), at_joint(7), 300.0),
+    ]
+    fit = fit_springs(APPENDIX_4, places, poses, measure=measure)
+    g = APPENDIX_4.geometry
+    gravity = static_torques(APPENDIX_4, poses)[..., :3]
+
+    def of(torque: np.ndarray) -> float:
+        return float(np.abs(torque).max() if measure == "peak" else np.sqrt(np.mean(torque**2)))
+
+    left = gravity + spring_torques(g, fit.springs, poses)[..., :3]
+    assert fit.before == pytest.approx(of(gravity), rel=1e-12)
+    assert fit.after == pytest.approx(of(left), rel=1e-7)
+    assert fit.after < 0.8 * fit.before
+    assert fit.gap <= 1e-8 * fit.before
+    rng = np.random.default_rng(0)
+    whole = [spring_torques(g, [Spring(p.first, p.second, 1.0)], poses)[..., :3] for p in places]
+    free = [
+        spring_torques(g, [Spring(p.first, p.second, 1.0, 1.0)], poses)[..., :3] - w
+        for p, w in zip(places, whole, strict=True)
+    ]
+    best = np.inf
+    for _ in range(2000):
+        total = gravity.copy()
+        for p, w, f in zip(places, whole, free, strict=True):
+            near = fit.springs[places.index(p)].stiffness * rng.uniform(0.9, 1.1)
+            stiffness = min(near if rng.uniform() < 0.5 else rng.uniform(0, p.stiffest), p.stiffest)
+            total += stiffness * (w + rng.uniform(p.shortest, p.longest) * f)
+        best = min(best, of(total))
+    assert best >= fit.lower_bound - 1e-12
+    for (low, high), spring in zip(fit.reach, fit.springs, strict=True):
+        lengths = spring_lengths(g, spring, poses)
+        assert (low, high) == (lengths.min(), lengths.max())
+
+
+def test_a_free_length_is_found_that_no_fixed_one_betters() -> None:
+    poses = workspace().poses()
+    ends = (on_guide(0.0, 0.3), at_joint(9))
+    free = fit_springs(APPENDIX_4, [SpringPlace(*ends, 1e4, 0.0, 0.6)], poses, measure="rms")
+    fixed = [
+        fit_springs(APPENDIX_4, [SpringPlace(*ends, 1e4, d, d)], poses, measure="rms").after
+        for d in np.linspace(0, 0.6, 13)
+    ]
+    assert free.after <= min(fixed) + 1e-9
+    assert min(fixed) < fixed[0]
+
+
+def test_springs_beside_counterweights_on_the_same_poses() -> None:
+    """Both balance; only the counterweights make the robot heavier."""
+    poses = workspace().poses()
+    weights = balance(APPENDIX_4)
+    fit = fit_springs(APPENDIX_4, [SpringPlace(on_slider(0.2), at_joint(9))], poses)
+    by_weights = static_torques(weights.after, poses)
+    by_springs = static_torques(APPENDIX_4, poses) + spring_torques(
+        APPENDIX_4.geometry, fit.springs, poses
+    )
+    assert np.abs(by_weights[..., :3]).max() < 1e-12
+    assert np.abs(by_springs[..., :3]).max() < 1e-7
+    assert weights.objective > 8
+    # a mast on the guide lifts nothing, so that M4 keeps the knees' part of the weight alone
+    assert (by_weights[..., 3] - by_springs[..., 3]).std() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: at_joint(6),
+        lambda: Anchor("sky"),
+        lambda: on_bar("b8", 7, 0.0),
+        lambda: on_guide(np.nan, 0.0),
+        lambda: SpringPlace(at_joint(8), at_joint(9), -1.0),
+        lambda: SpringPlace(at_joint(8), at_joint(9), 1.0, 0.3, 0.2),
+        lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -0.5]], measure="mean"),
+        lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -5.0]]),
+    ],
+)
+def test_impossible_springs_are_refused(make) -> None:
+    with pytest.raises((InvalidInput, InvalidDesign)):
+        make()
+
+
+def test_no_spring_changes_nothing() -> None:
+    fit = fit_springs(APPENDIX_4, [], workspace().poses())
+    assert fit.springs == ()
+    assert fit.after == fit.before == pytest.approx(fit.lower_bound)

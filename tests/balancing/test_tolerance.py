@@ -1,0 +1,131 @@
+"""Spread from tolerances: exact for masses, reproducible samples for lengths."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import (
+    Changes,
+    balance,
+    beyond,
+    length_tolerance,
+    mass_tolerance,
+)
+from paminsa_viz.balancing.tolerance import LENGTH_PATHS
+from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance, static_torques
+from paminsa_viz.model.lumped import MASS_PATHS
+from tests import oracle
+from tests.balancing.robots import workspace
+
+POSES = workspace().poses()
+BALANCED = balance(APPENDIX_4).after
+WITH_WEIGHT = balance(APPENDIX_4, Changes((), (beyond("b3", 7, 0.15, 20.0),))).after
+LEG = [path for path in MASS_PATHS if path.startswith(("joints.", "links."))]
+
+
+def per_leg(designs: list, pose: np.ndarray) -> np.ndarray:
+    """Static torques of a robot whose three legs are of three designs, by their energies."""
+    size = 1e-5
+
+    def energy(at: np.ndarray) -> float:
+        total = 0.0
+        for index, design in enumerate(designs):
+            for body in oracle.bodies(design, oracle.split(at)):
+                if body.name.startswith(f"leg {index + 1}:"):
+                    total += design.gravity * body.mass * float(body.center[2])
+        return total
+
+    slope = []
+    for step in np.eye(4) * size:
+        slope.append((energy(pose + step) - energy(pose - step)) / (2 * size))
+    matrix = oracle.actuator_jacobian(designs[0], pose)
+    return np.linalg.solve(matrix.T, np.array(slope))
+
+
+def test_the_spread_of_masses_is_that_of_robots_with_three_different_legs() -> None:
+    """Each leg drawn by itself, torques from first principles; worst case by its own signs."""
+    pose = np.array([0.05, -0.04, 0.3, -0.5])
+    found = mass_tolerance(BALANCED, 0.02, pose)
+    rng = np.random.default_rng(0)
+    drawn = []
+    for _ in range(150):
+        legs = [
+            BALANCED.vary({p: BALANCED.value(p) * (1 + rng.uniform(-0.02, 0.02)) for p in LEG})
+            for _ in range(3)
+        ]
+        drawn.append(per_leg(legs, pose)[:3])
+    spread = np.std(drawn, axis=0)
+    np.testing.assert_allclose(spread, found.torque_deviation, rtol=0.2)
+    assert (np.abs(drawn).max(axis=0) < found.torque_worst).all()
+    # the worst case is reached: every mass of every leg at the end that pulls the same way
+    shares = {p: static_imbalance(BALANCED.vary({p: BALANCED.value(p) + 1.0})) for p in LEG}
+    ends = [
+        BALANCED.vary({p: BALANCED.value(p) * (1 + 0.02 * s * np.sign(shares[p])) for p in LEG})
+        for s in (1, -1)
+    ]
+    assert static_imbalance(ends[0]) == pytest.approx(found.worst, rel=1e-9)
+    corners = [
+        np.abs(per_leg([ends[a], ends[b], ends[c]], pose)[:3])
+        for a in (0, 1) for b in (0, 1) for c in (0, 1)
+    ]  # fmt: skip
+    np.testing.assert_allclose(np.max(corners, axis=0), found.torque_worst, rtol=1e-5)
+
+
+def test_shares_add_up_and_name_the_counterweight() -> None:
+    found = mass_tolerance(WITH_WEIGHT, 0.01, POSES)
+    assert sum(found.shares.values()) == pytest.approx(1.0)
+    assert next(iter(found.shares)) == "counterweights.0.mass"
+    only = mass_tolerance(WITH_WEIGHT, {"counterweights.0.mass": 0.01}, POSES)
+    heavier = WITH_WEIGHT.vary({"counterweights.0.mass": 1.01 * WITH_WEIGHT.counterweights[0].mass})
+    assert only.worst == pytest.approx(abs(static_imbalance(heavier)))
+    assert list(only.shares) == ["counterweights.0.mass"]
+    assert found.torque.shape == (*POSES.shape[:-1], 3)
+
+
+def test_exact_masses_leave_nothing() -> None:
+    found = mass_tolerance(BALANCED, 0.0, POSES)
+    assert found.worst == found.deviation == 0.0
+    assert found.shares == {}
+    np.testing.assert_array_equal(found.torque_worst, np.abs(found.torque))
+
+
+def test_lengths_are_sampled_with_a_seed() -> None:
+    first, again, other = (
+        length_tolerance(BALANCED, 0.01, POSES, samples=40, seed=seed) for seed in (1, 1, 2)
+    )
+    np.testing.assert_array_equal(first.peaks, again.peaks)
+    assert (first.peaks != other.peaks).any()
+    assert first.nominal < 1e-12
+    assert 0 < first.quantile(0.5) <= first.quantile(0.95) <= first.peaks.max()
+    assert first.lost.max() == 0
+
+
+def test_of_the_lengths_only_the_magnification_unbalances_masses_at_joints() -> None:
+    lengths = {path: 0.01 for path in LENGTH_PATHS if path != "geometry.magnification"}
+    still = length_tolerance(BALANCED, lengths, POSES, samples=20)
+    assert still.peaks.max() < 1e-12
+    lever = length_tolerance(WITH_WEIGHT, {"counterweights.0.beyond": 0.05}, POSES, samples=50)
+    assert lever.peaks.max() > 1e-3
+    weight = WITH_WEIGHT.counterweights[0]
+    moved = replace(weight, beyond=1.05 * weight.beyond)
+    worst = np.abs(static_torques(replace(WITH_WEIGHT, counterweights=(moved,)), POSES)[..., :3])
+    assert 0.8 * worst.max() < lever.peaks.max() <= worst.max() * (1 + 1e-9)
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: mass_tolerance(BALANCED, -0.1, POSES),
+        lambda: mass_tolerance(BALANCED, {"geometry.base_radius": 0.1}, POSES),
+        lambda: length_tolerance(BALANCED, {"joints.j7": 0.1}, POSES),
+        lambda: length_tolerance(BALANCED, 1.5, POSES),
+        lambda: length_tolerance(BALANCED, 0.1, POSES, samples=0),
+        lambda: length_tolerance(BALANCED, 0.1, [[0.0, 0.0, 0.0, -9.0]]),
+    ],
+)
+def test_impossible_requests_are_refused(make) -> None:
+    with pytest.raises(InvalidInput):
+        make()

@@ -1,0 +1,136 @@
+"""The table that goes on after a kill: whatever a kill leaves of it."""
+
+from __future__ import annotations
+
+import pytest
+
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.resumable_csv import ResumableCsv
+
+HEAD = {"format": "test 1", "command": "one", "study": "abc"}
+COLUMNS = ("row", "value")
+ROWS = [(str(i), repr(i / 7)) for i in range(5)]
+
+
+def grow(path, *, head=HEAD, rows=ROWS, **options) -> int:
+    """Write the rows that are missing; return how many were there."""
+    with ResumableCsv(path, head, COLUMNS, identity="study", **options) as table:
+        found = list(table.read())
+        assert found == rows[: table.rows]
+        table.append(rows[table.rows :])
+    return len(found)
+
+
+@pytest.fixture
+def whole(tmp_path) -> bytes:
+    assert grow(tmp_path / "whole.csv") == 0
+    return (tmp_path / "whole.csv").read_bytes()
+
+
+def test_a_table_is_its_head_its_columns_and_its_rows(whole) -> None:
+    lines = whole.decode().splitlines()
+    assert lines[:4] == ["# format: test 1", "# command: one", "# study: abc", "row,value"]
+    assert lines[4:] == [",".join(row) for row in ROWS]
+
+
+def test_cut_off_anywhere_it_is_finished_to_the_same_bytes(whole, tmp_path) -> None:
+    path = tmp_path / "cut.csv"
+    start = whole.index(b"0,0.0")
+    for size in range(len(whole) + 1):
+        path.write_bytes(whole[:size])
+        found = grow(path)
+        assert path.read_bytes() == whole, size
+        assert found == whole[start : max(size, start)].count(b"\n")
+
+
+def test_rows_may_come_in_any_pieces(whole, tmp_path) -> None:
+    path = tmp_path / "pieces.csv"
+    for end in (0, 1, 3, 3, 5):
+        grow(path, rows=ROWS[:end])
+    assert path.read_bytes() == whole
+
+
+def test_the_command_of_a_table_is_that_of_its_beginning(whole, tmp_path) -> None:
+    path = tmp_path / "whole.csv"
+    assert grow(path, head=HEAD | {"command": "two"}) == len(ROWS)
+    assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"\n",
+        b"something else",
+        b"a,b\n1,2\n",
+        b"# format: test 2\n",
+        b"# format: test 1\n# study: abc\nrow,other\n",
+        b"# format: test 1\nrow,value\n",
+        b"# format: test 1\r\n# study: abc\r\nrow,value\r\n",
+        b"\x00" * 100,
+    ],
+)
+def test_something_else_is_refused_and_kept_unless_it_is_to_be_replaced(
+    content, whole, tmp_path
+) -> None:
+    path = tmp_path / "other.csv"
+    path.write_bytes(content)
+    with pytest.raises(TableFileError, match=r"other\.csv: holds something else"):
+        grow(path)
+    assert path.read_bytes() == content
+    assert grow(path, restart=True) == 0
+    assert path.read_bytes() == whole
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"# study: abcd\n", "; take"),
+        (b"# study: abcd\n# motion: line\n# z: 1\n", 'whose z is "1", not "0"'),
+        (b"# study: abcd\n# motion: ring\n# z: 1\n", 'whose motion is "ring", not "line"'),
+        (b"# study: abcd\n# z: 0\n", 'whose motion is "none", not "line"'),
+        (b"# study: abcd\n# motion: line\n# z: 0\n# w: 2\n", 'whose w is "2", not "none"'),
+        (b"# study: abcd\n# motion: \x1b[2J" + b"x" * 200 + b"\n", r"is \"\?\[2Jx{76}\", not"),
+        (b"# w: 2\n# study: abcd\n# motion: line\n# z: 0\n", "; take"),
+    ],
+)
+def test_another_table_is_told_by_what_it_follows_from(content, said, tmp_path) -> None:
+    path = tmp_path / "other.csv"
+    path.write_bytes(b"# format: test 1\n# command: two\n" + content + b"row,value\n")
+    head = HEAD if content.count(b"\n") == 1 else HEAD | {"motion": "line", "z": "0"}
+    with pytest.raises(TableFileError, match=rf"other\.csv: holds another study.*{said}"):
+        grow(path, head=head)
+
+
+@pytest.mark.parametrize("line", [b"2,1,1\n", b"3,1\n", b"2\n", b"\n", b"x,1\n", b"02,1\n"])
+def test_a_damaged_row_is_named(line, whole, tmp_path) -> None:
+    path = tmp_path / "damaged.csv"
+    lines = whole.splitlines(keepends=True)
+    path.write_bytes(b"".join([*lines[:6], line, *lines[7:]]))
+    with pytest.raises(TableFileError, match="is not the row 2 that belongs here") as caught:
+        grow(path)
+    assert caught.value.row == 7
+
+
+def test_two_do_not_write_one_file(tmp_path) -> None:
+    pytest.importorskip("fcntl")
+    path = tmp_path / "shared.csv"
+    with (
+        ResumableCsv(path, HEAD, COLUMNS, identity="study"),
+        pytest.raises(TableFileError, match="being written by another process"),
+    ):
+        ResumableCsv(path, HEAD, COLUMNS, identity="study", restart=True)
+    assert grow(path) == 0
+
+
+def test_a_row_out_of_turn_is_a_mistake_of_the_caller(tmp_path) -> None:
+    with ResumableCsv(tmp_path / "a.csv", HEAD, COLUMNS, identity="study") as table:
+        list(table.read())
+        with pytest.raises(ValueError, match="row 1 is not the next one"):
+            table.append([("1", "x")])
+
+
+def test_a_place_that_can_not_be_written_is_one_line(tmp_path) -> None:
+    with pytest.raises(TableFileError, match="its folder does not exist"):
+        grow(tmp_path / "no" / "a.csv")
+    with pytest.raises(TableFileError, match="is a directory"):
+        grow(tmp_path)

@@ -1,0 +1,169 @@
+"""Bodies follow the design's lengths, and only those they say they follow."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz import palette
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes.bodies import (
+    SMALL,
+    STANDING,
+    body_glb,
+    color_of,
+    lengths_of,
+    make_body,
+)
+from paminsa_viz.meshes.materials import ACCENT, SURFACES, linear
+from paminsa_viz.meshes.placement import BODIES
+from paminsa_viz.meshes.shading import is_plain, plain_shapes
+from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
+from tests.samples import random_design
+
+GEOMETRY = APPENDIX_4.geometry
+ALL = (*STANDING, *BODIES)
+
+CHANGES = {
+    "magnification": 3.2, "base_radius": 0.36, "platform_radius": 0.11, "arm_length": 0.3,
+    "shaft_length": 0.45, "crank_length": 0.43, "coupler_length": 0.64,
+    "platform_joint_height": 0.03, "guide_link_length": 0.38, "guide_stroke": 0.3,
+    "axis_clearance": 0.02,
+}  # fmt: skip
+
+
+def outline(body: str, geometry: Geometry, assembly: KneeBranch) -> bytes:
+    """The body's shape, to the byte."""
+    return make_body(body, geometry, assembly).glb()
+
+
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+@pytest.mark.parametrize("field", CHANGES)
+def test_a_body_changes_exactly_when_its_lengths_do(field: str, assembly: KneeBranch) -> None:
+    other = replace(GEOMETRY, **{field: CHANGES[field]})
+    for body in (*STANDING, *BODIES[:10]):
+        told = lengths_of(body, GEOMETRY, assembly) != lengths_of(body, other, assembly)
+        drawn = outline(body, GEOMETRY, assembly) != outline(body, other, assembly)
+        assert told == drawn, body
+
+
+def test_every_length_of_the_geometry_is_tried() -> None:
+    assert set(CHANGES) == set(Geometry.__dataclass_fields__)
+
+
+@given(st.integers(0, 10_000), st.sampled_from(KneeBranch))
+def test_any_design_can_be_drawn(seed: int, assembly: KneeBranch) -> None:
+    geometry = random_design(np.random.default_rng(seed)).geometry
+    for body in (*STANDING, *BODIES[:10]):
+        for piece in make_body(body, geometry, assembly).pieces:
+            assert np.isfinite(piece.mesh.vertices).all()
+            assert np.isfinite(piece.mesh.vertex_normals).all()
+            assert len(piece.mesh.faces)
+
+
+@pytest.mark.parametrize(
+    ("body", "length"),
+    [
+        ("leg2/b4", GEOMETRY.coupler_length), ("leg1/b8", GEOMETRY.crank_length),
+        ("leg3/b7", GEOMETRY.short_coupler_length),
+    ],
+)  # fmt: skip
+def test_a_bar_reaches_from_barrel_to_barrel(body: str, length: float) -> None:
+    low, high = make_body(body, GEOMETRY).bounds()[:, 0]
+    assert low == pytest.approx(-at.BARREL_RADIUS, abs=1e-9)
+    assert high == pytest.approx(length + at.BARREL_RADIUS, abs=1e-9)
+
+
+def test_an_arm_reaches_its_joint_and_is_as_long_as_the_design_says() -> None:
+    geometry = replace(GEOMETRY, arm_length=0.2)
+    carriage = make_body("carriage", geometry)
+    arms = [p.mesh for p in carriage.pieces if p.material == "accent"]
+    leg_3 = [m for m in arms if m.bounds[0, 1] > 0.05 and m.bounds[1, 1] < geometry.base_radius]
+    assert len(leg_3) == 1
+    assert leg_3[0].bounds[0, 1] == pytest.approx(geometry.base_radius - 0.2, abs=0.01)
+    reach = make_body("carriage", GEOMETRY).bounds()[1, 1]
+    assert GEOMETRY.base_radius < reach < GEOMETRY.base_radius + 0.04
+
+
+def test_colors() -> None:
+    assert [color_of(f"leg{k}/b3") for k in (1, 2, 3)] == list(palette.LEG_COLORS)
+    assert [color_of(f"m{k}") for k in (1, 2, 3, 4)] == list(palette.ACTUATOR_COLORS)
+    assert color_of("carriage") == palette.LIFT_COLOR
+
+
+def test_legs_differ_in_color_alone() -> None:
+    first, second = body_glb("leg1/b4", GEOMETRY), body_glb("leg2/b4", GEOMETRY)
+    assert first != second
+    assert outline("leg1/b4", GEOMETRY, KneeBranch.LOWER) == outline(
+        "leg2/b4", GEOMETRY, KneeBranch.LOWER
+    )
+
+
+def test_the_robot_is_light_enough_for_a_page() -> None:
+    """About one megabyte after the transport's compression; this guards against fine meshes."""
+    assert sum(len(body_glb(body, GEOMETRY)) for body in ALL) < 3_000_000
+
+
+@pytest.mark.parametrize("body", ["leg4/b3", "b3", "", "leg1", "leg1/b9"])
+def test_unknown_body(body: str) -> None:
+    with pytest.raises(KeyError):
+        make_body(body, GEOMETRY)
+    with pytest.raises(KeyError):
+        lengths_of(body, GEOMETRY)
+
+
+def test_a_part_handed_out_can_be_added_to_without_harm() -> None:
+    make_body("leg1/b8", GEOMETRY).join(make_body("leg1/b3", GEOMETRY))
+    assert len(make_body("leg1/b8", GEOMETRY).pieces) < 40
+    assert outline("leg1/b8", GEOMETRY, KneeBranch.LOWER) == outline(
+        "leg3/b8", GEOMETRY, KneeBranch.LOWER
+    )
+
+
+def test_plain_bodies_are_light_and_fill_the_same_room() -> None:
+    names = (*STANDING, *BODIES)
+    faces = {True: 0, False: 0}
+    for name in names:
+        fine = make_body(name, APPENDIX_4.geometry)
+        with plain_shapes():
+            plain = make_body(name, APPENDIX_4.geometry).without_small(SMALL)
+        for part, detailed in ((fine, True), (plain, False)):
+            faces[detailed] += sum(len(piece.mesh.faces) for piece in part.pieces)
+        # Six-sided rods are a little slimmer, and bolts and glands stand out of what is left.
+        np.testing.assert_allclose(plain.bounds(), fine.bounds(), atol=0.025)
+    assert 3.8 * faces[False] < faces[True]
+
+
+@pytest.mark.parametrize("name", ["base", "carriage", "leg2/b4", "ground"])
+def test_a_plain_body_is_one_mesh_with_the_colors_of_all(name: str) -> None:
+    geometry = APPENDIX_4.geometry
+    with plain_shapes():
+        part = make_body(name, geometry).without_small(SMALL)
+    colors = {material: surface.color for material, surface in SURFACES.items()}
+    colors[ACCENT] = color_of(name)
+    wanted = {linear(colors[material]): len(mesh.faces) for material, mesh in part.merged()}
+    scene = trimesh.load(io.BytesIO(body_glb(name, geometry, fine=False)), file_type="glb")
+    assert isinstance(scene, trimesh.Scene)
+    (mesh,) = scene.geometry.values()
+    assert isinstance(mesh, trimesh.Trimesh)
+    assert len(mesh.faces) == sum(wanted.values())
+    np.testing.assert_allclose(mesh.bounds, part.bounds(), atol=1e-6)
+    shades = np.asarray(mesh.visual.vertex_attributes["color"])[mesh.faces[:, 0]]
+    for color, count in wanted.items():
+        assert np.isclose(shades[:, :3], color, atol=2e-3).all(axis=1).sum() == count
+
+
+def test_what_is_plain_does_not_stay_so() -> None:
+    geometry = APPENDIX_4.geometry
+    before = body_glb("leg1/b4", geometry)
+    plain = body_glb("leg1/b4", geometry, fine=False)
+    body_glb.cache_clear()
+    assert len(plain) < len(before) / 2
+    assert body_glb("leg1/b4", geometry) == before
+    assert not is_plain()

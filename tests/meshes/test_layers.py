@@ -1,0 +1,152 @@
+"""Bars of one leg lie side by side, and nothing drawn passes through anything else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes import library
+from paminsa_viz.meshes.bodies import STANDING, make_body
+from paminsa_viz.meshes.catalog import CATALOGUE
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.placement import BODIES, place_parts
+from paminsa_viz.meshes.posed import transform
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.model.kinematics import inverse_kinematics
+from tests.meshes.winding import SolidBody
+
+GEOMETRY = APPENDIX_4.geometry
+
+PARALLEL = {frozenset({"b4", "b7"}), frozenset({"b3", "b8"})}
+"""Opposite sides of the parallelogram 8-9-4-7: they never cross."""
+
+
+@pytest.mark.parametrize("pair", list(combinations(("b3", "b4", "b7", "b8"), 2)), ids="-".join)
+def test_bars_that_cross_are_in_layers_of_their_own(pair: tuple[str, str]) -> None:
+    (low_a, high_a), (low_b, high_b) = (at.span(bar) for bar in pair)
+    apart = max(low_a - high_b, low_b - high_a)
+    if frozenset(pair) not in PARALLEL:
+        assert apart > 0.001
+    else:
+        # Parallel sides may share a layer, but then exactly.
+        assert apart > 0.001 or at.LAYER[pair[0]] == at.LAYER[pair[1]]
+
+
+@pytest.mark.parametrize("bar", ["b3", "b4", "b7", "b8"])
+def test_no_bar_is_in_the_middle_where_shaft_guide_and_slider_are(bar: str) -> None:
+    low, high = at.span(bar)
+    assert max(low - at.CORE, -at.CORE - high) > 0.001
+
+
+@pytest.mark.parametrize("bar", ["b3", "b4", "b7", "b8"])
+def test_the_mesh_of_a_bar_keeps_to_its_layer(bar: str) -> None:
+    """Tubes, sockets and barrels; only pins and their collars, which bridge layers, reach out."""
+    part = make_body(f"leg1/{bar}", GEOMETRY)
+    low, high = at.span(bar)
+    tubes = [piece.mesh for piece in part.pieces if piece.material == "accent"]
+    assert tubes
+    for tube in tubes:
+        center = tube.bounds[:, 1].mean()
+        assert center == pytest.approx(at.LAYER[bar], abs=1e-9)
+        assert tube.bounds[0, 1] > low
+        assert tube.bounds[1, 1] < high
+    barrel = library.fixed_part("barrel").bounds()[:, 1]
+    assert np.abs(barrel).max() <= at.BARREL / 2 + 0.0005
+
+
+@pytest.mark.parametrize("body", ["shaft", "guide", "slider"])
+def test_what_is_in_the_middle_stays_there_but_for_its_pin(body: str) -> None:
+    part = make_body(f"leg1/{body}", GEOMETRY)
+    solid = [p.mesh for p in part.pieces if p.material in ("body", "accent")]
+    # The quill's collar turns above the base plate, out of the bars' reach.
+    low = [m for m in solid if m.bounds[0, 2] < at.MOUNT or body != "guide"]
+    if body == "guide":
+        low = [m for m in low if m.bounds[1, 2] < at.MOUNT]
+    assert max(np.abs(m.bounds[:, 1]).max() for m in low) <= at.CORE + 1e-9
+
+
+@pytest.fixture
+def solid_parts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Use the parts as made: in the files, solids of one material are one mesh."""
+    from paminsa_viz.meshes import bodies, frame
+
+    made = {fitting.name: fitting.make for fitting in CATALOGUE}
+
+    def fixed(name: str) -> Part:
+        return made[name]()
+
+    monkeypatch.setattr(bodies, "fixed_part", fixed)
+    monkeypatch.setattr(frame, "fixed_part", fixed)
+    bodies._made.cache_clear()
+    yield
+    bodies._made.cache_clear()
+
+
+def touching() -> set[frozenset[str]]:
+    """Return pairs of bodies that a joint holds together: they touch or sit in each other."""
+    pairs = [("carriage", "base"), ("carriage", "m4")]
+    for leg in (1, 2, 3):
+        name = f"leg{leg}/"
+        pairs += [(f"m{leg}", name + "guide"), (name + "shaft", "carriage")]
+        pairs.append((name + "swivel", "platform"))
+        joints = "shaft-guide shaft-b3 guide-slider slider-b7 slider-b8 b8-b4 b4-b3 b3-b7 b4-swivel"
+        for joint in joints.split():
+            a, b = joint.split("-")
+            pairs.append((name + a, name + b))
+    pairs += [(a, b) for a in STANDING for b in STANDING]
+    return {frozenset(pair) for pair in pairs}
+
+
+POSES = {
+    KneeBranch.LOWER: [
+        (0.0, 0.0, 0.0, -0.5), (0.05, -0.03, 0.4, -0.6), (0.0, 0.0, np.pi / 3, -0.5),
+        (0.1, 0.1, 0.0, -0.4), (-0.15, 0.1, 0.5, -0.5), "low", "high",
+    ],
+    KneeBranch.UPPER: [
+        (0.0, 0.0, 0.0, 0.45), (0.05, -0.03, 0.4, 0.5), (0.12, 0.06, -0.5, 0.3), "low", "high",
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.usefixtures("solid_parts")
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_no_body_passes_through_another(assembly: KneeBranch) -> None:
+    names = (*STANDING, *BODIES)
+    bodies = {name: SolidBody(make_body(name, GEOMETRY, assembly)) for name in names}
+    free = [p for p in combinations(names, 2) if frozenset(p) not in touching()]
+    place = layout(GEOMETRY, assembly)
+    limits = {"low": place.platform_low, "high": place.platform_high}
+    hits = []
+    for pose in POSES[assembly]:
+        where = (0.0, 0.0, 0.0, limits[pose]) if isinstance(pose, str) else pose
+        places = place_parts(inverse_kinematics(GEOMETRY, where, assembly))
+        frames = {n: transform(places[n]) if n in places else np.eye(4) for n in names}
+        world = {n: bodies[n].points @ frames[n][:3, :3].T + frames[n][:3, 3] for n in names}
+        bounds = {n: (w.min(axis=0), w.max(axis=0)) for n, w in world.items()}
+        for a, b in free:
+            for one, other in ((a, b), (b, a)):
+                low, high = bounds[other]
+                points = world[one]
+                points = points[((points > low) & (points < high)).all(axis=1)]
+                frame = frames[other]
+                inside = bodies[other].holds((points - frame[:3, 3]) @ frame[:3, :3])
+                if inside.any():
+                    hits.append((pose, one, other, int(inside.sum())))
+    assert hits == []
+
+
+@pytest.mark.usefixtures("solid_parts")
+def test_the_test_of_clearance_sees_a_collision(monkeypatch: pytest.MonkeyPatch) -> None:
+    """B4 in the middle would pass through the shaft in the mirror assembly."""
+    monkeypatch.setitem(at.LAYER, "b4", 0.0)
+    configuration = inverse_kinematics(GEOMETRY, (0.0, 0.0, 0.0, 0.45), KneeBranch.UPPER)
+    places = place_parts(configuration)
+    bar, shaft = (SolidBody(make_body(f"leg1/{b}", GEOMETRY)) for b in ("b4", "shaft"))
+    into, onto = (transform(places[f"leg1/{b}"]) for b in ("b4", "shaft"))
+    points = shaft.points @ onto[:3, :3].T + onto[:3, 3]
+    assert bar.holds((points - into[:3, 3]) @ into[:3, :3]).any()

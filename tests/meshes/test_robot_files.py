@@ -1,0 +1,191 @@
+"""The MuJoCo model with meshes: the same mechanics, with every shape where the robot has it."""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ET
+import zipfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+from paminsa_viz.engines.exported import exported_mjcf
+from paminsa_viz.engines.mjcf import mjcf_text
+from paminsa_viz.engines.placing import joint_values
+from paminsa_viz.meshes import assemble_glb
+from paminsa_viz.meshes.robot_files import robot_files, zipped
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics
+from paminsa_viz.model.counterweight import Counterweight
+from tests import samples
+
+BOTH = pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
+LOADED = APPENDIX_4.vary({"payload.mass": 2.0})
+START = (0.06, -0.04, 0.3, -0.55)
+ELSEWHERE = (-0.05, 0.05, -0.2, -0.63)
+
+
+@pytest.fixture
+def mujoco() -> Any:
+    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+
+
+def standing(pose: tuple[float, ...], assembly: KneeBranch) -> list[float]:
+    return [*pose[:3], pose[3] * assembly.sign]
+
+
+def files_of(
+    design: Design = LOADED,
+    assembly: KneeBranch = KneeBranch.LOWER,
+    pose: tuple[float, ...] = START,
+    text: str = "",
+) -> dict[str, bytes]:
+    place = standing(pose, assembly)
+    text = text or mjcf_text(design, assembly, pose=place)
+    return robot_files(text, design, inverse_kinematics(design.geometry, place, assembly))
+
+
+def written(files: dict[str, bytes], folder: Path) -> str:
+    (folder / "meshes").mkdir()
+    for name, content in files.items():
+        (folder / name).write_bytes(content)
+    return str(folder / "robot.xml")
+
+
+@BOTH
+def test_it_loads_and_steps_two_seconds_without_a_warning(
+    mujoco: Any, tmp_path: Path, assembly: KneeBranch
+) -> None:
+    text = exported_mjcf(LOADED, assembly, pose=standing(START, assembly))
+    model = mujoco.MjModel.from_xml_path(written(files_of(LOADED, assembly, text=text), tmp_path))
+    data = mujoco.MjData(model)
+    for _ in range(round(2.0 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    assert data.time == pytest.approx(2.0)
+    assert not any(warning.number for warning in data.warning)
+    np.testing.assert_allclose(data.qpos, model.qpos0, rtol=0, atol=1e-4)
+
+
+def test_meshes_change_nothing_of_the_mechanics(mujoco: Any, tmp_path: Path) -> None:
+    design = samples.random_design(np.random.default_rng(5))
+    pose = tuple(samples.random_poses(np.random.default_rng(6), design)[0].tolist())
+    plain = mujoco.MjModel.from_xml_string(mjcf_text(design, pose=pose))
+    files = files_of(design, pose=pose)
+    shown = mujoco.MjModel.from_xml_path(written(files, tmp_path))
+    for field in ("body_mass", "body_inertia", "body_ipos", "body_pos", "jnt_axis", "eq_data"):
+        assert np.array_equal(getattr(plain, field), getattr(shown, field)), field
+    assert not shown.geom_contype.any()
+    assert not shown.geom_conaffinity.any()
+    mesh = shown.geom_type == mujoco.mjtGeom.mjGEOM_MESH
+    assert shown.nmesh > 40
+    # What a viewer shows by default is the meshes and nothing else.
+    assert (shown.geom_group[mesh] == 1).all()
+    assert (shown.geom_group[~mesh] == 3).all()
+    assert (~mesh).sum() == plain.ngeom
+
+
+def drawn(mujoco: Any, model: Any, data: Any) -> dict[str, np.ndarray]:
+    """Vertices in the world by the drawn body's name, as in the GLB."""
+    found: dict[str, list[np.ndarray]] = {}
+    for geom in range(model.ngeom):
+        if model.geom_type[geom] != mujoco.mjtGeom.mjGEOM_MESH:
+            continue
+        mesh = int(model.geom_dataid[geom])
+        first, count = model.mesh_vertadr[mesh], model.mesh_vertnum[mesh]
+        local = model.mesh_vert[first : first + count]
+        world = local @ data.geom_xmat[geom].reshape(3, 3).T + data.geom_xpos[geom]
+        name = model.mesh(mesh).name.rpartition(".")[0]
+        carrier = model.body(model.geom_bodyid[geom]).name
+        if name.startswith("leg"):
+            name = name.replace(".", "_")
+        elif carrier.startswith("leg"):
+            name = f"{carrier[:4]}_{name}"
+        found.setdefault(name, []).append(world)
+    return {name: np.concatenate(parts) for name, parts in found.items()}
+
+
+@BOTH
+def test_every_shape_is_where_the_robot_has_it_in_another_pose(
+    mujoco: Any, tmp_path: Path, assembly: KneeBranch
+) -> None:
+    """Against the GLB of that pose: no vertex of either is missing in the other."""
+    model = mujoco.MjModel.from_xml_path(written(files_of(LOADED, assembly), tmp_path))
+    data = mujoco.MjData(model)
+    pose = standing(ELSEWHERE, assembly)
+    configuration = inverse_kinematics(LOADED.geometry, pose, assembly)
+    values = joint_values(configuration)
+    data.qpos[:] = [float(values[model.joint(i).name]) for i in range(model.njnt)]
+    mujoco.mj_kinematics(model, data)
+    found = drawn(mujoco, model, data)
+    scene = trimesh.load_scene(io.BytesIO(assemble_glb(LOADED, configuration)), file_type="glb")
+    expected: dict[str, list[np.ndarray]] = {}
+    for node in scene.graph.nodes_geometry:
+        matrix, mesh = scene.graph.get(node)
+        points = trimesh.transform_points(scene.geometry[mesh].vertices, matrix)
+        body = node.rpartition(".")[0]
+        expected.setdefault(body, []).append(points @ np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]]))
+    heads = {name for name in found if "swivel" in name}
+    assert len(heads) == 6
+    assert set(found) - heads == {name for name in expected if "swivel" not in name}
+    for name in set(found) - heads:
+        whole = np.concatenate(expected[name])
+        assert cKDTree(whole).query(found[name])[0].max() < 1e-6, name
+        assert cKDTree(found[name]).query(whole)[0].max() < 1e-6, name
+    for leg in (1, 2, 3):
+        # Swivels turn with no body of the mechanics: they stay together at joint 5.
+        joint = configuration.points[5][leg - 1]
+        head = found[f"leg{leg}_swivel_head"]
+        assert np.linalg.norm(head - joint, axis=1).max() < 0.07
+        reach = np.linalg.norm(np.concatenate(expected[f"leg{leg}_swivel"]) - joint, axis=1).max()
+        assert np.linalg.norm(head - joint, axis=1).max() == pytest.approx(reach, abs=1e-5)
+
+
+def test_counterweights_stay_to_be_seen() -> None:
+    weight = Counterweight("b8", 8, 0.1, 0.5)
+    root = ET.fromstring(files_of(replace(APPENDIX_4, counterweights=(weight,)))["robot.xml"])
+    found = [b for b in root.iter("body") if "counterweight" in b.attrib["name"]]
+    assert len(found) == 3
+    assert all(g.get("group") is None for b in found for g in b.iter("geom"))
+
+
+def test_colors_are_the_legs() -> None:
+    root = ET.fromstring(files_of()["robot.xml"])
+    color = {m.attrib["name"]: m.attrib["rgba"] for m in root.iterfind("asset/material")}
+    bars = root.findall(".//geom[@mesh='b4.accent']")
+    assert [color[bar.attrib["material"]] for bar in bars] == [
+        "0 0.4471 0.698 1", "0.8353 0.3686 0 1", "0 0.6196 0.451 1",
+    ]  # fmt: skip
+
+
+def test_every_mesh_is_named_and_every_file_is_used() -> None:
+    files = files_of()
+    root = ET.fromstring(files["robot.xml"])
+    named = {f"meshes/{mesh.attrib['file']}" for mesh in root.iterfind("asset/mesh")}
+    assert named == set(files) - {"robot.xml"}
+    used = {geom.attrib["mesh"] for geom in root.iter("geom") if "mesh" in geom.attrib}
+    assert used == {mesh.attrib["name"] for mesh in root.iterfind("asset/mesh")}
+
+
+def test_a_zip_holds_all_in_one_folder_and_repeats() -> None:
+    files = files_of(APPENDIX_4)
+    packed = zipped(files)
+    assert packed == zipped(files_of(APPENDIX_4))
+    with zipfile.ZipFile(io.BytesIO(packed)) as archive:
+        assert archive.testzip() is None
+        assert {n: archive.read(f"robot/{n}") for n in files} == files
+
+
+def test_a_text_of_another_robot_or_pose_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="text"):
+        files_of(text=mjcf_text(LOADED, pose=standing(ELSEWHERE, KneeBranch.LOWER)))
+    with pytest.raises(InvalidInput, match="text"):
+        files_of(text="<mujoco/>")
+    other = LOADED.vary({"geometry.shaft_length": 0.5})
+    with pytest.raises(InvalidInput, match="configuration"):
+        robot_files(
+            mjcf_text(LOADED, pose=START), LOADED, inverse_kinematics(other.geometry, START)
+        )

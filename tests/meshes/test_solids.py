@@ -1,0 +1,85 @@
+"""Solids are closed, of the right size, and keep their edges."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from paminsa_viz.meshes import solids
+
+
+def closed(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """Join the corners that shading split, and require a closed surface facing outward."""
+    whole = mesh.copy()
+    whole.merge_vertices(merge_norm=True, merge_tex=True)
+    assert whole.is_watertight
+    assert whole.volume > 0
+    return whole
+
+
+def test_a_rod_has_the_volume_of_a_cylinder() -> None:
+    rod = closed(solids.rod(0.02, -0.1, 0.3, chamfer=1e-6, segments=200))
+    assert rod.volume == pytest.approx(np.pi * 0.02**2 * 0.4, rel=1e-3)
+    assert rod.bounds[:, 2] == pytest.approx([-0.1, 0.3])
+
+
+def test_a_tube_is_hollow() -> None:
+    tube = closed(solids.tube(0.01, 0.02, 0.0, 0.1, chamfer=1e-6, segments=200))
+    assert tube.volume == pytest.approx(np.pi * (0.02**2 - 0.01**2) * 0.1, rel=1e-3)
+
+
+def test_a_box_has_its_size() -> None:
+    box = closed(solids.box((0.1, 0.2, 0.3), (1.0, 2.0, 3.0), chamfer=0.002))
+    assert box.extents == pytest.approx([0.1, 0.2, 0.3])
+    assert box.bounds.mean(axis=0) == pytest.approx([1.0, 2.0, 3.0])
+
+
+def test_a_beam_tapers() -> None:
+    beam = closed(solids.beam(0.1, 0.5, (0.04, 0.06), (0.02, 0.03), radius=1e-6, chamfer=1e-5))
+    mean = (0.04 * 0.06 + 4 * 0.03 * 0.045 + 0.02 * 0.03) / 6
+    assert beam.volume == pytest.approx(mean * 0.4, rel=1e-2)
+
+
+def test_a_piece_of_a_ring_spans_its_angle() -> None:
+    piece = closed(solids.arc_beam(0.3, 0.02, 0.0, 0.01, 0.2, 1.2, chamfer=1e-6))
+    assert piece.volume == pytest.approx(0.3 * 1.0 * 0.02 * 0.01, rel=5e-3)
+    angle = np.arctan2(piece.vertices[:, 1], piece.vertices[:, 0])
+    assert (angle.min(), angle.max()) == pytest.approx((0.2, 1.2))
+
+
+def test_a_revolved_profile_that_touches_the_axis_is_closed() -> None:
+    cone = closed(solids.revolve([(0.0, 0.0), (0.1, 0.0), (0.0, 0.3)], segments=180))
+    assert cone.volume == pytest.approx(np.pi * 0.1**2 * 0.3 / 3, rel=1e-3)
+
+
+def test_the_outline_around_circles_runs_at_their_radius() -> None:
+    corners = np.array([[0.1, 0.0], [-0.05, 0.08], [-0.05, -0.08]])
+    outline = solids.rounded_polygon(corners, 0.02)[:, :2]
+    nearest = np.linalg.norm(outline[:, None] - corners, axis=2).min(axis=1)
+    assert nearest == pytest.approx(np.full(len(outline), 0.02))
+    plate = closed(solids.prism(solids.rounded_polygon(corners, 0.02), 0.0, 0.01, 0.001, steps=3))
+    assert plate.extents[2] == pytest.approx(0.01)
+
+
+def test_sharp_edges_stay_sharp_and_round_sides_smooth() -> None:
+    rod = solids.rod(0.02, 0.0, 0.1, chamfer=0.0005, segments=32)
+    normals = np.asarray(rod.vertex_normals)
+    assert np.linalg.norm(normals, axis=1) == pytest.approx(np.ones(len(normals)), abs=1e-5)
+    side = np.isclose(np.hypot(*rod.vertices[:, :2].T), 0.02, atol=1e-9)
+    level = side & (np.abs(normals[:, 2]) < 1e-3)
+    # On the side the normals are radial: the 32 facets do not show.
+    radial = rod.vertices[level, :2] / 0.02
+    assert level.sum() >= 64
+    assert np.abs(normals[level, :2] - radial).max() < 0.01
+    # The caps are flat: somewhere a corner carries the cap's own normal.
+    assert np.isclose(np.abs(normals[:, 2]), 1.0, atol=1e-6).sum() >= 64
+
+
+def test_turning_keeps_normals_with_the_faces() -> None:
+    rotation = solids.turn("x", 0.7) @ solids.turn("z", 0.3)
+    box = solids.box((0.1, 0.2, 0.3))
+    turned = solids.moved(box, (0.5, 0.0, 0.0), rotation)
+    assert turned.vertices == pytest.approx(box.vertices @ rotation.T + [0.5, 0.0, 0.0])
+    assert turned.vertex_normals == pytest.approx(box.vertex_normals @ rotation.T)
+    assert np.linalg.det(rotation) == pytest.approx(1.0)

@@ -1,0 +1,85 @@
+"""Counterweights are drawn where the mechanics have them, as large as they are heavy."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.meshes import assemble_glb
+from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes.placement import place_parts
+from paminsa_viz.meshes.posed import transform
+from paminsa_viz.meshes.weights import (
+    DENSITY,
+    counterweight,
+    disc_radius,
+    place_along,
+    room_words,
+)
+from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.model.kinematics import inverse_kinematics
+from tests.samples import random_design, random_poses
+
+ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
+
+
+@given(st.integers(0, 1000), st.sampled_from(ENDS), st.floats(-0.3, 0.3))
+def test_it_is_where_the_joints_say(seed: int, end: tuple[str, int], beyond: float) -> None:
+    rng = np.random.default_rng(seed)
+    design = random_design(rng)
+    configuration = inverse_kinematics(design.geometry, random_poses(rng, design)[0])
+    weight = Counterweight(*end, beyond, 1.0)
+    near, far = (configuration.points[joint] for joint in (weight.joint, weight.other))
+    places = place_parts(configuration)
+    for leg in range(3):
+        outward = (near[leg] - far[leg]) / np.linalg.norm(near[leg] - far[leg])
+        frame = transform(places[f"leg{leg + 1}/{weight.bar}"])
+        drawn = frame @ [place_along(design.geometry, weight), 0.0, 0.0, 1.0]
+        assert drawn[:3] == pytest.approx(near[leg] + beyond * outward, abs=1e-9)
+
+
+@given(st.floats(0.02, 50), st.floats(0.02, 50))
+def test_volumes_are_as_masses(one: float, other: float) -> None:
+    volume = [np.pi * disc_radius(m) ** 2 * at.BARREL for m in (one, other)]
+    assert volume[0] * DENSITY == pytest.approx(one)
+    assert volume[0] / volume[1] == pytest.approx(one / other)
+
+
+@pytest.mark.parametrize("end", ENDS)
+def test_it_stays_in_its_bars_layer_and_is_quickly_drawn(end: tuple[str, int]) -> None:
+    part = counterweight(APPENDIX_4.geometry, Counterweight(*end, 0.2, 5.0))
+    low, high = part.bounds()[:, 1]
+    room = at.span(end[0])
+    assert room[0] - 0.002 < low < high < room[1] + 0.002
+    assert sum(len(piece.mesh.faces) for piece in part.pieces) < 350
+
+
+def test_the_file_holds_those_with_mass() -> None:
+    weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b3", 7, 0.1, 0.0))
+    design = replace(APPENDIX_4, counterweights=weights)
+    configuration = inverse_kinematics(design.geometry, (0.05, -0.03, 0.4, -0.6))
+    scene = trimesh.load_scene(io.BytesIO(assemble_glb(design, configuration)), file_type="glb")
+    names = {name.partition(".")[0] for name in scene.graph.nodes if "weight" in name}
+    assert names == {f"leg{leg}_b8_weight1" for leg in (1, 2, 3)}
+
+
+def test_the_room_is_told_with_the_disc_s_own_radius() -> None:
+    light, heavy = (
+        room_words(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass), KneeBranch.LOWER)
+        for mass in (1.0, 5.0)
+    )
+    assert light.startswith("A steel disc of 40 mm radius")
+    assert heavy.startswith("A steel disc of 89 mm radius")
+    assert "while the platform is below z = \N{MINUS SIGN}" in light
+    past_knee = Counterweight("b8", 8, 0.05, 0.1)
+    standing = room_words(APPENDIX_4.geometry, past_knee, KneeBranch.UPPER)
+    assert "above z = " in standing or "It can meet neither" in standing
+    on_5 = Counterweight("b4", 5, 0.1, 1.0)
+    assert room_words(APPENDIX_4.geometry, on_5, KneeBranch.LOWER).endswith("at any height.")

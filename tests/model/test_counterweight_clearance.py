@@ -1,0 +1,116 @@
+"""The room of counterweights: no pose needs more, and it is not much more than poses need."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    Design,
+    KneeBranch,
+    singular_radius,
+    singular_rotation,
+)
+from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model.counterweight_clearance import (
+    CounterweightClearance,
+    counterweight_clearance,
+)
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.reach import Limit
+from tests.samples import random_design
+
+ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
+
+
+def met(
+    design: Design, weight: Counterweight, assembly: KneeBranch, rng: np.random.Generator, n: int
+) -> CounterweightClearance | None:
+    """Return the same of random poses, from the joints' positions; None if none is reached."""
+    g, sign = design.geometry, assembly.sign
+    turn = singular_rotation(g)
+    theta = rng.uniform(-turn, turn, n)
+    away = singular_radius(g, theta) * np.sqrt(rng.uniform(size=n))
+    angle = rng.uniform(0, 2 * np.pi, n)
+    depth = rng.uniform(0, g.crank_length + g.coupler_length, n)
+    height = -sign * depth - g.platform_joint_height
+    pose = np.stack([away * np.cos(angle), away * np.sin(angle), theta, height], axis=-1)
+    configuration = inverse_kinematics(g, pose, assembly)
+    good = configuration.reach.status == Limit.OK
+    if not good.any():
+        return None
+    near, far, axis, five = (
+        configuration.points[joint][good] for joint in (weight.joint, weight.other, 3, 5)
+    )
+    along = (near - far) / np.linalg.norm(near - far, axis=-1, keepdims=True)
+    point = near + weight.beyond * along
+    toward = (five - axis)[..., :2]
+    rho = np.linalg.norm(toward, axis=-1)
+    r = ((point - axis)[..., :2] * toward).sum(axis=-1) / rho
+    z = point[..., 2]
+    # By the time it comes to the robot's axis it has come near: 5 mm in so many random poses.
+    meets = np.linalg.norm(point[..., :2], axis=-1) <= 0.005
+    meets |= (sign * (z - five[..., 2]) <= 0) & (r >= rho)
+    deep = np.where(meets, depth[good][:, None], 0.0)
+    return CounterweightClearance(r.max(), -r.min(), z.min(), z.max(), deep.max())
+
+
+@given(
+    st.integers(0, 10**6),
+    st.sampled_from(ENDS),
+    st.floats(-0.3, 0.3),
+    st.sampled_from(list(KneeBranch)),
+)
+def test_no_random_pose_needs_more(seed, end, beyond, assembly) -> None:
+    rng = np.random.default_rng(seed)
+    design, weight = random_design(rng), Counterweight(end[0], end[1], beyond, 1.0)
+    found = met(design, weight, assembly, rng, 20_000)
+    if found is None:
+        return
+    room = counterweight_clearance(design.geometry, weight, assembly)
+    assert room is not None
+    assert room.inward >= found.inward
+    assert room.outward >= found.outward
+    assert room.low <= found.low
+    assert room.high >= found.high
+    nearly = counterweight_clearance(design.geometry, weight, assembly, 0.005)
+    assert nearly is not None
+    assert nearly.clear_depth >= found.clear_depth
+
+
+@pytest.mark.parametrize("assembly", list(KneeBranch))
+def test_the_robot_of_appendix_4_comes_close_to_it(assembly) -> None:
+    weight = Counterweight("b3", 7, 0.2, 1.0)
+    found = met(APPENDIX_4, weight, assembly, np.random.default_rng(1), 300_000)
+    room = counterweight_clearance(APPENDIX_4.geometry, weight, assembly)
+    assert found is not None
+    assert room is not None
+    for name in ("inward", "outward", "low", "high", "clear_depth"):
+        assert getattr(room, name) == pytest.approx(getattr(found, name), abs=0.04), name
+
+
+def test_a_disc_needs_its_radius_more() -> None:
+    weight = Counterweight("b8", 8, 0.2, 1.0)
+    point = counterweight_clearance(APPENDIX_4.geometry, weight, KneeBranch.LOWER)
+    disc = counterweight_clearance(APPENDIX_4.geometry, weight, KneeBranch.LOWER, 0.05)
+    assert point is not None
+    assert disc is not None
+    assert disc.inward == pytest.approx(point.inward + 0.05)
+    assert disc.outward == pytest.approx(point.outward + 0.05)
+    assert disc.high - disc.low == pytest.approx(point.high - point.low + 0.1)
+    assert disc.clear_depth >= point.clear_depth
+
+
+def test_a_robot_that_reaches_nothing_has_no_room() -> None:
+    short = replace(APPENDIX_4.geometry, crank_length=0.01, coupler_length=0.9)
+    weight = Counterweight("b8", 8, 0.2, 1.0)
+    assert (
+        counterweight_clearance(replace(short, axis_clearance=0.7), weight, KneeBranch.LOWER)
+        is None
+    )

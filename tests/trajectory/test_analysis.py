@@ -1,0 +1,265 @@
+"""What a trajectory asks of a robot: both routes to the torques, their parts, energy, failures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidInput,
+    KneeBranch,
+    Limit,
+    Misprint,
+    actuator_power,
+    inverse_dynamics,
+    inverse_kinematics,
+    torque_breakdown,
+)
+from paminsa_viz.trajectory import (
+    analyze,
+    chain,
+    circle,
+    compare,
+    move,
+    round_trip,
+    through,
+)
+from paminsa_viz.trajectory.integrals import rms, running_integral
+from tests.model.cases import Case, assert_close, cases
+from tests.trajectory.plans import (
+    ALL_PRESETS,
+    FRICTION,
+    A,
+    B,
+    C,
+    preset_plan,
+)
+
+HOME = np.array([0.0, 0.0, 0.0, -0.5])
+ROUGH = APPENDIX_4.vary(FRICTION)
+PARTS = ("gravity", "inertial", "velocity", "friction")
+RATE = 100.0
+
+
+@ALL_PRESETS
+@pytest.mark.parametrize("assembly", KneeBranch)
+@pytest.mark.parametrize("misprints", [Misprint.NONE, Misprint.ALL, *Misprint])
+def test_both_routes_give_the_same_torques(preset, assembly, misprints) -> None:
+    """The regressor's product, and inverse dynamics by multipliers."""
+    samples = preset_plan(preset, assembly).sample(RATE)
+    found = analyze(ROUGH, samples, assembly, misprints=misprints)
+    exact = inverse_dynamics(
+        ROUGH, samples.pose, samples.velocity, samples.acceleration, assembly, misprints
+    )
+    assert found.check.ok
+    assert_close(found.torque, exact.torque, 1e-12)
+
+
+@ALL_PRESETS
+@pytest.mark.parametrize("assembly", KneeBranch)
+def test_parts_add_up_and_are_those_of_the_model(preset, assembly) -> None:
+    samples = preset_plan(preset, assembly).sample(RATE)
+    found = analyze(ROUGH, samples, assembly)
+    exact = torque_breakdown(ROUGH, samples.pose, samples.velocity, samples.acceleration, assembly)
+    size = np.abs(found.torque).max(axis=0)
+    for part in PARTS:
+        wrong = getattr(found.breakdown, part) - getattr(exact, part)
+        assert (np.abs(wrong) <= 1e-12 * size).all()
+    assert (np.abs(found.breakdown.total - found.torque) <= 1e-12 * size).all()
+    power = actuator_power(ROUGH, samples.pose, samples.velocity, found.torque)
+    np.testing.assert_allclose(found.power, power, atol=1e-12 * size.max())
+
+
+@given(cases())
+def test_random_robots(case: Case) -> None:
+    start = np.array(case.poses(1)[0])
+    size = case.geometry.base_radius
+    step = np.array([0.02, -0.01, 0.04, 0.02]) * [size, size, 1, size]
+    samples = move(start, start + step, 0.3).sample(200)
+    found = analyze(case.design, samples, case.assembly, clearance=0.0)
+    exact = inverse_dynamics(
+        case.design, samples.pose, samples.velocity, samples.acceleration, case.assembly
+    )
+    assert_close(found.torque, exact.torque, 1e-9)
+    residual = np.abs(found.energy_residual).max()
+    assert residual <= 1e-4 * np.abs(found.power).sum(axis=1).max() * samples.duration
+
+
+CHANGES = {
+    "a mass": {"links.b3": 0.7},
+    "the payload": {"payload.mass": 3.0, "payload.inertia": 0.02},
+    "gravity": {"gravity": 1.62},
+    "friction": {"friction.viscous_rotary": 2.0},
+    "all of them": {"joints.j9": 0.1, "gravity": 3.7, "payload.mass": 1.0, **FRICTION},
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("misprints", [Misprint.NONE, Misprint.ALL])
+def test_a_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> None:
+    samples = round_trip(move(A, B, 0.5)).sample(RATE)
+    before = analyze(APPENDIX_4, samples, misprints=misprints)
+    design = APPENDIX_4.vary(CHANGES[change])
+    kept = analyze(design, samples, misprints=misprints, keep=before.solved)
+    fresh = analyze(design, samples, misprints=misprints)
+    assert kept.solved is before.solved
+    assert_close(kept.torque, fresh.torque, 1e-13)
+    assert not np.allclose(kept.torque, before.torque, rtol=1e-3)
+    size = np.abs(fresh.torque).max(axis=0)
+    for part in PARTS:
+        wrong = getattr(kept.breakdown, part) - getattr(fresh.breakdown, part)
+        assert (np.abs(wrong) <= 1e-13 * size).all()
+
+
+def test_a_kept_solution_serves_nothing_else() -> None:
+    samples = move(A, B).sample(20)
+    solved = analyze(APPENDIX_4, samples).solved
+    longer = APPENDIX_4.vary({"geometry.base_radius": 0.36})
+    others = (
+        analyze(longer, samples, keep=solved),
+        analyze(APPENDIX_4, samples, KneeBranch.UPPER, keep=solved),
+        analyze(APPENDIX_4, move(A, B).sample(20), keep=solved),
+        analyze(APPENDIX_4, samples, misprints=Misprint.EQ14_SINE_SIGNS, keep=solved),
+    )
+    for other in others:
+        assert other.solved is not solved
+    t = samples
+    exact = inverse_dynamics(longer, t.pose, t.velocity, t.acceleration)
+    assert_close(others[0].torque, exact.torque, 1e-12)
+
+
+@pytest.mark.parametrize(
+    "plan",
+    [circle(C, 0.07, 2.0), through([A, B, C, A], 3.0), round_trip(move(A, B, 0.8))],
+    ids=["circle", "waypoints", "there and back"],
+)
+@pytest.mark.parametrize("assembly", KneeBranch)
+def test_energy_over_a_closed_path(plan, assembly) -> None:
+    """Without friction no work is done on balance; with it, all of it is lost to friction."""
+    samples = plan.sample(1000)
+    free = analyze(APPENDIX_4, samples, assembly)
+    turnover = sum(s.driven - s.braked for s in free.summary)
+    assert turnover > 1.0
+    assert abs(sum(s.work for s in free.summary)) <= 1e-7 * turnover
+    assert np.abs(free.energy_residual).max() <= 1e-7 * turnover
+    assert free.energy[-1] == pytest.approx(free.energy[0], abs=1e-9)
+
+    viscous = APPENDIX_4.vary({k: v for k, v in FRICTION.items() if "viscous" in k})
+    rough = analyze(viscous, samples, assembly)
+    speed = rough.solved.speed
+    factors = [0.7] * 3 + [40.0]
+    lost = np.trapezoid((factors * speed**2).sum(axis=1), samples.t)
+    assert sum(s.work for s in rough.summary) == pytest.approx(lost, rel=1e-5)
+    assert np.abs(rough.energy_residual).max() <= 1e-7 * turnover
+
+
+def test_printed_formulae_do_not_balance() -> None:
+    """The misprints spoil the balance of energy, which is how they show."""
+    samples = circle(C, 0.07, 1.0).sample(1000)
+    corrected, printed = (
+        analyze(APPENDIX_4, samples, misprints=m) for m in (Misprint.NONE, Misprint.ALL)
+    )
+    assert np.abs(corrected.torque - printed.torque).max() > 0.01
+    np.testing.assert_allclose(corrected.breakdown.gravity, printed.breakdown.gravity, atol=1e-10)
+
+
+def test_summary() -> None:
+    samples = chain(move(A, B, 0.6), move(B, C, 0.5)).sample(500)
+    found = analyze(ROUGH, samples)
+    assert len(found.summary) == 4
+    for j, summary in enumerate(found.summary):
+        torque, power = found.torque[:, j], found.power[:, j]
+        where = np.argmax(np.abs(torque))
+        assert (summary.peak, summary.peak_t) == (torque[where], samples.t[where])
+        top = np.argmax(np.abs(power))
+        assert (summary.top_power, summary.top_power_t) == (power[top], samples.t[top])
+        mean = np.sqrt(np.trapezoid(torque**2, samples.t) / samples.duration)
+        assert summary.rms == pytest.approx(mean, rel=1e-4)
+        assert summary.top_speed == np.abs(found.solved.speed[:, j]).max()
+        assert summary.driven >= 0 >= summary.braked
+        assert summary.driven == pytest.approx(np.trapezoid(power.clip(0), samples.t), rel=1e-3)
+        assert found.work[-1, j] == pytest.approx(summary.work, abs=1e-3 * summary.driven)
+
+
+@pytest.mark.parametrize(
+    ("goal", "limit"),
+    [
+        ((0.3, 0, 0, -0.5), Limit.SINGULAR),
+        ((0, 0, 1.6, -0.5), Limit.SINGULAR),
+        ((0, 0, 0, -1.2), Limit.STRETCHED),
+    ],
+)
+def test_a_failing_path_is_nan_exactly_where_it_says(goal, limit) -> None:
+    samples = move(HOME, goal, 1.0).sample(400)
+    found = analyze(ROUGH, samples)
+    bad = ~found.check.good
+    assert bad.any()
+    assert found.check.first is not None
+    assert found.check.first.limit is limit
+    rows = [found.torque, found.power, found.solved.speed, found.solved.actuators, found.energy]
+    rows += [getattr(found.breakdown, part) for part in PARTS]
+    for row in rows:
+        np.testing.assert_array_equal(np.isnan(row).reshape(len(bad), -1).any(axis=1), bad)
+    # no wild torques before it: the clearance bounds them
+    assert np.nanmax(np.abs(found.torque[:, :3])) < 1e3
+    until = found.check.until
+    assert np.isfinite(found.work[:until]).all()
+    assert np.isnan(found.work[until:]).all()
+    assert all(s.peak_t <= found.check.first.t for s in found.summary)
+    assert np.isfinite(found.energy_residual[:until]).all()
+
+
+def test_a_path_that_fails_at_its_start_has_no_summary() -> None:
+    found = analyze(APPENDIX_4, move([1, 0, 0, -0.5], HOME).sample(50))
+    assert found.summary == ()
+    assert np.isnan(found.energy_residual).all()
+    assert np.isnan(found.torque[0]).all()
+
+
+def test_actuators_are_followed_without_jumps() -> None:
+    samples = circle(HOME, 0.2, 1.0).sample(300)
+    found = analyze(APPENDIX_4, samples)
+    exact = inverse_kinematics(APPENDIX_4.geometry, samples.pose).actuators
+    turns = (found.solved.actuators - exact)[:, :3] / (2 * np.pi)
+    np.testing.assert_allclose(turns, np.round(turns), atol=1e-12)
+    assert np.abs(np.diff(found.solved.actuators, axis=0)).max() < 0.2
+
+
+def test_comparison_with_a_reference() -> None:
+    samples = move(A, B, 0.5).sample(200)
+    reference = analyze(APPENDIX_4, samples)
+    doubled = analyze(
+        APPENDIX_4.vary(
+            {
+                path: 2 * APPENDIX_4.value(path)
+                for group in ("joints", "links", "inertias", "platform")
+                for path in (f"{group}.{name}" for name in vars(getattr(APPENDIX_4, group)))
+            }
+        ),
+        samples,
+        keep=reference.solved,
+    )
+    for change in compare(doubled, reference):
+        assert change.peak == pytest.approx(2)
+        assert change.rms == pytest.approx(2)
+        assert change.top_power == pytest.approx(2)
+        assert change.driven == pytest.approx(2)
+    with pytest.raises(InvalidInput, match="same trajectory"):
+        compare(reference, analyze(APPENDIX_4, move(A, B, 0.5).sample(200)))
+
+
+def test_running_integral() -> None:
+    t = np.sort(np.random.default_rng(0).uniform(0, 2, 60))
+    parabola = running_integral(t, 3 * t**2 - t)
+    np.testing.assert_allclose(parabola, t**3 - t**2 / 2 - (t[0] ** 3 - t[0] ** 2 / 2), atol=1e-14)
+    even = np.linspace(0, 1, 101)
+    for steps, error in ((even, 3e-8), (even[::2], 16 * 3e-8)):
+        values = np.stack([np.sin(5 * steps), np.cos(3 * steps)], axis=1)
+        exact = np.stack([(1 - np.cos(5 * steps)) / 5, np.sin(3 * steps) / 3], axis=1)
+        np.testing.assert_allclose(running_integral(steps, values), exact, atol=2 * error)
+    np.testing.assert_allclose(running_integral(t[:2], t[:2]), [0, (t[1] ** 2 - t[0] ** 2) / 2])
+    np.testing.assert_array_equal(running_integral(t[:1], t[:1]), [0])
+    assert rms(even, np.sin(2 * np.pi * even)) == pytest.approx(np.sqrt(0.5), rel=1e-6)
+    assert rms(t[:1], np.array([-3.0])) == 3.0

@@ -1,0 +1,182 @@
+"""Checking a path: when it fails, where and why, to the instant, also between samples."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import brentq
+
+from paminsa_viz.model import APPENDIX_4, InvalidInput, Limit, check_reach, singular_radius
+from paminsa_viz.model.singularity import singular_rotation
+from paminsa_viz.trajectory import (
+    SINGULAR_CLEARANCE,
+    ImpossibleTrajectory,
+    Trajectory,
+    check_path,
+    move,
+    round_trip,
+)
+
+GEOMETRY = APPENDIX_4.geometry
+HOME = np.array([0.0, 0.0, 0.0, -0.5])
+SHORT_GUIDE = APPENDIX_4.vary({"geometry.guide_stroke": 0.16}).geometry
+NARROW = APPENDIX_4.vary({"geometry.platform_radius": 0.4, "geometry.base_radius": 0.3}).geometry
+
+
+def to(x: float, y: float, theta: float, z: float, duration: float = 2.0):
+    return move(HOME, [x, y, theta, z], duration)
+
+
+@pytest.mark.parametrize("rate", [3.0, 40.0, 1000.0])
+def test_a_singular_circle_is_found_to_the_instant(rate: float) -> None:
+    plan = to(0.3, 0.0, 0.0, -0.5)
+    radius = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
+    exact = brentq(lambda t: float(plan.at(t).pose[0]) - radius, 0, 2, xtol=1e-14)
+    check = check_path(GEOMETRY, plan.sample(rate))
+    assert check.first is not None
+    assert check.first.t == pytest.approx(exact, abs=1e-9)
+    assert (check.first.limit, check.first.leg) == (Limit.SINGULAR, -1)
+    assert check.until == np.searchsorted(plan.sample(rate).t, exact)
+
+
+def test_a_singular_turn_is_found_to_the_instant() -> None:
+    plan = to(0.0, 0.0, -1.6, -0.5)
+    angle = singular_rotation(GEOMETRY) - SINGULAR_CLEARANCE / GEOMETRY.platform_radius
+    exact = brentq(lambda t: -float(plan.at(t).pose[2]) - angle, 0, 2, xtol=1e-14)
+    first = check_path(GEOMETRY, plan.sample()).first
+    assert first is not None
+    assert first.t == pytest.approx(exact, abs=1e-9)
+    assert first.limit is Limit.SINGULAR
+
+
+def test_a_guide_may_be_used_to_its_end_and_no_further() -> None:
+    plan = to(0.0, -0.2, 0.1, -0.5)
+    check = check_path(SHORT_GUIDE, plan.sample())
+    assert check.first is not None
+    assert (check.first.limit, check.first.leg) == (Limit.GUIDE, 2)
+    reach = check_reach(SHORT_GUIDE, plan.at(check.first.t).pose)
+    assert reach.margins[2, 2] == pytest.approx(0.0, abs=1e-12)
+    assert "leg 3" in check.first.explanation
+    assert "guide" in check.first.explanation
+    # a motion that ends where the guide does
+    end = brentq(lambda y: check_reach(SHORT_GUIDE, [0, y, 0.1, -0.5]).margins[2, 2], -0.2, 0)
+    inside = check_path(SHORT_GUIDE, move(HOME, [0, end + 1e-12, 0.1, -0.5]).sample())
+    assert inside.ok
+
+
+def test_a_stretched_pantograph() -> None:
+    plan = to(0.01, 0.02, 0.0, -1.2)
+    first = check_path(GEOMETRY, plan.sample()).first
+    assert first is not None
+    assert first.limit is Limit.STRETCHED
+    margins = check_reach(GEOMETRY, plan.at(first.t).pose).margins
+    assert margins[first.leg, 0] == pytest.approx(0.0, abs=1e-12)
+    assert margins.min() == margins[first.leg, 0]
+
+
+@pytest.mark.parametrize("goal", [(0.3, 0, 0, -0.5), (0, 0, 1.6, -0.5), (0, 0, 0, -1.3)])
+def test_a_failure_between_two_good_samples_is_found(goal) -> None:
+    """There and back between two samples: both of them, and every sample, can be taken."""
+    plan = round_trip(move(HOME, goal))
+    t = np.array([0.0, 0.2, 1.8, 2.0])
+    samples = Trajectory(t, *plan.at(t))
+    check = check_path(GEOMETRY, samples)
+    assert check.good.all()
+    assert check.first is not None
+    assert 0.2 < check.first.t < 1.0
+    assert check.until == 2
+
+
+def test_a_short_dip_between_many_samples_is_found() -> None:
+    """A turning point a little beyond the limit, between two of a thousand samples."""
+    limit = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
+    for beyond, fails in ((1e-9, True), (-1e-9, False)):
+        plan = round_trip(move(HOME, [limit + beyond, 0, 0, -0.5]))
+        t = np.linspace(0, 2, 1000)  # the turning point at 1 s is none of them
+        check = check_path(GEOMETRY, Trajectory(t, *plan.at(t)))
+        assert check.good.all()
+        assert (check.first is not None) == fails
+
+
+def test_what_lies_beyond_a_singularity_stays_marked() -> None:
+    plan = to(0.3, 0.0, 0.0, -0.5)
+    samples = plan.sample(100)
+    check = check_path(GEOMETRY, samples)
+    assert check_reach(GEOMETRY, samples.pose).ok.all()
+    assert (check.status[check.until :] == Limit.SINGULAR).all()
+    assert (check.status[: check.until] == Limit.OK).all()
+    with pytest.raises(ImpossibleTrajectory, match="too close to a singular pose"):
+        check.require()
+    # started there, the same poses are fine: no singularity is crossed
+    back = check_path(GEOMETRY, move([0.3, 0, 0, -0.5], [0.28, 0, 0, -0.5]).sample())
+    assert back.ok
+    assert back.side == (-1.0, 1.0)
+
+
+coordinate = st.floats(-0.3, 0.3)
+goals = st.tuples(coordinate, coordinate, st.floats(-1.5, 1.5), st.floats(-1.1, 0.3))
+
+
+@given(goals)
+def test_samples_agree_with_the_reach_of_their_poses(goal) -> None:
+    samples = to(*goal).sample(200)
+    check, reach = check_path(GEOMETRY, samples), check_reach(GEOMETRY, samples.pose)
+    serial = ~np.isin(check.status, [Limit.OK, Limit.SINGULAR])
+    assert not check.good[~reach.ok].any()
+    np.testing.assert_array_equal(check.status[serial], reach.status[serial])
+    np.testing.assert_array_equal(check.leg[serial], reach.leg[serial])
+    assert check.ok == (check.first is None) == (check.until == samples.size)
+    assert check.good[: check.until].all()
+    check.words()
+
+
+@given(goals)
+def test_dense_and_coarse_samples_fail_at_the_same_instant(goal) -> None:
+    plan = to(*goal)
+    coarse, dense = (check_path(GEOMETRY, plan.sample(rate)).first for rate in (7.0, 1000.0))
+    assert (coarse is None) == (dense is None)
+    if coarse is not None and dense is not None:
+        assert coarse.t == pytest.approx(dense.t, abs=1e-7)
+        assert (coarse.limit, coarse.leg) == (dense.limit, dense.leg)
+
+
+@given(goals)
+def test_a_third_of_a_turn_permutes_the_legs(goal) -> None:
+    """As the paper says of its maps."""
+    c, s = np.cos(2 * np.pi / 3), np.sin(2 * np.pi / 3)
+    x, y, theta, z = goal
+    here = check_path(GEOMETRY, to(x, y, theta, z).sample(100)).first
+    there = check_path(GEOMETRY, to(c * x - s * y, s * x + c * y, theta, z).sample(100)).first
+    assert (here is None) == (there is None)
+    if here is not None and there is not None and here.t > 0:
+        assert there.t == pytest.approx(here.t, abs=1e-9)
+        assert there.limit == here.limit
+
+
+def test_closest_approach() -> None:
+    check = check_path(GEOMETRY, to(0.2, 0.0, 0.0, -0.5).sample())
+    assert check.ok
+    assert check.closest.t == 2.0
+    expected = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE - 0.2
+    assert check.closest.margin == pytest.approx(expected, abs=1e-12)
+    wide = check_path(GEOMETRY, to(0.2, 0.0, 0.0, -0.5).sample(), clearance=0.0)
+    assert wide.closest.margin == pytest.approx(expected + SINGULAR_CLEARANCE, abs=1e-12)
+
+
+def test_a_start_out_of_reach_fails_at_once() -> None:
+    check = check_path(GEOMETRY, move([1.0, 0, 0, -0.5], HOME).sample(50))
+    assert check.first is not None
+    assert (check.first.t, check.until) == (0.0, 0)
+
+
+def test_a_platform_larger_than_the_base_has_no_singular_turn() -> None:
+    check = check_path(NARROW, move([0, 0, 0, -0.4], [0, 0, 0.05, -0.4]).sample(50), 0.001)
+    assert np.isfinite(check.closest.margin)
+
+
+@pytest.mark.parametrize("clearance", [-1e-3, np.nan, np.inf])
+def test_impossible_clearances(clearance: float) -> None:
+    with pytest.raises(InvalidInput, match="clearance"):
+        check_path(GEOMETRY, to(0, 0, 0.1, -0.5).sample(10), clearance)

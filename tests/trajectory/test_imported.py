@@ -1,0 +1,100 @@
+"""Trajectories from someone else's samples: rates from splines, and what the notes say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.trajectory import from_samples, move, through
+from tests.trajectory.plans import A, B, C
+
+EXACT = move(A, B, 1.2).sample(400)
+
+
+def test_rates_of_smooth_samples_are_recovered() -> None:
+    made = from_samples(EXACT.t, EXACT.pose)
+    np.testing.assert_allclose(made.velocity, EXACT.velocity, atol=1e-9)
+    np.testing.assert_allclose(made.acceleration, EXACT.acceleration, atol=1e-7)
+    assert made.notes == ("Velocity and acceleration are those of a spline of degree 5.",)
+    half = from_samples(EXACT.t, EXACT.pose, EXACT.velocity)
+    np.testing.assert_allclose(half.acceleration, EXACT.acceleration, atol=1e-9)
+    whole = from_samples(EXACT.t, EXACT.pose, EXACT.velocity, EXACT.acceleration)
+    np.testing.assert_array_equal(whole.acceleration, EXACT.acceleration)
+    assert whole.notes == ()
+
+
+def test_few_waypoints_at_rest_make_the_planners_motion() -> None:
+    times = np.array([0.0, 0.7, 2.0])
+    made = from_samples(times, [A, C, B], rest=True)
+    plan = through([A, C, B], times=times)
+    for found, exact in zip(made.at(np.linspace(0, 2, 30)), plan.at(np.linspace(0, 2, 30)),
+                            strict=True):  # fmt: skip
+        np.testing.assert_allclose(found, exact, atol=1e-9)
+
+
+@pytest.mark.parametrize("count", range(2, 8))
+def test_any_number_of_samples(count: int) -> None:
+    """A polynomial of the degree that the samples can carry comes back."""
+    degree = {2: 1, 3: 2, 4: 3, 5: 3}.get(count, 5)
+    t = np.linspace(0, 1, count) ** 1.3
+    pose = (t**degree)[:, None] * [1.0, 2.0, 0.1, -1.0]
+    made = from_samples(t, pose)
+    rate = degree * (t ** max(degree - 1, 0))[:, None] * [1.0, 2.0, 0.1, -1.0]
+    np.testing.assert_allclose(made.velocity, rate, atol=1e-9)
+
+
+def test_times_start_at_zero_and_turns_are_unwrapped() -> None:
+    turning = EXACT.pose.copy()
+    turning[:, 2] = 6.0 * EXACT.t
+    wrapped = turning.copy()
+    wrapped[:, 2] = np.mod(turning[:, 2] + np.pi, 2 * np.pi) - np.pi
+    made = from_samples(EXACT.t + 3.5, wrapped)
+    assert made.t[0] == 0.0
+    np.testing.assert_allclose(made.t, EXACT.t, atol=1e-12)
+    np.testing.assert_allclose(made.pose[:, 2], turning[:, 2], atol=1e-12)
+    assert "shifted by -3.5 s" in made.notes[0]
+    assert "full turn" in made.notes[1]
+
+
+def test_coarse_digits_are_pointed_out() -> None:
+    notes = from_samples(EXACT.t, np.round(EXACT.pose, 4)).notes
+    assert any("steps of 0.0001" in note for note in notes)
+    assert not any("steps of" in note for note in from_samples(EXACT.t, EXACT.pose).notes)
+
+
+@pytest.mark.parametrize(
+    ("velocity", "acceleration", "word"),
+    [
+        (180 / np.pi, 1.0, "velocity of theta"),
+        (1.0, 180 / np.pi, "acceleration of theta"),
+    ],
+)
+def test_rates_in_another_unit_are_pointed_out(velocity, acceleration, word) -> None:
+    scale = np.array([1.0, 1.0, velocity, 1.0])
+    growth = np.array([1.0, 1.0, acceleration, 1.0])
+    made = from_samples(
+        EXACT.t, EXACT.pose, EXACT.velocity * scale, EXACT.acceleration * growth * scale
+    )
+    assert word in made.notes[0]
+
+
+def test_a_coordinate_that_rests_says_nothing_of_its_digits() -> None:
+    level = EXACT.pose * [1.0, 0.0, 1.0, 1.0]
+    assert not any("steps of" in note for note in from_samples(EXACT.t, level).notes)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+@pytest.mark.parametrize(("times", "lengths"), [(1e-300, 1.0), (1.0, 1e308)])
+def test_units_that_can_not_be_are_told_as_such(times, lengths) -> None:
+    with pytest.raises(InvalidInput, match="check the units of t and pose"):
+        from_samples(times * EXACT.t[::40], lengths * EXACT.pose[::40])
+
+
+def test_refusals() -> None:
+    with pytest.raises(InvalidInput, match="together with the velocity"):
+        from_samples(EXACT.t, EXACT.pose, None, EXACT.acceleration)
+    with pytest.raises(InvalidInput, match="increase"):
+        from_samples(EXACT.t[::-1], EXACT.pose)
+    with pytest.raises(InvalidInput, match="pose"):
+        from_samples(EXACT.t, EXACT.pose[:-1])

@@ -1,0 +1,205 @@
+"""Planners: where they go, how they get there, and exact derivatives."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.trajectory import (
+    Plan,
+    arch,
+    chain,
+    circle,
+    line,
+    move,
+    round_trip,
+    through,
+)
+from tests.trajectory.plans import LAWS, PLANS, A, B, C, inside, place
+
+lengths = st.floats(-0.3, 0.3)
+poses = st.tuples(lengths, lengths, st.floats(-2, 2), lengths).map(np.array)
+
+
+@PLANS
+def test_derivatives(plan: Plan) -> None:
+    u, h = inside(plan), 1e-6
+    for order in (1, 2, 3):
+        numeric = (plan.curve(u + h, order - 1) - plan.curve(u - h, order - 1)) / (2 * h)
+        size = max(np.abs(plan.curve(u, n)).max() for n in range(order, 4))
+        assert np.abs(numeric - plan.curve(u, order)).max() <= 1e-6 * size
+
+
+@PLANS
+def test_rates_are_those_of_the_pose_in_time(plan: Plan) -> None:
+    t, h = plan.duration * inside(plan), 1e-6
+    state, before, after = plan.at(t), plan.at(t - h), plan.at(t + h)
+    jerk = plan.jerk(t)
+    pairs = (
+        (before.pose, after.pose, state.velocity),
+        (before.velocity, after.velocity, state.acceleration),
+        (before.acceleration, after.acceleration, jerk),
+    )
+    for low, high, rate in pairs:
+        assert np.abs((high - low) / (2 * h) - rate).max() <= 1e-6 * max(np.abs(jerk).max(), 1.0)
+
+
+@PLANS
+def test_it_starts_and_ends_at_rest(plan: Plan) -> None:
+    state = plan.at([0.0, plan.duration])
+    np.testing.assert_allclose(state.velocity, 0.0, atol=1e-12)
+    if plan.curve.bounded_jerk:
+        np.testing.assert_allclose(state.acceleration, 0.0, atol=1e-10)
+    outside = plan.at([-1.0, plan.duration + 1.0])
+    np.testing.assert_array_equal(outside.pose, state.pose)
+    assert not np.any(outside.velocity)
+    assert not np.any(outside.acceleration)
+
+
+@PLANS
+def test_continuity_across_breaks(plan: Plan) -> None:
+    inner, gap = plan.curve.breaks[1:-1], 1e-9
+    for order in (0, 1, 2) if plan.curve.bounded_jerk else (0, 1):
+        jump = plan.curve(inner + gap, order) - plan.curve(inner - gap, order)
+        assert (
+            np.abs(jump).max(initial=0) <= 1e-7 * np.abs(plan.curve(inside(plan), 3)).max() + 1e-7
+        )
+
+
+@PLANS
+def test_stretching_scales_the_rates(plan: Plan) -> None:
+    u = inside(plan)
+    slow = plan.lasting(3 * plan.duration)
+    fast_state, slow_state = plan.at(u * plan.duration), slow.at(u * slow.duration)
+    np.testing.assert_allclose(slow_state.pose, fast_state.pose, atol=1e-12)
+    for power, name in ((1, "velocity"), (2, "acceleration")):
+        fast_rate = getattr(fast_state, name)
+        size = np.abs(fast_rate).max()
+        np.testing.assert_allclose(
+            getattr(slow_state, name) * 3**power, fast_rate, atol=1e-9 * size
+        )
+
+
+@given(poses, poses, st.sampled_from(LAWS), st.floats(0.1, 10))
+def test_a_move_is_straight(start, goal, law, duration) -> None:
+    plan = move(start, goal, duration, law)
+    pose = plan.at(np.linspace(0, duration, 20)).pose
+    np.testing.assert_allclose(pose[[0, -1]], [start, goal], atol=1e-12)
+    share = law(np.linspace(0, 1, 20))[:, None]
+    np.testing.assert_allclose(pose, start + share * (goal - start), atol=1e-12)
+
+
+def test_a_line_holds_theta() -> None:
+    pose = line(A, [0.1, 0.2, -0.4]).at(np.linspace(0, 1, 9)).pose
+    np.testing.assert_array_equal(pose[:, 2], A[2])
+    np.testing.assert_allclose(pose[-1], [0.1, 0.2, A[2], -0.4], atol=1e-15)
+    across = np.cross(pose[:, [0, 1, 3]] - A[[0, 1, 3]], [0.1 - A[0], 0.2 - A[1], -0.4 - A[3]])
+    np.testing.assert_allclose(across, 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize(("plane", "columns"), [("xy", [0, 1]), ("xz", [0, 3]), ("yz", [1, 3])])
+def test_a_circle_is_round(plane: str, columns: list[int]) -> None:
+    plan = circle(C, 0.05, 2.0, plane=plane, begin=0.4, angle=np.pi)
+    pose = plan.at(np.linspace(0, 2, 30)).pose
+    out = pose - C
+    np.testing.assert_allclose(np.linalg.norm(out[:, columns], axis=1), 0.05, rtol=1e-12)
+    rest = [i for i in range(4) if i not in columns]
+    np.testing.assert_array_equal(out[:, rest], 0.0)
+    np.testing.assert_allclose(out[0, columns], [0.05 * np.cos(0.4), 0.05 * np.sin(0.4)])
+    np.testing.assert_allclose(out[-1], -out[0], atol=1e-15)
+    whole = circle(C, 0.05).at([0.0, 1.0]).pose
+    np.testing.assert_allclose(whole[0], whole[1], atol=1e-15)
+
+
+@given(poses, poses, st.floats(0, 0.2), st.floats(0.1, 0.5), st.floats(0, 1))
+def test_an_arch_goes_up_over_and_down(start, goal, height, lift, overlap) -> None:
+    if 1 - 2 * lift * (1 - overlap) < 1e-3:
+        return
+    plan = arch(start, goal, height, lift_share=lift, overlap=overlap)
+    u = np.linspace(0, 1, 101)
+    pose = plan.at(u).pose
+    np.testing.assert_allclose(pose[[0, -1]], [start, goal], atol=1e-12)
+    top = max(start[3], goal[3]) + height
+    assert pose[:, 3].max() <= top + 1e-12
+    middle = (u >= lift) & (u <= 1 - lift)
+    np.testing.assert_allclose(pose[middle, 3], top, atol=1e-12)
+    still = u <= lift * (1 - overlap)
+    np.testing.assert_allclose(pose[still][:, :3], np.tile(start[:3], (still.sum(), 1)), atol=1e-12)
+
+
+def test_waypoints_are_passed_when_they_should_be() -> None:
+    plan = through([A, C, B, A], times=[2.0, 2.5, 4.0, 4.5])
+    assert plan.duration == pytest.approx(2.5)
+    np.testing.assert_allclose(plan.at([0.0, 0.5, 2.0, 2.5]).pose, [A, C, B, A], atol=1e-12)
+    shared = through([A, C, B, A], 2.0)
+    np.testing.assert_allclose(shared.curve(shared.curve.breaks), [A, C, B, A], atol=1e-12)
+    t = np.linspace(0.01, 1.99, 400)
+    third = np.diff(shared.jerk(t), axis=0) / np.diff(t)[:, None]
+    assert np.abs(third).max() < 100 * np.abs(shared.jerk(t)).max()  # the jerk does not jump
+
+
+def test_two_waypoints_make_the_quintic_move() -> None:
+    t = np.linspace(0, 1, 11)
+    for way, direct in zip(through([A, B]).at(t), move(A, B).at(t), strict=True):
+        np.testing.assert_allclose(way, direct, atol=1e-11)
+
+
+def test_chain_and_back() -> None:
+    first, second = move(A, B, 0.5), move(B, C, 1.5)
+    whole = chain(first, second)
+    assert whole.duration == 2.0
+    np.testing.assert_allclose(whole.at([0.25]).velocity, first.at([0.25]).velocity)
+    np.testing.assert_allclose(whole.at([1.0]).acceleration, second.at([0.5]).acceleration)
+    both = round_trip(first)
+    assert both.duration == 1.0
+    t = np.array([0.1, 0.2])
+    np.testing.assert_allclose(both.at(1.0 - t).pose, both.at(t).pose)
+    np.testing.assert_allclose(both.at(1.0 - t).velocity, -both.at(t).velocity)
+    np.testing.assert_allclose(both.at(1.0 - t).acceleration, both.at(t).acceleration)
+
+
+def test_samples_are_those_of_the_plan() -> None:
+    plan = move(A, B, 1.23456)
+    made = plan.sample(100)
+    assert made.size == 124
+    assert made.t[-1] == plan.duration
+    assert place(made.pose[-1:] - B)[0] < 1e-15
+    np.testing.assert_array_equal(made.acceleration, plan.at(made.t).acceleration)
+
+
+NAN = [np.nan, 0, 0, 0]
+
+
+@pytest.mark.parametrize(
+    ("argument", "make"),
+    [
+        ("start", lambda: move(NAN, B)),
+        ("goal", lambda: move(A, [1, 2, 3])),
+        ("duration", lambda: move(A, B, 0.0)),
+        ("duration", lambda: move(A, B, np.inf)),
+        ("point", lambda: line(A, [0, 0, np.inf])),
+        ("radius", lambda: circle(A, 0.0)),
+        ("angle", lambda: circle(A, 0.1, angle=np.nan)),
+        ("plane", lambda: circle(A, 0.1, plane="zx")),
+        ("height", lambda: arch(A, B, -0.1)),
+        ("lift_share", lambda: arch(A, B, 0.1, lift_share=0.6)),
+        ("overlap", lambda: arch(A, B, 0.1, overlap=1.5)),
+        ("overlap", lambda: arch(A, B, 0.1, lift_share=0.5, overlap=0.0)),
+        ("poses", lambda: through([A])),
+        ("poses", lambda: through([A, B, B, C])),
+        ("poses", lambda: through([A, NAN])),
+        ("times", lambda: through([A, B, C], times=[0, 2, 1])),
+        ("times", lambda: through([A, B, C], times=[0, 1])),
+        ("plans", lambda: chain()),
+        ("plans", lambda: chain(move(A, B), move(C, A))),
+        ("rate", lambda: move(A, B).sample(0.0)),
+        ("rate", lambda: move(A, B).sample(1e9)),
+    ],
+)
+def test_refusals_name_the_argument(argument: str, make) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        make()
+    assert caught.value.argument == argument

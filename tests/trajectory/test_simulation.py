@@ -1,0 +1,234 @@
+"""Forward simulation: the equations of motion, controllers, energy, and why it stops."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidInput,
+    KneeBranch,
+    Limit,
+    actuator_velocity,
+    backend,
+    check_reach,
+    forward_dynamics,
+    friction_torque,
+    inverse_dynamics,
+    inverse_kinematics,
+    jacobian,
+    mass_matrix,
+    static_torques,
+)
+from paminsa_viz.trajectory import (
+    PRESET,
+    Control,
+    Controller,
+    ImpossibleTrajectory,
+    Simulation,
+    SimulationFailed,
+    actuator_inertia,
+    move,
+    simulate,
+)
+from paminsa_viz.trajectory import plant as formulae
+from paminsa_viz.trajectory.equations import robot_numbers
+from tests.model.cases import Case, assert_close, cases
+from tests.trajectory.plans import FRICTION, A, B, preset_plan
+
+HOME = np.array([0.0, 0.0, 0.0, -0.5])
+ASIDE = np.array([0.05, 0.02, 0.2, -0.5])
+LOADED = APPENDIX_4.vary({"payload.mass": 1.0})
+SHORT = move(A, B, 0.6).sample(200)
+
+
+def near(pose):
+    """A pose a nanometer away: a motion needs two."""
+    return pose + np.array([0, 0, 0, 1e-9])
+
+
+STAY = move(HOME, near(HOME), 1.0).sample(50)
+controls = pytest.mark.parametrize("control", Control)
+
+
+def run(design=APPENDIX_4, trajectory=SHORT, control=Control.PD, **options) -> Simulation:
+    return simulate(design, trajectory, controller=Controller(control), **options)
+
+
+@given(cases())
+def test_plant_formulae_are_the_models(case: Case) -> None:
+    design = case.design.vary(FRICTION)
+    robot = robot_numbers(design, case.assembly)
+    m, e, o = robot
+    for pose, velocity, acceleration in zip(*case.states(3), strict=True):
+        inverse = formulae.inverse_torques(m, e, o, pose, velocity, acceleration)
+        exact = inverse_dynamics(design, pose, velocity, acceleration, case.assembly).torque
+        assert_close(inverse, exact, 1e-10)
+        loss = friction_torque(design.friction, actuator_velocity(design, pose, velocity))
+        forward = formulae.acceleration_under(m, e, o.gravity, pose, velocity, exact - loss)
+        assert_close(forward, acceleration, 1e-8)
+        assert_close(forward_dynamics(design, pose, velocity, exact, case.assembly), forward, 1e-8)
+
+
+@given(st.integers(0, 10**6))
+def test_solve(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(4, 4))
+    matrix, right = root @ root.T + 0.1 * np.eye(4), rng.normal(size=4)
+    found = formulae.solve(matrix[np.triu_indices(4)], right)
+    np.testing.assert_allclose(matrix @ np.array(found), right, atol=1e-11)
+
+
+@controls
+@pytest.mark.parametrize("assembly", KneeBranch)
+def test_with_an_exact_model_the_robot_tracks(control: Control, assembly: KneeBranch) -> None:
+    samples = preset_plan(PRESET["paper-like"], assembly).sample(200)
+    rough = APPENDIX_4.vary(FRICTION)
+    for design in (APPENDIX_4, rough):
+        found = simulate(design, samples, assembly, controller=Controller(control))
+        assert found.stopped is None
+        assert found.t.size == samples.size
+        assert found.distance.max() < 1e-6  # a micrometer; without feedback errors grow by e^7
+        assert np.abs(found.energy_drift).max() < 1e-6
+        exact = inverse_dynamics(
+            design, samples.pose, samples.velocity, samples.acceleration, assembly
+        ).torque
+        size = np.abs(exact).max(axis=0)
+        assert (np.abs(found.torque - exact) <= 1e-3 * size).all()
+
+
+@controls
+def test_compiled_and_python_equations_are_the_same(control: Control) -> None:
+    samples = move(A, B, 0.6).lasting(0.15).sample(100)
+    options = {"control": control, "offset": (1e-3, -2e-3, 5e-3, 1e-3), "model": LOADED}
+    backend.compile_now()
+    compiled = run(trajectory=samples, tolerance=1e-6, **options)
+    with backend.use_numpy():
+        plain = run(trajectory=samples, tolerance=1e-6, **options)
+    np.testing.assert_allclose(compiled.pose, plain.pose, atol=1e-10)
+    np.testing.assert_allclose(compiled.torque, plain.torque, atol=1e-6)
+
+
+@controls
+def test_energy_balances_also_with_mismatch_and_friction(control: Control) -> None:
+    rough = LOADED.vary(FRICTION)
+    found = run(rough, control=control, model=APPENDIX_4, offset=(2e-3, 0, 0.01, 0))
+    turnover = np.abs(np.diff(found.energy)).sum()
+    assert np.abs(found.energy_drift).max() <= 1e-6 * turnover
+    assert found.loss[-1] > 0.01
+    assert (np.diff(found.loss) >= -1e-9).all()
+
+
+def test_drift_falls_with_the_tolerance() -> None:
+    drift = [
+        np.abs(run(control=Control.FEED_FORWARD, tolerance=tolerance).energy_drift).max()
+        for tolerance in (1e-3, 1e-9)
+    ]
+    assert drift[1] < 0.1 * drift[0] or drift[1] < 1e-9
+
+
+def test_feedback_holds_a_wrong_payload_where_the_gains_say() -> None:
+    """At rest the PD torques make up for the unknown weight: error = weight's torque / gain."""
+    samples = move(ASIDE, near(ASIDE), 2.0).sample(50)
+    controller = Controller(proportional=(200, 200, 200, 2e4), derivative=(20, 20, 20, 800))
+    found = simulate(LOADED, samples, model=APPENDIX_4, controller=controller)
+    end = found.pose[-1]
+    believed, true = (static_torques(d, samples.pose[-1]) for d in (APPENDIX_4, LOADED))
+    needed = static_torques(LOADED, end) - believed
+    actual, wanted = (
+        inverse_kinematics(APPENDIX_4.geometry, pose).actuators for pose in (end, samples.pose[-1])
+    )
+    np.testing.assert_allclose(
+        (wanted - actual) * controller.proportional, needed, atol=1e-3 * np.abs(true).max()
+    )
+    assert wanted[3] - actual[3] == pytest.approx(3 * 9.81 * 1.0 / 2e4, rel=0.02)
+
+
+def test_computed_torque_brings_an_error_back_as_designed() -> None:
+    """With an exact model every coordinate is a damped oscillator of the chosen bandwidth."""
+    offset = np.array([2e-3, -1e-3, 4e-3, 3e-3])
+    controller = Controller(Control.COMPUTED_TORQUE, bandwidth=2.0, damping=1.0)
+    found = simulate(APPENDIX_4, SHORT, controller=controller, offset=offset)
+    rate = 2 * np.pi * 2.0
+    decay = (1 + rate * found.t) * np.exp(-rate * found.t)
+    np.testing.assert_allclose(found.error, decay[:, None] * offset, atol=1e-7)
+
+
+def test_pd_gains_follow_the_inertia() -> None:
+    k = Controller(bandwidth=3.0, damping=0.7).gains(APPENDIX_4, A, KneeBranch.LOWER)
+    j, m = jacobian(APPENDIX_4.geometry, A), mass_matrix(APPENDIX_4, A)
+    inertia = np.diag(j.T @ m @ j)
+    np.testing.assert_allclose(actuator_inertia(APPENDIX_4, A, KneeBranch.LOWER), inertia)
+    np.testing.assert_allclose([k.p1, k.p2, k.p3, k.p4], (6 * np.pi) ** 2 * inertia)
+    np.testing.assert_allclose([k.d1, k.d2, k.d3, k.d4], 2 * 0.7 * 6 * np.pi * inertia)
+
+
+def test_without_feedback_an_error_grows_as_the_equations_say() -> None:
+    """Held by constant torques the robot is unstable in theta; feedback makes it stable."""
+    holding = static_torques(APPENDIX_4, HOME)
+    h, turn = 1e-5, np.array([0, 0, 1.0, 0])
+    low, high = (
+        forward_dynamics(APPENDIX_4, HOME + s * h * turn, [0] * 4, holding) for s in (-1, 1)
+    )
+    rate = np.sqrt((high - low)[2] / (2 * h))
+    assert rate == pytest.approx(5.7, abs=0.1)
+    offset = (0, 0, 1e-6, 0)
+    found = run(trajectory=STAY, control=Control.FEED_FORWARD, offset=offset)
+    np.testing.assert_allclose(found.error[:, 2], 1e-6 * np.cosh(rate * found.t), rtol=1e-3)
+    held = run(trajectory=STAY, control=Control.PD, offset=offset)
+    assert abs(held.error[-1, 2]) < 1e-8
+
+
+def test_it_stops_where_the_workspace_ends_and_says_why() -> None:
+    heavy = APPENDIX_4.vary({"payload.mass": 3.0})
+    found = run(heavy, control=Control.FEED_FORWARD, model=APPENDIX_4, trajectory=STAY)
+    assert found.stopped is not None
+    assert found.t[-1] == found.stopped.t < 1.0
+    assert found.t.size < STAY.size + 1
+    margins = check_reach(heavy.geometry, found.pose).margins
+    assert (margins > 0).all()
+    assert found.stopped.limit in (Limit.STRETCHED, Limit.SINGULAR)
+    for rows in (found.pose, found.torque, found.error, found.energy_drift):
+        assert len(rows) == found.t.size
+        assert np.isfinite(rows).all()
+
+
+def test_it_stops_at_the_end_of_a_guide() -> None:
+    short = APPENDIX_4.vary({"geometry.guide_stroke": 0.14})
+    stay = move(HOME, near(HOME), 2.0).sample(50)
+    found = run(short, trajectory=stay, control=Control.FEED_FORWARD, offset=(0, 0, 0.1, 0))
+    assert found.stopped is not None
+    assert found.stopped.limit is Limit.GUIDE
+    margin = check_reach(short.geometry, found.pose[-1]).margins[found.stopped.leg, 2]
+    assert margin == pytest.approx(0.0, abs=1e-9)
+    assert f"leg {found.stopped.leg + 1}" in found.stopped.explanation
+
+
+def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
+    monkeypatch.setattr("paminsa_viz.trajectory.simulation._MOST_EVALUATIONS", 2000)
+    monkeypatch.setattr("paminsa_viz.trajectory.simulation._MOST_A_SECOND", 0)
+    controller = Controller(proportional=(1e9,) * 4, derivative=(1e7,) * 4)
+    with pytest.raises(SimulationFailed, match="evaluations") as caught:
+        simulate(APPENDIX_4, SHORT, controller=controller)
+    assert 0 <= caught.value.t < SHORT.duration
+
+
+def test_what_can_not_be_simulated() -> None:
+    with pytest.raises(ImpossibleTrajectory):
+        run(trajectory=move(HOME, [0.3, 0, 0, -0.5]).sample(50))
+    with pytest.raises(InvalidInput, match="geometry"):
+        run(model=APPENDIX_4.vary({"geometry.base_radius": 0.36}))
+    with pytest.raises(InvalidInput, match="offset"):
+        run(offset=(1.0, 0, 0, 0))
+    with pytest.raises(InvalidInput, match="offset"):
+        run(offset=(np.nan, 0, 0, 0))
+    for name, value in (("bandwidth", -1.0), ("damping", np.nan)):
+        with pytest.raises(InvalidInput, match=name):
+            Controller(**{name: value})
+    with pytest.raises(InvalidInput, match="together"):
+        Controller(proportional=(1, 1, 1, 1))
+    with pytest.raises(InvalidInput, match="four"):
+        Controller(proportional=(1, 1, 1, 1), derivative=(1, 1, -1, 1))

@@ -1,0 +1,200 @@
+"""Shortest durations: at a limit, and not beyond, at every instant."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, inverse_dynamics
+from paminsa_viz.trajectory import (
+    ImpossibleTrajectory,
+    InfeasibleMotion,
+    MotionLimits,
+    Plan,
+    Profile,
+    Shortest,
+    TimeLaw,
+    move,
+    shortest,
+)
+from paminsa_viz.trajectory.limits import QUANTITIES
+from tests.model.cases import Case, cases
+from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
+
+VISCOUS = {name: value for name, value in FRICTION.items() if "viscous" in name}
+DESIGNS = {
+    "frictionless": APPENDIX_4,
+    "viscous": APPENDIX_4.vary(VISCOUS),
+    "payload": APPENDIX_4.vary({"payload.mass": 2.0, "payload.inertia": 0.02}),
+}
+ROUNDING = 1e-9
+
+
+def used(plan: Plan, t, limits: MotionLimits, design=APPENDIX_4, assembly=KneeBranch.LOWER):
+    """Share of each limit that is used at times (n,), (n, 10) in the order of QUANTITIES."""
+    state, jerk = plan.at(t), plan.jerk(t)
+    rates = [f(x) for x in (state.velocity, state.acceleration, jerk) for f in (place, turn)]
+    torque = np.abs(inverse_dynamics(design, *state, assembly).torque)
+    shares = [rate / limit for rate, limit in zip(rates, limits.rates.ravel(), strict=True)]
+    return np.column_stack([*shares, torque / limits.actuators])
+
+
+def turn(rows):
+    return np.abs(rows[:, 2])
+
+
+def assert_at_its_limit(found: Shortest, limits: MotionLimits, *robot) -> None:
+    plan = found.plan
+    all_over = used(plan, dense(plan), limits, *robot)
+    assert all_over.max() <= 1 + ROUNDING
+    column = QUANTITIES.index(found.quantity)
+    around = np.clip(found.t + plan.duration * np.array([-2e-12, 0, 2e-12]), 0, plan.duration)
+    assert used(plan, around, limits, *robot)[:, column].max() == pytest.approx(1, abs=ROUNDING)
+
+
+KINEMATIC = [
+    MotionLimits(speed=0.3),
+    MotionLimits(turn_speed=1.0),
+    MotionLimits(acceleration=1.0, turn_acceleration=6.0),
+    MotionLimits(speed=0.2, turn_speed=1.0, acceleration=1.5, turn_acceleration=4.0),
+]
+
+
+@PLANS
+@pytest.mark.parametrize("limits", KINEMATIC, ids=range(4))
+def test_limits_of_the_platform(plan: Plan, limits: MotionLimits) -> None:
+    if not used(plan, dense(plan), limits).max() > 0:
+        with pytest.raises(InvalidInput, match="nothing that moves"):
+            shortest(plan, limits)
+        return
+    assert_at_its_limit(shortest(plan, limits), limits)
+
+
+@PLANS
+def test_limits_of_jerk(plan: Plan) -> None:
+    limits = MotionLimits(speed=1.0, acceleration=3.0, jerk=20.0, turn_jerk=90.0)
+    if plan.curve.bounded_jerk:
+        assert_at_its_limit(shortest(plan, limits), limits)
+    else:
+        with pytest.raises(InvalidInput, match="jumps"):
+            shortest(plan, limits)
+
+
+@PLANS
+@pytest.mark.parametrize("robot", DESIGNS)
+@pytest.mark.parametrize("assembly", KneeBranch)
+def test_limits_of_torque(plan: Plan, robot: str, assembly: KneeBranch) -> None:
+    design = DESIGNS[robot]
+    still = inverse_dynamics(design, plan.curve(np.linspace(0, 1, 200)), [0] * 4, [0] * 4, assembly)
+    top = np.abs(still.torque).max(axis=0)
+    limits = MotionLimits(torque=1.5 * top[:3].max(), force=1.1 * top[3])
+    found = shortest(plan, limits, design, assembly)
+    assert found.quantity.split()[0] in ("torque", "force")
+    assert_at_its_limit(found, limits, design, assembly)
+    for factor in (1.001, 1.3, 4.0, 50.0):  # every longer duration keeps them too
+        slower = found.plan.lasting(factor * found.plan.duration)
+        assert used(slower, dense(slower, 500), limits, design, assembly).max() <= 1 + ROUNDING
+
+
+@pytest.mark.parametrize("plan", [all_plans()[0], all_plans()[3]], ids=["move", "arch"])
+def test_coulomb_friction_is_never_underrated(plan: Plan) -> None:
+    design = APPENDIX_4.vary(FRICTION)
+    limits = MotionLimits(torque=8.0, force=400.0)
+    found = shortest(plan, limits, design)
+    top = used(found.plan, dense(found.plan), limits, design).max()
+    assert 0.995 < top <= 1 + ROUNDING
+
+
+@given(cases(), st.sampled_from(LAWS), st.floats(1.05, 5.0))
+def test_random_robots(case: Case, law: TimeLaw, spare: float) -> None:
+    """Near a pose that can be taken, a small move with some torque to spare."""
+    design = case.design
+    start = np.array(case.poses(1, natural=True)[0])
+    size = design.geometry.base_radius
+    plan = move(start, start + np.array([0.01, -0.02, 0.03, 0.015]) * [size, size, 1, size], 1, law)
+    still = inverse_dynamics(
+        design, plan.curve(np.linspace(0, 1, 50)), [0] * 4, [0] * 4, case.assembly
+    )
+    top = spare * np.abs(still.torque).max(axis=0)
+    limits = MotionLimits(torque=top[:3].max(), force=top[3])
+    found = shortest(plan, limits, design, case.assembly, clearance=0.0)
+    assert_at_its_limit(found, limits, design, case.assembly)
+
+
+@pytest.mark.parametrize("profile", [Profile.TRAPEZOID, Profile.S_CURVE])
+def test_a_straight_move_uses_all_its_limits(profile: Profile) -> None:
+    limits = MotionLimits(speed=0.1, acceleration=0.5, jerk=4.0)
+    if profile is Profile.TRAPEZOID:
+        limits = MotionLimits(speed=0.1, acceleration=0.5)
+    plan = move(A, B, law=TimeLaw(profile))
+    found = shortest(plan, limits)
+    top = used(found.plan, dense(found.plan), limits).max(axis=0)
+    reached = [0, 2] if profile is Profile.TRAPEZOID else [0, 2, 4]
+    np.testing.assert_allclose(top[reached], 1.0, rtol=1e-9)
+    kept = shortest(plan, limits, reshape=False)
+    assert kept.plan.curve is plan.curve
+    assert kept.plan.duration > found.plan.duration
+
+
+def test_torques_are_a_quadratic_of_the_rate() -> None:
+    """The structure that durations rest on: gravity + viscous/T + dynamic/T^2."""
+    design = DESIGNS["viscous"]
+    plan = move(A, B)
+    u = np.linspace(0, 1, 50)
+
+    def torque(w: float):
+        slowed = plan.lasting(1 / w)
+        return inverse_dynamics(design, *slowed.at(u * slowed.duration)).torque
+
+    rates = np.array([0.25, 0.5, 1.0])
+    parts = np.linalg.solve(
+        np.vander(rates, 3), np.stack([torque(w) for w in rates]).reshape(3, -1)
+    )
+    for w in (0.1, 1.7):
+        predicted = (np.array([w**2, w, 1.0]) @ parts).reshape(-1, 4)
+        np.testing.assert_allclose(predicted, torque(w), atol=1e-10 * np.abs(torque(w)).max())
+
+
+def test_a_motor_too_weak_to_hold_the_weight_is_reported() -> None:
+    with pytest.raises(InfeasibleMotion) as caught:
+        shortest(move(A, B), MotionLimits(force=200.0), APPENDIX_4)
+    error = caught.value
+    assert error.actuator == 3
+    assert error.limit == 200.0
+    held = inverse_dynamics(APPENDIX_4, error.pose, [0] * 4, [0] * 4).torque[3]
+    assert error.needed == pytest.approx(held, rel=1e-12)
+    assert "gravity" in str(error)
+    assert "force of M4" in str(error)
+    with pytest.raises(InfeasibleMotion) as caught:
+        shortest(move(A, B), MotionLimits(torque=0.5), APPENDIX_4)
+    assert caught.value.actuator in (0, 1, 2)
+    # held at rest, but not against Coulomb friction as well
+    sticky = APPENDIX_4.vary({"friction.coulomb_linear": 50.0})
+    shortest(move(A, B), MotionLimits(force=260.0), APPENDIX_4)
+    with pytest.raises(InfeasibleMotion, match="Coulomb"):
+        shortest(move(A, B), MotionLimits(force=260.0), sticky)
+
+
+def test_what_can_not_be_asked() -> None:
+    with pytest.raises(InvalidInput, match="design"):
+        shortest(move(A, B), MotionLimits(torque=5.0))
+    with pytest.raises(InvalidInput, match="nothing that moves"):
+        shortest(move(A, B), MotionLimits())
+    with pytest.raises(InvalidInput, match="nothing that moves"):
+        shortest(move(A, [*A[:2], 1.0, A[3]]), MotionLimits(speed=1.0))
+    with pytest.raises(ImpossibleTrajectory):
+        shortest(move(A, [0.4, 0, 0, -0.5]), MotionLimits(speed=1.0), APPENDIX_4)
+    for value in (0.0, -1.0, np.nan, np.inf):
+        with pytest.raises(InvalidInput, match="speed"):
+            MotionLimits(speed=value)
+
+
+def test_the_explanation_names_limit_and_instant() -> None:
+    found = shortest(move(A, B), MotionLimits(speed=0.2))
+    assert found.t == pytest.approx(found.plan.duration / 2)
+    assert (
+        found.explanation
+        == f"{found.plan.duration:.4g} s: speed reaches 0.2 m/s at {found.t:.4g} s"
+    )
