@@ -22,8 +22,7 @@ from paminsa_viz.files.map_table import map_csv, map_npz
 from paminsa_viz.model import Design, KneeBranch, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.from_model import TORQUES
-from paminsa_viz.plots.maps import DISPLAY_UNITS, MapData
+from paminsa_viz.plots.map_data import DISPLAY_UNITS, TORQUES, MapData
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -178,7 +177,7 @@ def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: s
         return map_csv(data)
     if ending == ".npz":
         return map_npz(data)
-    from paminsa_viz.plots.paper import render  # late: matplotlib takes a second to load
+    from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second to load
 
     scales = store.scales(state, data, flags.quantities)
     return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)

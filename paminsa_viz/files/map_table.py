@@ -25,7 +25,7 @@ _UNITS = {"N·m": "Nm", "N m": "Nm", "1": ""}
 
 
 class Source(Protocol):
-    """Where a map comes from; `paminsa_viz.plots.maps.Provenance` is one."""
+    """Where a map comes from; `paminsa_viz.plots.map_data.Provenance` is one."""
 
     @property
     def design(self) -> str: ...
@@ -44,7 +44,7 @@ class Source(Protocol):
 
 
 class Map(Protocol):
-    """A map, or several on one grid; `paminsa_viz.plots.maps.MapData` is one."""
+    """A map, or several on one grid; `paminsa_viz.plots.map_data.MapData` is one."""
 
     @property
     def x(self) -> NDArray[np.float64]: ...

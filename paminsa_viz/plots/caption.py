@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
-from paminsa_viz.plots import axes, ticks
-from paminsa_viz.plots.maps import MapData, Provenance
+from paminsa_viz.plots import ticks
+from paminsa_viz.plots.hover import reasons
+from paminsa_viz.plots.map_data import MapData, Provenance
 from paminsa_viz.plots.scale import Scale
 
 LONGEST_NAME = 60
@@ -19,7 +20,7 @@ _TIE = "\u00a0"  # a space at which lines do not break
 def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     """Return the caption of a figure as one paragraph."""
     source = data.provenance
-    x, y, z = (float(v) * axes.MM for v in data.pose[[0, 1, 3]])
+    x, y, z = (float(v) * 1e3 for v in data.pose[[0, 1, 3]])
     theta = equals("θ", math.degrees(data.theta), "") + "°"
     parts = [
         f"{robot(source)}; {theta}, {equals('z', z, 'mm')}.",
@@ -28,7 +29,7 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
         "Thick line: boundary of the workspace; hatched: not reachable.",
     ]
     if data.singular_radius:
-        radius = equals("radius", data.singular_radius * axes.MM, "mm")
+        radius = equals("radius", data.singular_radius * 1e3, "mm")
         parts.append(f"Dashed: singular positions, {radius}.")
     if _beyond(data, scales):
         parts.append("Pointed ends of the color bar: beyond its range.")
@@ -90,7 +91,5 @@ def _trouble(data: MapData) -> str:
         return " (outside the map)"
     column = int((x - left) / (right - left) * data.x.size)
     row = int((y - bottom) / (top - bottom) * data.y.size)
-    values = data.values[:, row, column]
-    if np.isnan(values).any():
-        return f" ({axes.reasons(data)[row, column]})"
-    return ""
+    found = [str(reasons(data, panel)[row, column]) for panel in range(data.panels)]
+    return next((f" ({text})" for text in found if text), "")

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.palette import INK
-from paminsa_viz.plots.maps import DISPLAY_UNITS
+from paminsa_viz.plots.map_data import DISPLAY_UNITS
 
 Dash = Literal["solid", "dashed", "dotted", "dashdot"]
 

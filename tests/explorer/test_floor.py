@@ -11,6 +11,7 @@ import pytest
 import viser
 from hypothesis import given
 from hypothesis import strategies as st
+from paminsa_viz.plots.raster import lut
 
 from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
@@ -25,7 +26,6 @@ from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity
 from paminsa_viz.model.reach import workspace_radius
-from paminsa_viz.plots.raster import lut
 
 from .panel_desk import Desk, desk_with
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.files.map_table import map_columns, map_csv, map_npz
 from paminsa_viz.model import APPENDIX_4, Quantity
-from paminsa_viz.plots.maps import MapData, difference
+from paminsa_viz.plots.map_data import MapData, difference
 from tests.plots.samples import SOURCE, made_up, real
 
 COLUMNS = ["x_m", "y_m", "theta_rad", "z_m", "tau1_Nm", "tau2_Nm", "tau3_Nm", "status"]

@@ -12,7 +12,7 @@ from paminsa_viz.model import APPENDIX_4, Quantity, solve_field, static_torques,
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.from_model import LEGENDS, map_data
+from paminsa_viz.plots.map_data import LEGENDS, map_data
 from tests.plots.samples import real
 
 POSE = (0.05, -0.03, np.pi / 3, -0.5)

@@ -8,11 +8,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-
 from paminsa_viz.plots.live import Way, live_image, marks, screen_layout
-from paminsa_viz.plots.ranges import choose_scales
-from paminsa_viz.plots.raster import map_image
-from paminsa_viz.plots.scale import InvalidScale, Scale, ScaleChoice
+
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.plots.scale import InvalidScale, Scale, map_pixels
 from tests.plots.samples import made_up, real
 
 SCALE = Scale(-5.0, 5.0)
@@ -33,7 +32,7 @@ def test_cells_lie_where_the_layout_says(ratio: float) -> None:
     width = round(700 * ratio)
     image = live_image(data, SCALE, width, contours=False, pixel_ratio=ratio)
     box = screen_layout(data, SCALE, width, ratio).panels[2]
-    colors = map_image(data.values[2], data.status, SCALE)[:, :, :3]
+    colors = map_pixels(data.values[2], data.status, SCALE)[:, :, :3]
     inside = np.argwhere(data.status == 0)
     hits = 0
     for row, column in inside:
@@ -48,7 +47,7 @@ def test_masked_areas_do_not_look_like_small_values() -> None:
     image = live_image(data, SCALE, 700, contours=False)
     box = screen_layout(data, SCALE, 700).panels[0]
     corner = image[int(box.top) + 2 : int(box.top) + 20, int(box.left) + 2 : int(box.left) + 20]
-    zero = map_image(np.zeros((1, 1)), None, SCALE)[0, 0, :3]
+    zero = map_pixels(np.zeros((1, 1)), None, SCALE)[0, 0, :3]
     assert not (corner == zero).all(axis=2).any()
     assert len(np.unique(corner.reshape(-1, 3), axis=0)) == 2  # gray and its hatching
 
@@ -144,7 +143,7 @@ def test_impossible_widths_are_refused(width: int) -> None:
 
 def test_the_live_picture_needs_no_plotting_library() -> None:
     code = (
-        "import sys, paminsa_viz.plots.live, paminsa_viz.plots.from_model;"
+        "import sys, paminsa_viz.plots.live, paminsa_viz.plots.map_data;"
         "print(sorted({'matplotlib', 'plotly'} & set(sys.modules)))"
     )
     result = subprocess.run(

@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.maps import difference
+from paminsa_viz.plots.map_data import difference
 from tests.plots.samples import made_up
 
 

@@ -19,10 +19,10 @@ from PIL import Image
 from paminsa_viz.model import APPENDIX_4, Quantity
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots.caption import caption
-from paminsa_viz.plots.maps import difference
-from paminsa_viz.plots.paper import render
-from paminsa_viz.plots.ranges import choose_scales, per_panel
-from paminsa_viz.plots.scale import Scale, ScaleChoice
+from paminsa_viz.plots.map_data import difference
+from paminsa_viz.plots.map_figure import render
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, per_panel
+from paminsa_viz.plots.scale import Scale
 from tests.plots.samples import SOURCE, made_up, real
 
 SCALE = Scale(-5.0, 5.0)

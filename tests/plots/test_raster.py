@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from paminsa_viz.plots.paper_bar import matplotlib_colors
 
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import rgb
 from paminsa_viz.plots import raster
-from paminsa_viz.plots.paper_bar import matplotlib_colors
-from paminsa_viz.plots.raster import map_image, picture
-from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots.scale import Scale, map_pixels, picture
 from tests.plots.samples import scales
 
 LINEAR = Scale(-2.0, 2.0)
@@ -25,7 +24,7 @@ def test_colors_are_those_of_matplotlib(scale: Scale, seed: int) -> None:
     values.flat[:2] = scale.low, scale.high
     norm, table = matplotlib_colors(scale)
     theirs = table(norm(values))
-    ours = map_image(values, None, scale)
+    ours = map_pixels(values, None, scale)
     # Where a value falls on the edge of two colors, rounding may decide either way.
     where = scale.position(values) * 256
     sure = np.abs(where - np.round(where)) > 1e-6
@@ -44,14 +43,14 @@ def test_masks_stay_masked(scale: Scale, seed: int) -> None:
     assert (cells[masked] == raster.MASKED).all()
     assert (cells[singular] == raster.UNDEFINED).all()
     assert (cells[~masked & ~singular] <= raster.OVER).all()
-    image = map_image(values, status, scale)
+    image = map_pixels(values, status, scale)
     assert ((image[..., 3] == 0) == masked).all()
-    gray = map_image(values, status, scale, unreachable="gray")
+    gray = map_pixels(values, status, scale, unreachable="gray")
     assert (gray[..., 3] == 255).all()
 
 
 def test_values_beyond_the_range_have_their_own_colors() -> None:
-    image = map_image(np.array([[-2.1, -2.0, 2.0, 2.1]]), None, LINEAR)[0, :, :3]
+    image = map_pixels(np.array([[-2.1, -2.0, 2.0, 2.1]]), None, LINEAR)[0, :, :3]
     under, over = LINEAR.beyond
     assert tuple(image[0]) == rgb(under)
     assert tuple(image[3]) == rgb(over)
@@ -67,7 +66,7 @@ def test_infinite_values_are_beyond_the_range(scale: Scale) -> None:
 
 def test_row_zero_of_an_image_is_the_smallest_y() -> None:
     values = np.broadcast_to(np.linspace(-1, 1, 27)[:, None], (27, 31))
-    image = map_image(values, np.zeros((27, 31), np.uint8), LINEAR)
+    image = map_pixels(values, np.zeros((27, 31), np.uint8), LINEAR)
     assert image.shape == (27, 31, 4)
     assert image.dtype == np.uint8
     assert image[0, 0, 2] > image[0, 0, 0]  # negative, blue
@@ -82,7 +81,7 @@ def test_an_enlarged_picture_shows_the_cell_under_each_pixel(
     found = picture(values, None, LINEAR, height, width, 7)
     rows = ny - 1 - np.floor((np.arange(height) + 0.5) * ny / height).astype(int)
     columns = np.floor((np.arange(width) + 0.5) * nx / width).astype(int)
-    expected = map_image(values, None, LINEAR)[rows][:, columns]
+    expected = map_pixels(values, None, LINEAR)[rows][:, columns]
     assert np.array_equal(found, expected)
 
 

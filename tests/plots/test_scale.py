@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from paminsa_viz.plots.paper_bar import matplotlib_colors
 
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors
-from paminsa_viz.plots.paper_bar import matplotlib_colors
-from paminsa_viz.plots.scale import InvalidScale, Scale, ScaleChoice
+from paminsa_viz.plots.ranges import ScaleChoice
+from paminsa_viz.plots.scale import InvalidScale, Scale
 from tests.plots.samples import scales
 
 NAN, INF = float("nan"), float("inf")

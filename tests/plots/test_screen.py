@@ -12,13 +12,13 @@ from typing import Any
 import numpy as np
 import plotly
 import pytest
+from paminsa_viz.plots.live import live_image, screen_layout
+from paminsa_viz.plots.raster import lut
+from paminsa_viz.plots.screen import CONFIG, aspect, screen_figure
 from PIL import Image
 
-from paminsa_viz.plots.live import live_image, screen_layout
-from paminsa_viz.plots.ranges import choose_scales
-from paminsa_viz.plots.raster import lut
-from paminsa_viz.plots.scale import Scale, ScaleChoice
-from paminsa_viz.plots.screen import CONFIG, aspect, screen_figure
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.plots.scale import Scale
 from tests.plots.samples import made_up, real
 
 SCALE = Scale(-5.0, 5.0)

@@ -11,13 +11,13 @@ import numpy as np
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import LARGEST_END
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput, Quantity
 from paminsa_viz.plots import ticks
-from paminsa_viz.plots.maps import DISPLAY_UNITS
+from paminsa_viz.plots.map_data import DISPLAY_UNITS
+from paminsa_viz.plots.ranges import LARGEST_END
 
 FIG_3_ANGLE = np.pi / 3
 """Angle of the platform in the paper's Fig. 3 [rad]; it does not say the height."""
