@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots import ticks
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout
+from paminsa_viz.units import MM, number
 
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 
@@ -72,7 +72,7 @@ def reason_text(data: MapData) -> str:
 
 
 def _place(data: MapData) -> str:
-    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(1e3 * data.z)} mm"
+    pose = f"θ = {number(np.degrees(data.theta))}°, z = {number(MM * data.z)} mm"
     return f"<br>x = %{{x:.1f}} mm, y = %{{y:.1f}} mm<br>{pose}<extra></extra>"
 
 
@@ -98,7 +98,7 @@ class HoverFigure:
 
 
 def _layout(data: MapData, layout: MapLayout, name: str) -> dict[str, Any]:
-    left, right, bottom, top = (1e3 * edge for edge in data.extent)
+    left, right, bottom, top = (MM * edge for edge in data.extent)
     width, height = layout.width, layout.height
     out: dict[str, Any] = {
         "meta": name,
@@ -144,8 +144,8 @@ def _heatmap(
     number = _number(index)
     return {
         "type": "heatmap",
-        "x": _packed(1e3 * x),
-        "y": _packed(1e3 * y),
+        "x": _packed(MM * x),
+        "y": _packed(MM * y),
         "z": _packed(z),
         "xaxis": f"x{number}",
         "yaxis": f"y{number}",

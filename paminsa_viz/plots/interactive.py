@@ -10,12 +10,13 @@ import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from paminsa_viz.palette import INK
-from paminsa_viz.plots import colors, contours, ticks
+from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
 from paminsa_viz.plots.hover import FONT, reason_text, reasons, value_text
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
+from paminsa_viz.units import MM, number
 
 CONFIG: dict[str, Any] = {"displayModeBar": False, "doubleClick": "reset"}
 """How plotly should behave: no buttons over the headings, double click goes back from a zoom."""
@@ -47,7 +48,7 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
             + _lines(data, index, scales[index]),
             rows=1, cols=index + 1,
         )  # fmt: skip
-    left, right, bottom, top = (1e3 * edge for edge in data.extent)
+    left, right, bottom, top = (MM * edge for edge in data.extent)
     line = {"ticks": "outside", "showgrid": False, "zeroline": False, "mirror": True,
             "showline": True, "linecolor": INK, "constrain": "domain"}  # fmt: skip
     figure.update_xaxes(range=[left, right], title="x [mm]", matches="x", **line)
@@ -79,7 +80,7 @@ def _cells(data: MapData, index: int, scale: Scale, axis: int) -> list[go.Heatma
     factor = data.display[0]
     values = data.values[index]
     texts = reasons(data, index)
-    place: dict[str, Any] = {"x": 1e3 * data.x, "y": 1e3 * data.y, "hoverongaps": False}
+    place: dict[str, Any] = {"x": MM * data.x, "y": MM * data.y, "hoverongaps": False}
     # Colors go by the position on the bar, which serves both kinds of scale and infinite values;
     # what is read off is the value itself. Single precision halves what is sent.
     shown = go.Heatmap(
@@ -107,13 +108,13 @@ def _lines(data: MapData, index: int, scale: Scale) -> list[go.Scatter]:
         _line(circle, INK, 1.6, "5px,4px"),
     ]
     ring = {"size": 10, "color": "#ffffff", "line": {"color": INK, "width": 1.8}}
-    x, y = (1e3 * float(value) for value in data.pose[:2])
+    x, y = (MM * float(value) for value in data.pose[:2])
     drawn.append(go.Scatter(x=[x], y=[y], mode="markers", marker=ring, hoverinfo="skip"))
     return drawn
 
 
 def _line(line: Line, color: str, width: float, dash: str | None = None) -> go.Scatter:
-    x, y = 1e3 * line.astype(np.float32).T
+    x, y = MM * line.astype(np.float32).T
     style = {"color": color, "width": width, "dash": dash}
     return go.Scatter(x=x, y=y, mode="lines", line=style, hoverinfo="skip")
 
@@ -131,7 +132,7 @@ def _color_axis(data: MapData, scale: Scale, place: dict[str, Any]) -> dict[str,
     bar = {
         "title": {"text": f"[{unit}]" if unit else ""},
         "tickvals": scale.position(np.array(values)).tolist(),
-        "ticktext": [ticks.number(value * factor) for value in values],
+        "ticktext": [number(value * factor) for value in values],
         "ticks": "outside",
         "thickness": 14,
         **place,

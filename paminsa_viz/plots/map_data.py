@@ -23,13 +23,7 @@ from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import INK, LEG_COLORS, LIFT_COLOR
-
-DISPLAY_UNITS: dict[str, tuple[float, str]] = {
-    "m": (1e3, "mm"),
-    "N m": (1.0, "N·m"),
-    "1": (1.0, ""),
-}
-"""Units that are shown differently from how they are stored: factor and shown unit."""
+from paminsa_viz.units import DisplayUnit, display_unit
 
 
 @dataclass(frozen=True)
@@ -158,9 +152,9 @@ class MapData:
         )
 
     @property
-    def display(self) -> tuple[float, str]:
-        """Factor from stored to shown values, and the shown unit."""
-        return DISPLAY_UNITS.get(self.unit, (1.0, self.unit))
+    def display(self) -> DisplayUnit:
+        """The unit that people read the values in."""
+        return display_unit(self.unit)
 
     def panel(self, index: int) -> MapData:
         """Return one panel as a map of its own.

@@ -19,7 +19,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
 from paminsa_viz.palette import BAD, INK
-from paminsa_viz.plots import colors, contours, ticks
+from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
 from paminsa_viz.plots.contours import Line
@@ -37,6 +37,7 @@ from paminsa_viz.plots.map_layout import MapLayout, Rectangle, map_layout
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale, map_pixels
 from paminsa_viz.plots.text import text_width, wrapped
+from paminsa_viz.units import MM, number
 
 MUTED_INK = "#3b4754"  # numbers and captions
 PAGE_EM = 11.0
@@ -260,7 +261,7 @@ class _Panel:
         axes.set(xlim=(left, right), ylim=(bottom, top))
         hatching = RectanglePatch(
             (left, bottom), right - left, top - bottom,
-            fc=colors.REACHLESS, ec=colors.HATCH, hatch="//////", lw=0, zorder=0,
+            fc=colors.REACHLESS, ec=colors.HATCH, hatch="/" * round(48 / layout.em), lw=0, zorder=0,
         )  # fmt: skip
         hatching.set_hatch_linewidth(0.045 * self._em)
         axes.add_patch(hatching)
@@ -285,12 +286,16 @@ class _Panel:
     def _frame(self, data: MapData) -> None:
         axes, em, index = self.axes, self._em, self._index
         for axis, (low, high) in ((axes.xaxis, data.extent[:2]), (axes.yaxis, data.extent[2:])):
-            count = int(min(max(self._width / (3.2 * em), 3), 7))
             room = 0.08 * (high - low)  # numbers at the very ends would run into a neighbor's
+            least = 3.2 * em / self._width * (high - low)  # a number needs that much
             low, high = low + room, high - room
-            values = MaxNLocator(count, steps=[1, 2, 2.5, 4, 5, 10]).tick_values(low, high)
+            values = np.empty(0)
+            for count in range(7, 0, -1):
+                values = MaxNLocator(count, steps=[1, 2, 2.5, 4, 5, 10]).tick_values(low, high)
+                if values[1] - values[0] >= least:
+                    break
             axis.set_ticks([v for v in values if low <= v <= high])
-            axis.set_major_formatter(FuncFormatter(lambda v, _: ticks.number(1e3 * v)))
+            axis.set_major_formatter(FuncFormatter(lambda v, _: number(MM * v)))
         axes.tick_params(
             labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,
             pad=0.18 * em, labelleft=index == 0,
@@ -340,7 +345,7 @@ class _Panel:
         size, paper = self._em - 2, self._width / (data.extent[1] - data.extent[0])
         if self._width < _LABELED:
             return
-        names = {level: ticks.number(level * data.display[0]) for level in found}
+        names = {level: number(level * data.display[0]) for level in found}
         room = {v: 0.4 * text_width(name, size) / paper for v, name in names.items()}
         places = contours.label_places(data, found, room, margin=0.15 * size / paper)
         if not places:
@@ -408,7 +413,7 @@ def _color_bar(
     factor, unit = data.display
     fits = long / em / (2.2 if layout.vertical else 3.2)
     values = scale.ticks(int(min(max(fits, 2), 8)))
-    bar.set_ticks(list(values), labels=[ticks.number(value * factor) for value in values])
+    bar.set_ticks(list(values), labels=[number(value * factor) for value in values])
     bar.minorticks_off()
     axes.tick_params(
         labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,

@@ -6,6 +6,7 @@ grow with the size of the letters, the em.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -123,4 +124,5 @@ def map_layout(
             for start, span, inset in spans
         )
         foot = bars[0].bottom + _BAR_FOOT * em
-    return MapLayout(em, width, foot + _BOTTOM * em, panels, bars, vertical)
+    height = math.ceil(foot + _BOTTOM * em)  # whole pixels on a page
+    return MapLayout(em, width, height, panels, bars, vertical)

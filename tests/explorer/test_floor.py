@@ -11,7 +11,6 @@ import pytest
 import viser
 from hypothesis import given
 from hypothesis import strategies as st
-from paminsa_viz.plots.raster import lut
 
 from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
@@ -26,6 +25,7 @@ from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity
 from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.plots.scale import color_table
 
 from .panel_desk import Desk, desk_with
 
@@ -66,7 +66,7 @@ class TestPicture:
         inside = reached & (np.abs(data.values[0]) < 0.9 * scale.high)
         row, column = (int(v) for v in np.argwhere(inside)[40])
         fraction = float(scale.position(data.values[0, row, column]))
-        expected = lut(scale)[1 + int(fraction * 256), :3]
+        expected = color_table(scale)[1 + int(fraction * 256), :3]
         np.testing.assert_array_equal(pixels[row, column, :3], expected)
 
     @pytest.mark.parametrize(("opacity", "alpha"), [(0.0, 0), (1.0, 255), (7.0, 255), (-1.0, 0)])

@@ -17,7 +17,6 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, MUTED
-from paminsa_viz.plots import ticks
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
 from paminsa_viz.plots.map_data import MapData
@@ -25,6 +24,7 @@ from paminsa_viz.plots.map_figure import PAGE_EM, FloorPath, LiveMaps
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import number
 
 Quantities = Callable[[State], tuple[Quantity, ...]]
 
@@ -217,7 +217,7 @@ def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
 
 def caption(state: State, data: MapData) -> str:
     """Return the line below a picture: what it shows, where, and what its marks mean."""
-    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(1e3 * data.z)}\u00a0mm"
+    pose = f"θ = {number(np.degrees(data.theta))}°, z = {number(1e3 * data.z)}\u00a0mm"
     reference = state.document.reference
     title = "Static torques" if data.panels > 1 else data.title
     if shows_difference(state) and reference is not None:

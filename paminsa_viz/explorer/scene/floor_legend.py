@@ -18,7 +18,7 @@ from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import OVER, UNDER, Scale, color_table
-from paminsa_viz.plots.ticks import number
+from paminsa_viz.units import number
 
 LEGEND_SIZE: Final = (0.44, 0.04)
 """Width and height of the colored bar on the ground [m]."""
