@@ -6,13 +6,14 @@ from collections.abc import Mapping
 from typing import Any
 
 from paminsa_viz.explorer import commands, saving
+from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import ComparePanel
-from paminsa_viz.explorer.panels.design_panel import DesignPanel
+from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.file_panel import FilePanel
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
@@ -51,7 +52,7 @@ def build_tabs(session: Session, bridge: Bridge, places: Mapping[str, Any]) -> N
     motions = MotionStore()
     maps = MapsPanel(session, bridge, motions)
     with places["Design"]:
-        design = DesignPanel(session)
+        design = Panel(session, DESIGN)
     with places["Balance"]:
         balance = BalancePanel(session, bridge)
     with places["Motion"]:
@@ -62,7 +63,7 @@ def build_tabs(session: Session, bridge: Bridge, places: Mapping[str, Any]) -> N
         view = ViewPanel(session)
     with places["File"]:
         files = FilePanel(session)
-    session.first += [Clock(session), Gizmo(session), MotionPath(session, motions)]
-    session.words += [design, balance, motion, view]
-    session.later += [maps, FloorMap(session, maps.store), compare, files, TabStore(bridge)]
+    session.immediate += [Clock(session), Gizmo(session), MotionPath(session, motions)]
+    session.fast += [design, balance, motion, view]
+    session.deferred += [maps, FloorMap(session, maps.store), compare, files, TabStore(bridge)]
     commands.register(session)

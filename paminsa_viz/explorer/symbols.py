@@ -95,3 +95,11 @@ def edge(path: str) -> DisplayUnit:
     if parameter.unit == "m":
         return DisplayUnit(symbol, "mm", 1e3)
     return DisplayUnit(symbol, unit_text(parameter.unit), 1.0)
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Write a number with a fixed count of decimals, a true minus sign and no negative zero."""
+    text = f"{value:.{decimals}f}"
+    if float(text) == 0:
+        text = text.lstrip("-")
+    return text.replace("-", "−")

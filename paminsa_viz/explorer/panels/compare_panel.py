@@ -9,12 +9,10 @@ import numpy as np
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.number_row import is_changed
-from paminsa_viz.explorer.panels.readout import dot
-from paminsa_viz.explorer.panels.readout import number as fixed
-from paminsa_viz.explorer.panels.tables import note, table
+from paminsa_viz.explorer.panels.design_layout import is_changed
+from paminsa_viz.explorer.panels.tables import dot, note, table
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.symbols import change_text, edge, html, number
+from paminsa_viz.explorer.symbols import change_text, edge, fixed, html, number
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
