@@ -20,14 +20,19 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.units import DisplayUnit, display_unit
 
 Text = str | Callable[[State], str]
 Condition = Callable[[State], bool]
 Range = tuple[float | None, float | None]
 """Smallest and largest number in the unit shown; None where there is no limit."""
 
-_DECIMAL = (1e3, 100.0)
-"""Scales after which a typed decimal number is a decimal number again, but for rounding errors."""
+PLAIN = DisplayUnit(1.0, "")
+"""Of a number that is shown as it is."""
+
+PERCENT = DisplayUnit(100.0, "%")
+
+MILLIMETERS = display_unit("m")
 
 
 def finite(value: Any) -> float | None:
@@ -39,16 +44,6 @@ def finite(value: Any) -> float | None:
     except OverflowError:  # JSON knows integers beyond all floats
         return None
     return number if math.isfinite(number) else None
-
-
-def from_si(value: float, scale: float) -> float:
-    """Return a value in SI as the number shown, without rounding errors."""
-    return round(value * scale, 9)
-
-
-def to_si(number: float, scale: float) -> float:
-    """Return a number shown as a value in SI, without rounding errors."""
-    return round(number / scale, 12) if scale in _DECIMAL else number / scale
 
 
 @dataclass(frozen=True)
@@ -127,7 +122,7 @@ class Slider(Input):
     Attributes:
         range: Its ends, in the unit shown.
         step: In the unit shown; as many decimals can be typed.
-        scale: From SI to the unit shown.
+        unit: The unit shown.
         fit: Grows the range to a number beyond it, which can then be typed; without it, numbers
             are limited to the range.
         marks: Values with a tick.
@@ -136,7 +131,7 @@ class Slider(Input):
     _: KW_ONLY
     range: tuple[float, float] | Callable[[State], tuple[float, float]]
     step: float
-    scale: float = 1
+    unit: DisplayUnit = PLAIN
     fit: Callable[[tuple[float, float], float], tuple[float, float]] | None = None
     marks: tuple[tuple[float, str], ...] | None = None
 
@@ -145,14 +140,14 @@ class Slider(Input):
         return self.range(state) if callable(self.range) else self.range
 
     def shown(self, state: State) -> float:
-        return from_si(self.read(state), self.scale)
+        return self.unit.from_si(self.read(state))
 
     def parse(self, state: State, value: Any) -> float:
         number = _finite(self.name(state), value)
         if self.fit is None:
             low, high = self.base_range(state)
             number = min(max(number, low), high)
-        return to_si(number, self.scale)
+        return self.unit.to_si(number)
 
 
 @dataclass(frozen=True)
@@ -162,14 +157,14 @@ class Number(Input):
     _: KW_ONLY
     range: Range = (None, None)
     step: float
-    scale: float = 1
+    unit: DisplayUnit = PLAIN
 
     def shown(self, state: State) -> float:
-        return from_si(self.read(state), self.scale)
+        return self.unit.from_si(self.read(state))
 
     def parse(self, state: State, value: Any) -> float:
         name = self.name(state)
-        return to_si(_within(name, _finite(name, value), self.range), self.scale)
+        return self.unit.to_si(_within(name, _finite(name, value), self.range))
 
 
 @dataclass(frozen=True)
@@ -184,10 +179,10 @@ class Pair(Input):
     range: tuple[Range, Range] = ((None, None), (None, None))
     step: float | Callable[[State], float] = 0.001
     precision: Callable[[State], int] | None = None
-    scale: tuple[float, float] = (1, 1)
+    units: tuple[DisplayUnit, DisplayUnit] = (PLAIN, PLAIN)
 
     def shown(self, state: State) -> tuple[float, float]:
-        first, second = (from_si(v, k) for v, k in zip(self.read(state), self.scale, strict=True))
+        first, second = (u.from_si(v) for u, v in zip(self.units, self.read(state), strict=True))
         return first, second
 
     def parse(self, state: State, value: Any) -> tuple[float, float]:
@@ -195,8 +190,8 @@ class Pair(Input):
         if not isinstance(value, (tuple, list)) or len(value) != 2:
             raise InvalidInput(name, "two numbers are needed")
         first, second = (
-            to_si(_within(name, _finite(name, one), ends), scale)
-            for one, ends, scale in zip(value, self.range, self.scale, strict=True)
+            unit.to_si(_within(name, _finite(name, one), ends))
+            for one, ends, unit in zip(value, self.range, self.units, strict=True)
         )
         return first, second
 

@@ -15,8 +15,10 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser import backdrop, render_on_demand
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import style_html
+from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE
 from paminsa_viz.explorer.panels.readout import READOUT
+from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import Design, PaminsaError
@@ -65,14 +67,15 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         pose = Panel(session, (*READOUT, *POSE))
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast.append(pose)
+    context = SceneContext(client.scene, session.dispatch, MotionStore())
 
     def build_robot() -> None:
         if session.immediate:
             return
-        from paminsa_viz.explorer.scene.view import RobotView, look
+        from paminsa_viz.explorer.scene.view import look
 
         look(session, "3D")
-        session.immediate.append(RobotView(session))
+        session.immediate += build_views(context, animated=True)
         session.dispatch("robot", replace)
 
     def build_rest() -> None:
@@ -80,7 +83,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
             return
         from paminsa_viz.explorer.deferred_tabs import build_tabs
 
-        build_tabs(session, bridge, places)
+        build_tabs(session, bridge, places, context)
         session.built.set()
         session.dispatch("page", replace)
 

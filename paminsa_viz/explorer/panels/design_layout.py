@@ -14,17 +14,21 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bounds import largest
 from paminsa_viz.explorer.entries import Slider
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import edge, number
 from paminsa_viz.model import (
     APPENDIX_4,
+    PARAMETER,
     PARAMETERS,
     Design,
     InvalidDesign,
     InvalidInput,
     Parameter,
 )
+from paminsa_viz.units import number, symbol_text
 
 STROKE = "geometry.guide_stroke"
+
+DIGITS = 6
+"""Significant digits of the design's numbers."""
 
 
 @dataclass(frozen=True)
@@ -139,7 +143,7 @@ def base_range(parameter: Parameter) -> tuple[float, float, float]:
     if parameter.path in RANGES:
         return RANGES[parameter.path]
     times, otherwise, step = _BY_UNIT[parameter.unit]
-    high = round_up(times * edge(parameter.path).shown(parameter.default)) or otherwise
+    high = round_up(times * parameter.display.from_si(parameter.default)) or otherwise
     return (step if parameter.positive else 0.0), high, step
 
 
@@ -155,24 +159,24 @@ def fitted_range(path: str, ends: tuple[float, float], value: float) -> tuple[fl
     """Return a slider's range, grown if it has to be to hold ``value`` with room above it."""
     low, high = ends
     if value > high:
-        high = min(round_up(1.5 * value), max(edge(path).shown(largest(path)), value))
+        most = PARAMETER[path].display.from_si(largest(path))
+        high = min(round_up(1.5 * value), max(most, value))
     return min(low, value), high
 
 
 def label(parameter: Parameter) -> str:
     """Return the text next to a parameter's slider."""
-    shown = edge(parameter.path)
     name = NAMES.get(parameter.path)
     if name is None and parameter.path.startswith("inertias."):
         name = "along" if parameter.path.endswith("axial") else "across"
     if name is None and not parameter.path.startswith("geometry."):
-        name = f"[{shown.unit}]"
-    return f"{shown.symbol} {name or ''}".strip()
+        name = f"[{parameter.display.text}]"
+    return f"{symbol_text(parameter.symbol)} {name or ''}".strip()
 
 
 def hint(parameter: Parameter) -> str:
     """Return what a parameter is, and Appendix 4's value."""
-    default = edge(parameter.path).text(parameter.default)
+    default = parameter.display.format(parameter.default, DIGITS)
     if parameter.path == STROKE:
         default = "as long as l_B10, and it follows l_B10 until it is set"
     name = parameter.label[:1].upper() + parameter.label[1:]
@@ -181,12 +185,12 @@ def hint(parameter: Parameter) -> str:
 
 def slider(parameter: Parameter) -> Slider:
     """Return the slider of a parameter."""
-    path, shown = parameter.path, edge(parameter.path)
+    path = parameter.path
     low, high, step = base_range(parameter)
-    default = shown.shown(parameter.default)
+    default = parameter.display.from_si(parameter.default)
     return Slider(
-        f"design.{path}", label(parameter), range=(low, high), step=step, scale=shown.factor,
-        fit=partial(fitted_range, path), marks=((default, number(default)),),
+        f"design.{path}", label(parameter), range=(low, high), step=step, unit=parameter.display,
+        fit=partial(fitted_range, path), marks=((default, number(default, DIGITS)),),
         hint=hint(parameter),
         read=lambda state: state.document.design.value(path),
         apply=partial(_set, path),
@@ -198,8 +202,9 @@ def _set(path: str, state: State, value: float) -> State:
         return actions.vary(state, {path: value})
     except InvalidDesign as error:
         # The model names the value that it misses; the person has to know which one was set.
-        shown = edge(path)
-        raise InvalidInput(f"{shown.symbol} = {shown.text(value)}", error.allowed) from error
+        parameter = PARAMETER[path]
+        shown = f"{symbol_text(parameter.symbol)} = {parameter.display.format(value, DIGITS)}"
+        raise InvalidInput(shown, error.allowed) from error
 
 
 def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:

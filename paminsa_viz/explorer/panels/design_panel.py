@@ -12,10 +12,10 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group, is_changed, slider
 from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import edge, number
 from paminsa_viz.model import APPENDIX_4, Geometry, Parameter, lumped_matrix, static_imbalance
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.units import number, symbol_text
 
 WHOLE_GROUP = "all"
 """What the button says that resets a whole group."""
@@ -70,7 +70,7 @@ def resets(group: Group, state: State) -> Mapping[str, Effect]:
     """Return a button for each number of a group that is not Appendix 4's, and one for all."""
     design = state.document.design
     found: dict[str, Effect] = {
-        edge(p.path).symbol: partial(actions.reset_values, paths=(p.path,))
+        symbol_text(p.symbol): partial(actions.reset_values, paths=(p.path,))
         for p in group.parameters
         if is_changed(design, p.path)
     }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import ceil, floor, pi
+from math import ceil, floor
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Run, Slider
@@ -12,6 +12,7 @@ from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.units import display_unit
 
 GRAIN = 10
 """Ends of ranges are multiples of this [mm or degrees]."""
@@ -47,7 +48,7 @@ def holding(ends: Range, value: float) -> Range:
     )
 
 
-def _slider(index: int, label: str, scale: float, step: float, hint: str) -> Slider:
+def _slider(index: int, label: str, unit: str, step: float, hint: str) -> Slider:
     coordinate = COORDINATES[index]
 
     def limits(state: State) -> Range:
@@ -55,18 +56,19 @@ def _slider(index: int, label: str, scale: float, step: float, hint: str) -> Sli
         return pose_limits(document.design.geometry, document.assembly)[index]
 
     return Slider(
-        f"pose.{coordinate}", label, scale=scale, step=step, hint=hint, range=limits, fit=holding,
+        f"pose.{coordinate}", label, unit=display_unit(unit), step=step, hint=hint,
+        range=limits, fit=holding,
         read=lambda state: state.document.pose[index],
         apply=lambda state, value: actions.move(state, **{coordinate: value}),
     )  # fmt: skip
 
 
 POSE = (
-    _slider(0, "x  [mm]", 1e3, 1.0, "Platform position along x"),
-    _slider(1, "y  [mm]", 1e3, 1.0, "Platform position along y"),
-    _slider(2, "θ  [°]", 180 / pi, 0.5, "Rotation of the platform about the vertical"),
+    _slider(0, "x  [mm]", "m", 1.0, "Platform position along x"),
+    _slider(1, "y  [mm]", "m", 1.0, "Platform position along y"),
+    _slider(2, "θ  [°]", "rad", 0.5, "Rotation of the platform about the vertical"),
     _slider(
-        3, "z  [mm]", 1e3, 1.0,
+        3, "z  [mm]", "m", 1.0,
         "Height of the platform; 0 is the plane of the guides. The slider keeps the robot clear "
         "of its frame as it is drawn; any other height can be typed.",
     ),

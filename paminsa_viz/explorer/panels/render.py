@@ -7,7 +7,7 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
-from paminsa_viz.explorer import symbols
+from paminsa_viz import units
 
 _ENVIRONMENT = Environment(
     loader=PackageLoader("paminsa_viz.explorer.panels"),
@@ -18,10 +18,10 @@ _ENVIRONMENT = Environment(
     lstrip_blocks=True,
 )
 _ENVIRONMENT.filters |= {
-    "fixed": symbols.fixed,
-    "number": symbols.number,
-    "symbol": lambda text: Markup(symbols.html(text)),
-    "unit": symbols.unit_text,
+    "fixed": units.fixed,
+    "number": units.number,
+    "symbol": lambda text: Markup(units.symbol_html(text)),
+    "unit": units.unit_text,
 }
 
 
