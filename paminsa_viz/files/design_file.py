@@ -36,6 +36,7 @@ from paminsa_viz.files.design_counterweights import (
 from paminsa_viz.files.design_schema import (
     FILE_KEYS,
     KEY_OF,
+    KNEE,
     SCHEMA_VERSION,
     TABLES,
     key_hint,
@@ -44,7 +45,7 @@ from paminsa_viz.files.design_schema import (
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
 
 LARGEST_FILE = 200_000
@@ -168,6 +169,7 @@ class _Reader:
             raise self._error("name", name, problem)
         numbers: dict[str, float | None] = {}
         weights: tuple[Counterweight, ...] = ()
+        knee = self._knee(document.get("geometry"))
         for key, value in document.items():
             if key in FILE_KEYS:
                 continue
@@ -184,7 +186,8 @@ class _Reader:
                 raise self._error(key, None, f"there is no such key; {key_hint('', key)}")
         self._check_count(document, len(numbers) + len(WEIGHT_KEYS) * len(weights))
         try:
-            return replace(APPENDIX_4.vary(numbers), name=name, counterweights=weights)
+            design = APPENDIX_4.vary(numbers).with_knee(knee)
+            return replace(design, name=name, counterweights=weights)
         except InvalidDesign as error:
             known = KEY_OF.get(error.field.removeprefix("design."))
             path = known.path if known else error.field
@@ -228,10 +231,22 @@ class _Reader:
         numbers: dict[str, float | None] = {}
         for name, value in content.items():
             path = f"{table}.{name}"
+            if path == f"geometry.{KNEE}":
+                continue
             if name not in keys:
                 raise self._error(path, None, f"there is no such key; {key_hint(table, name)}")
             numbers[keys[name].parameter.path] = self._number(path, value)
         return numbers
+
+    def _knee(self, geometry: object) -> KneeBranch:
+        value = geometry.get(KNEE) if isinstance(geometry, dict) else None
+        if value is None:
+            return APPENDIX_4.geometry.knee
+        branches = {branch.value: branch for branch in KneeBranch}
+        if value not in list(branches):
+            allowed = " or ".join(f'"{name}"' for name in branches)
+            raise self._error(f"geometry.{KNEE}", value, f"{allowed} is needed")
+        return branches[value]
 
     def _number(self, path: str, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, (int, float)):

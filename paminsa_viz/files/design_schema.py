@@ -20,6 +20,10 @@ FILE_KEYS = ("schema_version", "name", "value_count")
 """Keys that describe the file and not the robot."""
 
 
+KNEE = "knee"
+"""Key of the knee's branch in ``[geometry]``; it stands there where it is not the printed one."""
+
+
 def unit_suffix(unit: str) -> str:
     """Return a unit as it ends a key: ``"kg m^2"`` gives ``"_kg_m2"``, ``""`` gives ``""``."""
     text = unit.replace(", ", " or ").replace("/", " per ").replace("N m", "Nm").replace("^", "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 from paminsa_viz.files.design_counterweights import counterweight_lines
-from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION, TABLES, Key
+from paminsa_viz.files.design_schema import KEY_OF, KNEE, SCHEMA_VERSION, TABLES, Key
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.design import APPENDIX_4, Design
 
@@ -45,8 +45,12 @@ def write_design(design: Design, *, comment: str = "") -> str:
         width = max((len(assignment) for assignment, _ in rows), default=0)
         body += ["", f"[{table}]  {_table_comment(table)}".rstrip()] if table else []
         body += [f"{assignment:<{width}}  # {text}" for assignment, text in rows]
+        if table == "geometry" and design.geometry.knee is not APPENDIX_4.geometry.knee:
+            body.append(
+                f'{KNEE} = "{design.geometry.knee.value}"  # upper knee: mirror of Appendix 1'
+            )
     body += counterweight_lines(design)
-    count = sum("=" in line and not line.startswith("#") for line in body)
+    count = sum("=" in line and not line.startswith(("#", KNEE)) for line in body)
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
     lines += ["", f"name = {_string(design.name)}"]
     lines += [f"value_count = {count}  # so that a file that was cut short is noticed"]

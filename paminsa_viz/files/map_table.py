@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.files.errors import printable
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.reach import Limit, status_words
 
 FORMAT = "paminsa_viz map 1"
@@ -30,7 +31,7 @@ class Source(Protocol):
     @property
     def design(self) -> str: ...
     @property
-    def assembly(self) -> str: ...
+    def knee(self) -> KneeBranch: ...
     @property
     def version(self) -> str: ...
     @property
@@ -130,7 +131,7 @@ def _provenance(data: Map) -> Mapping[str, str]:
         "title": data.title,
         "unit": data.unit,
         "design": source.design,
-        "assembly": source.assembly,
+        "assembly": source.knee.value,
         "pose x [m]": repr(x),
         "pose y [m]": repr(y),
         "pose theta [rad]": repr(theta),

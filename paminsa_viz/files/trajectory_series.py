@@ -27,7 +27,7 @@ from paminsa_viz.files.trajectory_columns import (
     TIME,
     part_columns,
 )
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.parameters import PARAMETERS
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
@@ -77,7 +77,7 @@ def analysis_series(analysis: TrajectoryAnalysis) -> Series:
         "samples": str(t.size),
         "duration [s]": repr(t.duration),
         "first failure": first.explanation if first else "none",
-        **_robot(analysis.design, solved.assembly),
+        **_robot(analysis.design),
         "formulae": _formulae(solved.misprints),
         **_parameters(analysis.design),
     }
@@ -98,7 +98,7 @@ def simulation_series(simulation: Simulation) -> Series:
         "bandwidth [Hz]": repr(float(s.controller.bandwidth)),
         "damping": repr(float(s.controller.damping)),
         "stopped": s.stopped.explanation if s.stopped else "at the end",
-        **_robot(s.design, s.assembly),
+        **_robot(s.design),
         **_parameters(s.design),
     }
     return Series(columns, None, _printable(said))
@@ -147,8 +147,8 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
     return dict(zip(names, values.T, strict=True))
 
 
-def _robot(design: Design, assembly: KneeBranch) -> dict[str, str]:
-    return {"design": design.name, "assembly": assembly.value}
+def _robot(design: Design) -> dict[str, str]:
+    return {"design": design.name, "assembly": design.geometry.knee.value}
 
 
 def _formulae(misprints: Misprint) -> str:

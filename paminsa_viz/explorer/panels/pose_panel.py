@@ -1,4 +1,4 @@
-"""Sliders for the platform pose, the assembly mode, and the steps back and forth."""
+"""Sliders for the platform pose, the knee's branch, and the steps back and forth."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ from paminsa_viz.explorer.panels.pose_slider import PoseSlider
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.model import KneeBranch
 
-ASSEMBLY_LABELS = {
+KNEE_LABELS = {
     KneeBranch.LOWER: "lower knee (as printed)",
     KneeBranch.UPPER: "upper knee (mirror)",
 }
 
 
 class PosePanel:
-    """Four sliders with number entry, assembly mode, home, undo and redo."""
+    """Four sliders with number entry, the knee's branch, home, undo and redo."""
 
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
         self.sliders = [PoseSlider(session, index) for index in range(4)]
-        self.assembly = gui.add_dropdown(
-            "KneeBranch",
-            tuple(ASSEMBLY_LABELS.values()),
-            initial_value=ASSEMBLY_LABELS[session.state.document.assembly],
+        self.knee = gui.add_dropdown(
+            "Knee",
+            tuple(KNEE_LABELS.values()),
+            initial_value=KNEE_LABELS[session.state.document.design.geometry.knee],
             hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
         )
-        self._assembly = Control(
+        self._knee = Control(
             session,
-            self.assembly,
-            "pose.assembly",
-            lambda s, label: actions.assemble(s, _assembly(label)),
-            lambda s: ASSEMBLY_LABELS[s.document.assembly],
+            self.knee,
+            "pose.knee",
+            lambda s, label: actions.set_knee(s, _knee(label)),
+            lambda s: KNEE_LABELS[s.document.design.geometry.knee],
         )
         steps = gui.add_button_group("Steps", ("Home", "Undo", "Redo"))
 
@@ -46,12 +46,12 @@ class PosePanel:
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state."""
-        for view in (*self.sliders, self._assembly):
+        for view in (*self.sliders, self._knee):
             view.draw(frame, moving)
 
 
-def _assembly(label: str) -> KneeBranch:
-    for assembly, name in ASSEMBLY_LABELS.items():
+def _knee(label: str) -> KneeBranch:
+    for knee, name in KNEE_LABELS.items():
         if name == label:
-            return assembly
+            return knee
     return KneeBranch.LOWER

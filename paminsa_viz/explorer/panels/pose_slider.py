@@ -11,7 +11,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, home_pose
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.model import Geometry, KneeBranch
+from paminsa_viz.model import Geometry
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import workspace_radius
 
@@ -35,22 +35,22 @@ Range = tuple[float, float]
 
 
 @lru_cache(maxsize=64)
-def pose_limits(geometry: Geometry, assembly: KneeBranch) -> tuple[Range, Range, Range, Range]:
+def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
     radius = float(ceil(1e3 * workspace_radius(geometry) / GRAIN) * GRAIN)
-    return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry, assembly)
+    return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry)
 
 
-def heights(geometry: Geometry, assembly: KneeBranch) -> Range:
+def heights(geometry: Geometry) -> Range:
     """Return the platform heights that the slider offers, which are those clear of the frame [mm].
 
     Home is always among them. The frame is drawn for machines like the paper's; to others it may
     leave less room, or none.
     """
-    place = layout(geometry, assembly)
+    place = layout(geometry)
     low = ceil(1e3 * place.platform_low / GRAIN) * GRAIN
     high = floor(1e3 * place.platform_high / GRAIN) * GRAIN
-    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry, assembly)[3])
+    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry)[3])
 
 
 def holding(ends: Range, value: float) -> Range:
@@ -77,7 +77,7 @@ class PoseSlider:
         self._index, self._scale = index, SCALES[index]
         state = session.state
         value = self._show(state)
-        self._limits = pose_limits(state.document.design.geometry, state.document.assembly)[index]
+        self._limits = pose_limits(state.document.design.geometry)[index]
         self._ends = holding(self._limits, value)
         self.slider = session.client.gui.add_slider(
             NAMES[index], *self._ends, STEPS[index], value, hint=HINTS[index]
@@ -93,10 +93,10 @@ class PoseSlider:
         return round(state.document.pose[self._index] * self._scale, 6)
 
     def draw(self, frame: Frame, moving: bool) -> None:
-        """Follow the state; the range follows geometry, assembly and poses beyond it."""
+        """Follow the state; the range follows the geometry and poses beyond it."""
         document, before = frame.state.document, self.slider.value
         self._control.draw(frame, moving)
-        limits = pose_limits(document.design.geometry, document.assembly)[self._index]
+        limits = pose_limits(document.design.geometry)[self._index]
         # While a hand is on the slider its ends stay, or the thumb would slip from under it.
         by_hand = limits == self._limits and self.slider.value == before
         self._limits = limits
