@@ -6,7 +6,7 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any
 
 import tyro
 
@@ -20,6 +20,8 @@ from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, mis
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
 Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
@@ -35,7 +37,7 @@ in which MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-Kind: TypeAlias = Literal["png", "svg", "pdf"]
+FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
 
 HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
@@ -65,8 +67,10 @@ class Verify:
     """Print JSON for other programs."""
     figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
-    format: Kind = "png"
-    """Kind of the figures."""
+    format: Annotated[str, tyro.conf.arg(constructor=FormatName, help_behavior_hint="(png)")] = (
+        "png"
+    )
+    """Format of the figures."""
 
 
 def main(words: list[str]) -> int:
@@ -161,12 +165,13 @@ def _show_simulation(found: Verification) -> None:
     print(
         f"\nMoved by the calculated torques alone, {said['engine']} ran {said['until_s']:.3g} s "
         f"({end}); then off by\n"
-        f"  x {1e3 * x:.2g} mm, y {1e3 * y:.2g} mm, theta {math.degrees(theta):.2g} deg, "
-        f"z {1e3 * z:.2g} mm; loops opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
+        f"  x {format_ascii(x, 'm', 2)}, y {format_ascii(y, 'm', 2)}, "
+        f"theta {math.degrees(theta):.2g} deg, z {format_ascii(z, 'm', 2)}; loops "
+        f"opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
     )
 
 
-def _figures(found: Verification, folder: Path, kind: Kind) -> list[Path]:
+def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:
     """Write a figure for each engine, and one of the printed formulae; return their paths."""
     # Late: matplotlib takes a second to load.
     from paminsa_viz.plots.curves_paper import render_curves

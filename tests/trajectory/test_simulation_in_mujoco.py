@@ -21,7 +21,8 @@ def test_an_unknown_payload_makes_both_drift_alike(knee: KneeBranch) -> None:
     samples = move(A + height, B + height, 0.6).sample(400)
     loaded = APPENDIX_4.vary({"payload.mass": 0.5})
     blind = Controller(Control.FEED_FORWARD)
-    ours = simulate(with_knee(loaded, knee), samples, model=APPENDIX_4, controller=blind)
+    model = with_knee(APPENDIX_4, knee)
+    ours = simulate(with_knee(loaded, knee), samples, model=model, controller=blind)
     part = slice(0, 101)  # a quarter of a second
     played = play(
         with_knee(loaded, knee), samples.t[part], samples.pose[part], samples.velocity[part],

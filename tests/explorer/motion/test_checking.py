@@ -24,9 +24,9 @@ from paminsa_viz.explorer.panels import motion_engine
 from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.symbols import unit_text
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots import verified
+from paminsa_viz.units import power_of_ten
 from tests.samples import with_knee
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
@@ -143,7 +143,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     wanted = torques.difference(found.present)[:, 0]
     ratio = turning.traces[0].values[wanted != 0] / wanted[wanted != 0]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
-    assert turning.unit.startswith(unit_text(f"10^{-round(np.log10(ratio[0]))}"))
+    assert turning.unit.startswith(power_of_ten(-round(np.log10(ratio[0]))))
     assert 1 <= max(np.abs(trace.values).max() for trace in turning.traces) < 1000
     table = difference_html((turning, lifting), found, 0.1)
     assert table.count("PASS") == 4
@@ -233,7 +233,7 @@ class Asked:
         assert self.may.acquire(timeout=20)
         return Answer(analysis, None, "no matter")
 
-    def ask(self, source: str, intent: Any, *, step: bool) -> None:
+    def dispatch(self, source: str, intent: Any, *, step: bool) -> None:
         assert not step
         self.state = intent(self.state)
         self.came.release()
