@@ -20,7 +20,6 @@ from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
-from tests.samples import with_knee
 
 LOADED = APPENDIX_4.vary({"payload.mass": 8.0})
 POSE = (0.05, -0.03, 0.4, -0.6)
@@ -98,10 +97,9 @@ def test_without_payload_there_is_none() -> None:
 
 
 def test_the_upper_knee_carries_its_payload_on_top() -> None:
-    configuration = inverse_kinematics(
-        with_knee(LOADED.geometry, KneeBranch.UPPER), (0.0, 0.0, 0.0, 0.4)
-    )
-    scene = load(assemble_glb(LOADED, configuration))
+    design = LOADED.with_knee(KneeBranch.UPPER)
+    configuration = inverse_kinematics(design.geometry, (0.0, 0.0, 0.0, 0.4))
+    scene = load(assemble_glb(design, configuration))
     matrix, geometry = scene.graph.get("payload.load")
     mesh = scene.geometry[geometry].copy().apply_transform(matrix)
     assert mesh.bounds[0, 1] > 0.4

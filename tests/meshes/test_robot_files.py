@@ -115,15 +115,15 @@ def test_every_shape_is_where_the_robot_has_it_in_another_pose(
     mujoco: Any, tmp_path: Path, knee: KneeBranch
 ) -> None:
     """Against the GLB of that pose: no vertex of either is missing in the other."""
-    model = mujoco.MjModel.from_xml_path(written(files_of(with_knee(LOADED, knee)), tmp_path))
+    design = LOADED.with_knee(knee)
+    model = mujoco.MjModel.from_xml_path(written(files_of(design), tmp_path))
     data = mujoco.MjData(model)
-    pose = standing(ELSEWHERE, knee)
-    configuration = inverse_kinematics(with_knee(LOADED.geometry, knee), pose)
+    configuration = inverse_kinematics(design.geometry, standing(ELSEWHERE, knee))
     values = joint_values(configuration)
     data.qpos[:] = [float(values[model.joint(i).name]) for i in range(model.njnt)]
     mujoco.mj_kinematics(model, data)
     found = drawn(mujoco, model, data)
-    scene = trimesh.load_scene(io.BytesIO(assemble_glb(LOADED, configuration)), file_type="glb")
+    scene = trimesh.load_scene(io.BytesIO(assemble_glb(design, configuration)), file_type="glb")
     expected: dict[str, list[np.ndarray]] = {}
     for node in scene.graph.nodes_geometry:
         matrix, mesh = scene.graph.get(node)
