@@ -85,6 +85,8 @@ def set_knee(state: State, knee: KneeBranch) -> State:
 
     The platform goes to the mirrored height (z_5 to -z_5).
     """
+    if knee is state.document.design.geometry.knee:
+        return state
     return with_document(state, with_knee(state.document, knee))
 
 

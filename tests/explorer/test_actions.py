@@ -42,6 +42,17 @@ def test_changing_the_knee_twice_changes_nothing_and_once_turns_the_torques_roun
     assert actions.set_knee(state, KneeBranch.LOWER) is state
 
 
+def test_a_design_with_the_other_knee_turns_the_machine_over() -> None:
+    state = actions.pin_reference(actions.move(initial_state(), x=0.03))
+    upper = APPENDIX_4.vary({"links.b3": 0.5}).with_knee(KneeBranch.UPPER)
+    loaded = actions.load_design(state, upper).document
+    assert (loaded.design, loaded.pose) == (
+        upper,
+        actions.set_knee(state, KneeBranch.UPPER).document.pose,
+    )
+    assert loaded.reference == APPENDIX_4.with_knee(KneeBranch.UPPER)
+
+
 def test_home_is_within_reach_with_both_knees() -> None:
     for knee in KneeBranch:
         home = actions.go_home(actions.set_knee(initial_state(), knee))
