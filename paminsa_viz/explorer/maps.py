@@ -20,7 +20,6 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
-    KneeBranch,
     Quantity,
     solve_field,
     xy_grid,
@@ -45,7 +44,7 @@ FULL = 200
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
 
-_Key = tuple[Geometry, KneeBranch, float, float, float, int]
+_Key = tuple[Geometry, float, float, float, int]
 
 
 class MapStore:
@@ -59,7 +58,6 @@ class MapStore:
     def field(
         self,
         geometry: Geometry,
-        assembly: KneeBranch,
         theta: float,
         z: float,
         cells: int,
@@ -69,14 +67,14 @@ class MapStore:
         """Return a field over the square of side ``2 * half`` [m], solved or kept.
 
         Args:
-            geometry, assembly: What to solve.
+            geometry: What to solve.
             theta: Angle of the platform [rad].
             z: Its height [m].
             cells: Cells along each side.
             half: Half the side [m].
             dexterity: Whether determinant and condition number are needed.
         """
-        key = (geometry, assembly, theta, z, half, cells)
+        key = (geometry, theta, z, half, cells)
         with self._lock:
             found = self._fields.get(key)
             if found is not None:
@@ -84,9 +82,7 @@ class MapStore:
         if found is not None and (found.condition is not None or not dexterity):
             return found
         centers = cell_centers(half, cells)
-        made = solve_field(
-            geometry, xy_grid(centers, centers, theta, z), assembly, dexterity=dexterity
-        )
+        made = solve_field(geometry, xy_grid(centers, centers, theta, z), dexterity=dexterity)
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)
@@ -126,7 +122,6 @@ class MapStore:
         theta, z = document.pose[2:]
         field = self.field(
             design.geometry,
-            document.assembly,
             theta,
             z,
             cells,

@@ -32,7 +32,7 @@ class Provenance:
 
     Attributes:
         design: Name of the design.
-        assembly: KneeBranch mode, ``"printed"`` or ``"mirror"``.
+        knee: Branch of its knees.
         version: Version of this package.
         numbers: Key numbers for the caption: (symbol, value, unit), SI.
         parameters: Every number of the design for files: (dotted path and unit, value), SI.
@@ -41,7 +41,7 @@ class Provenance:
     """
 
     design: str
-    assembly: str
+    knee: KneeBranch
     version: str
     numbers: tuple[tuple[str, float, str], ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
@@ -277,14 +277,14 @@ LEGENDS: dict[Quantity, Legend] = {
 }
 
 
-def provenance(design: Design, assembly: KneeBranch) -> Provenance:
+def provenance(design: Design) -> Provenance:
     """Return what captions and file headers say of a design."""
     numbers = [("Mₚ₂", static_imbalance(design), "N")]
     if design.payload.mass:
         numbers.append(("payload", design.payload.mass, "kg"))
     return Provenance(
         design=design.name,
-        assembly=assembly.value,
+        knee=design.geometry.knee,
         version=paminsa_viz.__version__,
         numbers=tuple(numbers),
         parameters=tuple(
@@ -331,7 +331,7 @@ def map_data(
         colors=tuple(legend.color for legend in legends),
         pose=present,
         singular_radius=float(singular_radius(design.geometry, present[2])),
-        provenance=provenance(design, field.assembly),
+        provenance=provenance(design),
         title=legends[0].title if len(legends) == 1 else "Static torques of the rotary actuators",
         signed=any(legend.signed for legend in legends),
         margin=field.margin,

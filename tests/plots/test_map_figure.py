@@ -372,7 +372,7 @@ class TestCaption:
         text = caption(data, choose_scales(data)).replace("\u00a0", " ")
         for part in (
             "“Appendix 4”",
-            "printed assembly",
+            "lower knee",
             "θ = 60°",
             "z = −500 mm",
             "x = 50 mm",
