@@ -7,7 +7,7 @@ peak is a maximum of linear functions, their RMS a norm, the energy that drives 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
@@ -238,7 +238,7 @@ class TrajectoryRms(_Effort):
         both = np.concatenate([matrix[..., :MASS], offset[..., None]], axis=-1)
         scaled: Array = (both * weight[:, None, None]).reshape(-1, MASS + 1)
         # The norm of many rows is that of the triangle of their QR factors.
-        triangle = np.linalg.qr(scaled, mode="r")
+        triangle: Any = np.linalg.qr(scaled, mode="r")
         used = np.abs(triangle).max(axis=1) > 1e-15 * np.abs(triangle).max()
         rows = np.zeros((int(used.sum()), len(space.start)))
         rows[:, :MASS] = triangle[used, :-1]

@@ -6,21 +6,22 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any
 
 import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
 Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
@@ -36,7 +37,7 @@ in which MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-Kind: TypeAlias = Literal["png", "svg", "pdf"]
+FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
 
 HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
@@ -47,8 +48,9 @@ class Verify:
 
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
     preset: PresetName = "paper-like"
     """A ready-made motion, sized for the robot. None of them is the paper's own."""
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
@@ -65,20 +67,21 @@ class Verify:
     """Print JSON for other programs."""
     figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
-    format: Kind = "png"
-    """Kind of the figures."""
+    format: Annotated[str, tyro.conf.arg(constructor=FormatName, help_behavior_hint="(png)")] = (
+        "png"
+    )
+    """Format of the figures."""
 
 
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Verify, words, "verify", DESCRIPTION)
-    design = design_of(flags.design)
-    assembly = KneeBranch(flags.assembly)
-    motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
+    design = design_of(flags.design, flags.assembly)
+    motion = motion_of(flags.preset, flags.file, design.geometry)
     xml = None if flags.model is None else _mechanics(flags.model)
     try:
         found = verify(
-            design, assembly, motion,
+            design, motion,
             poses=flags.poses, seed=flags.seed, tolerance=flags.tolerance, xml=xml,
         )  # fmt: skip
     except PaminsaError:
@@ -116,7 +119,8 @@ def _mechanics(path: Path) -> str:
 def _show(found: Verification) -> None:
     motion = found.trajectory
     print(
-        f"{found.design.name}, {found.assembly.value} assembly: {len(found.poses)} poses at rest, "
+        f"{found.design.name}, {found.design.geometry.knee.label}: "
+        f"{len(found.poses)} poses at rest, "
         f'{motion.size} states of "{motion.name}" ({motion.duration:.3g} s)'
     )
     for check in found.engines:
@@ -161,12 +165,13 @@ def _show_simulation(found: Verification) -> None:
     print(
         f"\nMoved by the calculated torques alone, {said['engine']} ran {said['until_s']:.3g} s "
         f"({end}); then off by\n"
-        f"  x {1e3 * x:.2g} mm, y {1e3 * y:.2g} mm, theta {math.degrees(theta):.2g} deg, "
-        f"z {1e3 * z:.2g} mm; loops opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
+        f"  x {format_ascii(x, 'm', 2)}, y {format_ascii(y, 'm', 2)}, "
+        f"theta {math.degrees(theta):.2g} deg, z {format_ascii(z, 'm', 2)}; loops "
+        f"opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
     )
 
 
-def _figures(found: Verification, folder: Path, kind: Kind) -> list[Path]:
+def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:
     """Write a figure for each engine, and one of the printed formulae; return their paths."""
     # Late: matplotlib takes a second to load.
     from paminsa_viz.plots.curves_paper import render_curves

@@ -8,9 +8,10 @@ import numpy as np
 
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, leg_name
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
+from paminsa_viz.units import format_ascii
 
 
 def joint_values(configuration: Configuration) -> dict[str, Array]:
@@ -55,8 +56,8 @@ def joint_values(configuration: Configuration) -> dict[str, Array]:
     return values
 
 
-def start_pose(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Array:
-    """Return the pose (4,) in which an exported model starts: centerd, on the natural side.
+def start_pose(design: Design) -> Array:
+    """Return the pose (4,) in which an exported model starts: centered, on the natural side.
 
     Halfway between the least and the greatest distance that its pantographs allow.
 
@@ -66,23 +67,26 @@ def start_pose(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Array
     g = design.geometry
     least = max(g.home_span, abs(g.coupler_length - g.crank_length))
     distance = 0.5 * (least + g.coupler_length + g.crank_length)
-    height = -assembly.sign * math.sqrt(distance**2 - g.home_span**2) - g.platform_joint_height
+    height = (
+        -design.geometry.knee.sign * math.sqrt(distance**2 - g.home_span**2)
+        - g.platform_joint_height
+    )
     pose = np.array([0.0, 0.0, 0.0, height])
-    if not np.isfinite(posture_of(design, pose, assembly).phi).all():
+    if not np.isfinite(posture_of(design, pose).phi).all():
         raise no_posture(pose)
     return pose
 
 
-def posture_of(design: Design, poses: Array, assembly: KneeBranch) -> Configuration:
+def posture_of(design: Design, poses: Array) -> Configuration:
     """Solve poses (..., 4) for a design."""
-    return inverse_kinematics(design.geometry, np.asarray(poses, float), assembly)
+    return inverse_kinematics(design.geometry, np.asarray(poses, float))
 
 
 def no_posture(pose: Array) -> UnreachablePose:
     """Return the error for a pose (4,) at which the bars cannot close."""
     x, y, theta, z = (float(value) for value in pose)
     text = (
-        f"the bars cannot close at x = {1e3 * x:.6g} mm, y = {1e3 * y:.6g} mm, "
-        f"theta = {math.degrees(theta):.6g} deg, z = {1e3 * z:.6g} mm"
+        f"the bars cannot close at x = {format_ascii(x, 'm', 6)}, y = {format_ascii(y, 'm', 6)}, "
+        f"theta = {math.degrees(theta):.6g} deg, z = {format_ascii(z, 'm', 6)}"
     )
     return UnreachablePose((x, y, theta, z), 0, "configuration", 0.0, text)

@@ -14,6 +14,7 @@ import viser
 from paminsa_viz.explorer.browser.backdrop import before_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.model import (
     Configuration,
     Design,
@@ -23,6 +24,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
 )
 from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_table import map_table
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -100,7 +102,7 @@ def figure(
     Args:
         state: What to show.
         store: Where maps come from.
-        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        kind: Name of a figure format.
         single: One map of the chosen quantity instead of the three torques.
         width_mm: Width [mm].
         dpi: Pixels per inch.
@@ -109,18 +111,15 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.paper import KINDS, render
+    from paminsa_viz.plots.paper import render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
-    for known in KINDS:
-        if known == kind:
-            quantities = shown_quantities(state, single)
-            data = store.data(state, FULL, quantities)
-            scales = store.scales(state, data, quantities)
-            content = render(data, scales, known, width_mm=width_mm, dpi=dpi)
-            return File(file_name(state, _what(state, single), kind), content)
-    raise InvalidInput("kind", f"one of {', '.join(KINDS)} is needed")
+    quantities = shown_quantities(state, single)
+    data = store.data(state, FULL, quantities)
+    scales = store.scales(state, data, quantities)
+    content = render(data, scales, kind, width_mm=width_mm, dpi=dpi)
+    return File(file_name(state, _what(state, single), kind), content)
 
 
 def table(state: State, store: MapStore, kind: str, single: bool) -> File:
@@ -129,19 +128,14 @@ def table(state: State, store: MapStore, kind: str, single: bool) -> File:
     Args:
         state: What to show.
         store: Where maps come from.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
         single: One map of the chosen quantity instead of the three torques.
 
     Raises:
         InvalidInput: If there is no such kind.
     """
-    from paminsa_viz.files.map_table import map_csv, map_npz
-
-    writers = {"csv": map_csv, "npz": map_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     data = store.data(state, FULL, shown_quantities(state, single))
-    return File(file_name(state, _what(state, single), kind), writers[kind](data))
+    return File(file_name(state, _what(state, single), kind), table_bytes(map_table(data), kind))
 
 
 def robot(state: State) -> File:
@@ -168,7 +162,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
     from paminsa_viz.meshes.robot_files import robot_files, zipped
 
     design, configuration = _standing(state)
-    text = exported_mjcf(design, configuration.assembly, pose=configuration.pose.tolist())
+    text = exported_mjcf(design, pose=configuration.pose.tolist())
     if not meshes:
         return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
@@ -180,7 +174,7 @@ def _standing(state: State) -> tuple[Design, Configuration]:
     """Return the present masses on the geometry that stands, and how it stands."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
-    return design, inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    return design, inverse_kinematics(standing.geometry, standing.pose)
 
 
 def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:

@@ -13,15 +13,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.reach import Limit
-
-DISPLAY_UNITS: dict[str, tuple[float, str]] = {
-    "m": (1e3, "mm"),
-    "N m": (1.0, "N·m"),
-    "1": (1.0, ""),
-}
-"""Units that are shown differently from how they are stored: factor and shown unit."""
+from paminsa_viz.units import DisplayUnit, display_unit
 
 
 @dataclass(frozen=True)
@@ -30,7 +25,7 @@ class Provenance:
 
     Attributes:
         design: Name of the design.
-        assembly: KneeBranch mode, ``"printed"`` or ``"mirror"``.
+        knee: Branch of its knees.
         version: Version of this package.
         numbers: Key numbers for the caption: (symbol, value, unit), SI.
         parameters: Every number of the design for files: (dotted path and unit, value), SI.
@@ -39,7 +34,7 @@ class Provenance:
     """
 
     design: str
-    assembly: str
+    knee: KneeBranch
     version: str
     numbers: tuple[tuple[str, float, str], ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
@@ -150,9 +145,9 @@ class MapData:
         )
 
     @property
-    def display(self) -> tuple[float, str]:
-        """Factor from stored to shown values, and the shown unit."""
-        return DISPLAY_UNITS.get(self.unit, (1.0, self.unit))
+    def display(self) -> DisplayUnit:
+        """The unit that people read the values in."""
+        return display_unit(self.unit)
 
     def panel(self, index: int) -> MapData:
         """Return one panel as a map of its own.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from paminsa_viz.engines.states import WORST_CONDITION, workspace_poses
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Grid, Quantity
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -16,18 +16,10 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.model.sweeps import sweep
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import (
-    Block,
-    Figure,
-    Note,
-    Row,
-    Section,
-    Table,
-    columns,
-    measured,
-)
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, columns
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.report.sketch import sketch
+from paminsa_viz.units import format_value
 
 SAMPLED = 20_000
 """Random poses behind the statistics of static torques."""
@@ -42,7 +34,7 @@ UNITS = ("N m", "N m", "N m", "N")
 def workspace_section(request: ReportRequest) -> Section:
     """Return the section."""
     design = request.design
-    configuration = inverse_kinematics(design.geometry, request.pose, request.assembly)
+    configuration = inverse_kinematics(design.geometry, request.pose)
     blocks: list[Block] = [
         Figure(
             sketch(configuration),
@@ -52,7 +44,7 @@ def workspace_section(request: ReportRequest) -> Section:
             "dotted line at the height of the guides.",
         ),
         _sizes(design.geometry, request.pose[2]),
-        _shares(design, request.assembly),
+        _shares(design),
         *_torques(request),
     ]
     return Section("workspace", "Geometry and workspace", tuple(blocks))
@@ -62,21 +54,22 @@ def _sizes(g: Geometry, theta: float) -> Table:
     bars = g.crank_length + g.coupler_length
     rows = columns(
         ("Farthest position of the platform from the axis, at the best angle and height",
-         measured(workspace_radius(g), "m")),
+         format_value(workspace_radius(g), "m")),
         ("Largest height of joints 5 above or below the guides, platform in the middle",
-         measured(workspace_height(g), "m")),
-        ("Reach of a pantograph, l_B4 + l_B8", measured(bars, "m")),
+         format_value(workspace_height(g), "m")),
+        ("Reach of a pantograph, l_B4 + l_B8", format_value(bars, "m")),
         ("Distance of joints 8 and 5 in the middle, at the height of the guides",
-         measured(g.home_span, "m")),
-        ("Stroke of joint 8 on its guide", measured(g.stroke, "m")),
-        ("Angle at which every position is singular", "± " + measured(singular_rotation(g), "rad")),
-        (f"Radius of singular positions at θ = {measured(theta, 'rad')}",
-         measured(float(singular_radius(g, theta)), "m")),
+         format_value(g.home_span, "m")),
+        ("Stroke of joint 8 on its guide", format_value(g.stroke, "m")),
+        ("Angle at which every position is singular",
+         "± " + format_value(singular_rotation(g), "rad")),
+        (f"Radius of singular positions at θ = {format_value(theta, 'rad')}",
+         format_value(float(singular_radius(g, theta)), "m")),
     )  # fmt: skip
     return Table(("Quantity", "Value"), rows, "Sizes that follow from the lengths in closed form.")
 
 
-def _shares(design: Design, assembly: KneeBranch) -> Table:
+def _shares(design: Design) -> Table:
     """Return which share of a box around the workspace can be taken, and what stops the rest."""
     g = design.geometry
     across, up = workspace_radius(g), workspace_height(g)
@@ -87,7 +80,7 @@ def _shares(design: Design, assembly: KneeBranch) -> Table:
     ]
     x, y, theta, z = axes
     grid = Grid.over(np.zeros(4), theta=theta, z=z - g.platform_joint_height, y=y, x=x)
-    counts = sweep(design, grid, (Quantity.REACH_MARGIN,), assembly).counts
+    counts = sweep(design, grid, (Quantity.REACH_MARGIN,)).counts
     rows = [
         Row(
             (limit.explanation[:1].upper() + limit.explanation[1:], _share(counts[limit], grid)),
@@ -97,8 +90,8 @@ def _shares(design: Design, assembly: KneeBranch) -> Table:
         if counts[limit]
     ]
     box = (
-        f"|x|, |y| ≤ {measured(across, 'm', 3)}, |θ| ≤ {measured(turn, 'rad', 3)}, joints 5 within "
-        f"{measured(up, 'm', 3)} of the guides"
+        f"|x|, |y| ≤ {format_value(across, 'm', 3)}, |θ| ≤ {format_value(turn, 'rad', 3)}, "
+        f"joints 5 within {format_value(up, 'm', 3)} of the guides"
     )
     caption = f"Poses of the box {box}, on a grid of {grid.size:,} poses."
     return Table(("Poses", "Share"), tuple(rows), caption)
@@ -114,14 +107,14 @@ def _torques(request: ReportRequest) -> list[Block]:
         poses = workspace_poses(request.design.geometry, SAMPLED, request.seed)
     except InvalidInput as error:
         return [Note(f"Static torques over the workspace: {error.problem}.", "warn")]
-    size = np.abs(static_torques(request.design, poses, request.assembly))
+    size = np.abs(static_torques(request.design, poses))
     figures = [
         np.sqrt((size**2).mean(axis=0)),
         *np.percentile(size, [50, 95, 99], axis=0),
     ]
     rows = tuple(
         Row(
-            (name, *(measured(float(figure[j]), unit) for figure in figures)),
+            (name, *(format_value(float(figure[j]), unit) for figure in figures)),
             color=ACTUATOR_COLORS[j],
         )
         for j, (name, unit) in enumerate(zip(ACTUATORS, UNITS, strict=True))

@@ -29,14 +29,18 @@ class Desk:
         self.page = RawPage(server)
         self.session = Session(self.page.client, initial_state())
         self.told: list[tuple[str, str]] = []
-        self.session.tell = self._tell  # type: ignore[method-assign]
+        self.session.notify = self._tell  # type: ignore[method-assign]
         self.panel: Any = make(self.session)
-        self.session.first.append(self.panel)
+        self.session.immediate.append(self.panel)
         self.session.start()
 
     def _tell(self, title: str, body: str, *, bad: bool = False) -> None:
         del bad
         self.told.append((title, body))
+
+    def handle(self, key: str) -> Any:
+        """Return the input with a key."""
+        return self.panel.handles[key]
 
     @property
     def state(self) -> State:
@@ -56,7 +60,7 @@ class Desk:
         """Wait until something holds."""
         return eventually(condition)
 
-    def ask(self, intent: Callable[[State], State]) -> None:
+    def dispatch(self, intent: Callable[[State], State]) -> None:
         """Change the state from elsewhere, and wait until it has been taken."""
         done: list[bool] = []
         self.session.dispatch("elsewhere", intent)

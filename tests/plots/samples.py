@@ -8,13 +8,16 @@ import numpy as np
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, Quantity, solve_field, xy_grid
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.plots.from_model import TORQUES, map_data
 from paminsa_viz.plots.maps import MapData, Provenance
 from paminsa_viz.plots.scale import Scale
 
-SOURCE = Provenance("Sample", "printed", "0.0.1", (("M", 1.25, "N"),), (("links.b3 [kg]", 0.4),))
+SOURCE = Provenance(
+    "Sample", KneeBranch.LOWER, "0.0.1", (("M", 1.25, "N"),), (("links.b3 [kg]", 0.4),)
+)
 
 
 def made_up(nx: int = 31, ny: int = 27, panels: int = 3, **changes: Any) -> MapData:
@@ -66,7 +69,7 @@ sizes = st.floats(1e-6, 1e6)
 
 @st.composite
 def scales(draw: st.DrawFn) -> Scale:
-    """Draw any sensible scale: diverging or sequential, linear or log, centerd or not."""
+    """Draw any sensible scale: diverging or sequential, linear or log, centered or not."""
     low = draw(st.one_of(st.just(0.0), sizes, sizes.map(lambda v: -v)))
     high = low + draw(st.floats(1e-3, 1e3)) * max(abs(low), 1e-3)
     if draw(st.booleans()):

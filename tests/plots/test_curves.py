@@ -13,14 +13,13 @@ from hypothesis import strategies as st
 from matplotlib.transforms import Bbox
 from PIL import Image
 
-from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, KneeBranch, Misprint
+from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, Misprint
 from paminsa_viz.plots.curves import KINDS, OtherTorques, curve_data, figure_bytes
 from paminsa_viz.plots.curves_axes import value_scale
 from paminsa_viz.plots.curves_data import Panel, Trace, extremes
 from paminsa_viz.plots.curves_model import PARTS
 from paminsa_viz.plots.curves_paper import _page
-from paminsa_viz.plots.curves_words import value, written
-from paminsa_viz.plots.printing import printing
+from paminsa_viz.plots.formats import drawing
 from paminsa_viz.trajectory import (
     PRESET,
     Control,
@@ -39,7 +38,7 @@ ACROSS = (0.45, 0.05, 0.3, 0.02)
 
 @pytest.fixture(scope="module")
 def motion():
-    return PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200)
+    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(200)
 
 
 @pytest.fixture(scope="module")
@@ -122,7 +121,7 @@ def test_differences_are_against_the_engine_first(analysis, everything) -> None:
 
 
 def test_a_stopped_simulation_ends_where_it_stopped() -> None:
-    circle = PRESET["circle"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(100)
+    circle = PRESET["circle"].build(APPENDIX_4.geometry).sample(100)
     blind = Controller(Control.FEED_FORWARD)
     run = simulate(APPENDIX_4, circle, controller=blind, offset=(0.01, 0.0, 0.02, 0.0))
     assert run.stopped is not None
@@ -187,7 +186,7 @@ def test_words_are_on_the_page_and_clear_of_each_other(
     if kind == "comparison":
         given = {"engine": OtherTorques("engine", still.torque * (1 + 1e-12))}
     data = curve_data(kind, analysis if kind == "tracking" else still, **given)
-    with printing():
+    with drawing():
         page = _page(data, width, 150.0, data.title, True)
         found = _words(page)
         right, top = page.figure.bbox.max
@@ -277,10 +276,3 @@ def test_an_axis_holds_its_values_and_has_numbers(numbers, unit) -> None:
     assert shown.max() < scale.high
     assert 2 <= len(scale.marks) <= 7
     assert all(scale.low <= mark.value <= scale.high for mark in scale.marks)
-
-
-def test_numbers_read_well() -> None:
-    assert written(-1.234e-13) == "−1.23·10⁻¹³"
-    assert value(0.0123, "m") == "12.3 mm"
-    assert value(1.5, "m/s²") == "1.5 m/s²"
-    assert value(np.pi / 2, "rad/s") == "90°/s"

@@ -7,13 +7,8 @@ from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.trajectory_series import (
-    Series,
-    analysis_series,
-    series_csv,
-    series_npz,
-    simulation_series,
-)
+from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import InvalidInput, Misprint
 from paminsa_viz.plots.curves import CurveKind, figure_bytes
 from paminsa_viz.trajectory import analyze
@@ -45,7 +40,7 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
 
     Args:
         state: What to show.
-        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        kind: Name of a figure format.
         width_mm: Width [mm].
         dpi: Pixels per inch.
 
@@ -61,14 +56,11 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
     simulation = found.simulation if what == "tracking" else None
     if what == "tracking" and not (simulation and requests.simulated_as_it_is(state)):
         raise InvalidInput("simulation", "simulate the present motion first")
-    for known in ("png", "svg", "pdf"):
-        if known == kind:
-            content = figure_bytes(
-                what, found.present, reference=found.reference, printed=found.printed,
-                simulation=simulation, format=known, width_mm=width_mm, dpi=dpi,
-            )  # fmt: skip
-            return File(_name(state, found, what, kind), content)
-    raise InvalidInput("kind", "png, svg or pdf is needed")
+    content = figure_bytes(
+        what, found.present, reference=found.reference, printed=found.printed,
+        simulation=simulation, format=kind, width_mm=width_mm, dpi=dpi,
+    )  # fmt: skip
+    return File(_name(state, found, what, kind), content)
 
 
 def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: float) -> File:
@@ -78,17 +70,13 @@ def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: 
         raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
     analysis, title = torques.thinned, f"Formulae and {torques.engine.name}"
     if found.printed is not None:
-        motion, assembly = analysis.trajectory, analysis.solved.assembly
-        analysis = analyze(analysis.design, motion, assembly, misprints=Misprint.ALL)
+        analysis = analyze(analysis.design, analysis.trajectory, misprints=Misprint.ALL)
         title = f"Formulae as printed and {torques.engine.name}"
-    for known in ("png", "svg", "pdf"):
-        if known == kind:
-            content = figure_bytes(
-                "comparison", analysis, engine=torques.engine, title=title,
-                format=known, width_mm=width_mm, dpi=dpi,
-            )  # fmt: skip
-            return File(_name(state, found, "comparison", kind), content)
-    raise InvalidInput("kind", "png, svg or pdf is needed")
+    content = figure_bytes(
+        "comparison", analysis, engine=torques.engine, title=title,
+        format=kind, width_mm=width_mm, dpi=dpi,
+    )  # fmt: skip
+    return File(_name(state, found, "comparison", kind), content)
 
 
 def table(state: State, kind: str) -> File:
@@ -96,22 +84,19 @@ def table(state: State, kind: str) -> File:
 
     Args:
         state: What to save.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
 
     Raises:
         InvalidInput: If there is no motion, or no such kind.
     """
-    writers = {"csv": series_csv, "npz": series_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     found = _analyzed(state)
     simulated = state.plots.plot in _SIMULATED and found.simulation is not None
-    series: Series
     if simulated and found.simulation is not None:
-        series = simulation_series(found.simulation)
+        content = simulation_table(found.simulation)
     else:
-        series = analysis_series(found.present)
-    return File(_name(state, found, "simulation" if simulated else "", kind), writers[kind](series))
+        content = analysis_table(found.present)
+    name = _name(state, found, "simulation" if simulated else "", kind)
+    return File(name, table_bytes(content, kind))
 
 
 def page(state: State) -> File:
@@ -124,7 +109,7 @@ def page(state: State) -> File:
 
     found = _analyzed(state)
     document = state.document
-    content = motion_html(document.design, document.assembly, found.present.trajectory)
+    content = motion_html(document.design, found.present.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 

@@ -9,10 +9,16 @@ import numpy as np
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.placing import covered_share
 from paminsa_viz.explorer.scene.cameras import VIEWS, View, preset, take
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import Layers
-from paminsa_viz.model import Design, inverse_kinematics, lift_constant, lumped_coefficients
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    inverse_kinematics,
+    lift_constant,
+    lumped_coefficients,
+)
 
 CAMERAS = VIEWS
 """Names of the camera presets."""
@@ -26,11 +32,11 @@ def look(session: Session, name: str) -> None:
         name: One of `CAMERAS`.
     """
     client, standing = session.client, session.state.standing
-    configuration = inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    configuration = inverse_kinematics(standing.geometry, standing.pose)
     width, height = client.camera.image_width, client.camera.image_height
     covered = covered_share(session.panel_width, height)
     aspect = width / (height * (1 - covered)) if height else 1.4
-    view = preset(name, standing.geometry, standing.assembly, configuration, aspect)
+    view = preset(name, standing.geometry, configuration, aspect)
     take(client, raised(view, covered))
 
 
@@ -68,12 +74,10 @@ def arrow_scales(design: Design) -> tuple[float, float]:
 class RobotView:
     """Draws the standing robot and its layers."""
 
-    def __init__(self, session: Session) -> None:
-        state = session.state
-        self.scene = RobotScene(
-            session.client.scene, state.document.design, state.standing.assembly
-        )
-        self._layers: Layers | None = None
+    def __init__(self, context: SceneContext) -> None:
+        # Of the shape that most sessions have; the first frame brings the session's own.
+        self.scene = RobotScene(context.scene, APPENDIX_4)
+        self._layers: frozenset[str] | None = None
         self._efforts: object = None
 
     def draw(self, frame: Frame, moving: bool) -> None:
@@ -81,8 +85,8 @@ class RobotView:
         del moving
         state = frame.state
         design = frame.standing_design
-        if design != self.scene.design or state.standing.assembly is not self.scene.assembly:
-            self.scene.change(design, state.standing.assembly)
+        if design != self.scene.design:
+            self.scene.change(design)
             self._efforts = None
         if frame.configuration is not self.scene.configuration:
             self.scene.pose(frame.configuration)
@@ -94,19 +98,19 @@ class RobotView:
             self._layers = state.layers
             self._switch(state.layers)
 
-    def _switch(self, layers: Layers) -> None:
+    def _switch(self, layers: frozenset[str]) -> None:
         for layer, visible in (
-            (Layer.MESH, layers.mesh),
-            (Layer.SKELETON, layers.skeleton),
-            (Layer.NUMBERS, layers.skeleton),
-            (Layer.LABELS, layers.labels),
-            (Layer.MASSES, layers.mass_centers),
-            (Layer.GRAVITY, layers.gravity),
-            (Layer.EFFORTS, layers.torques),
-            (Layer.FINE, layers.fine),
-            (Layer.SHADOWS, layers.shadows),
+            (Layer.MESH, "mesh" in layers),
+            (Layer.SKELETON, "skeleton" in layers),
+            (Layer.NUMBERS, "skeleton" in layers),
+            (Layer.LABELS, "labels" in layers),
+            (Layer.MASSES, "mass_centers" in layers),
+            (Layer.GRAVITY, "gravity" in layers),
+            (Layer.EFFORTS, "torques" in layers),
+            (Layer.FINE, "fine" in layers),
+            (Layer.SHADOWS, "shadows" in layers),
             # Over a map it would only dim the colors, and true shadows need no help.
-            (Layer.SPOT, not (layers.floor_map or layers.shadows)),
+            (Layer.SPOT, not layers & {"floor_map", "shadows"}),
         ):
             if self.scene.shown(layer) != visible:
                 self.scene.show(layer, visible)
