@@ -127,7 +127,7 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Map, words, "map", DESCRIPTION)
     flags.check()
-    design = design_of(flags.design)
+    design = design_of(flags.design, flags.assembly)
     reference = None
     if flags.reference is not None:
         reference = design_of(flags.reference).with_knee(design.geometry.knee)
