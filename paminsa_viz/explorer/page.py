@@ -11,7 +11,7 @@ from dataclasses import replace
 import viser
 
 from paminsa_viz.explorer import actions, saving
-from paminsa_viz.explorer.browser import backdrop, render_on_demand
+from paminsa_viz.explorer.browser.backdrop import page_style
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
@@ -35,17 +35,6 @@ SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic 
 LATER_TABS = ("Design", "Balance", "Motion", "Compare", "View", "File")
 """Tabs beside the first one; they are filled when the page stands."""
 
-# viser gives every tab the same margins, with which seven names take two rows of the panel. Here
-# they share one row instead.
-TAB_STYLE = """
-<style>
-[role="tablist"]:has(> [title="Pose"]) {
-  padding-right: 8px;  /* where a long tab has its scroll bar */
-  & > [role="tab"] { flex: 1 1 auto; justify-content: center; padding: 0 0.3em !important; }
-}
-</style>
-"""
-
 
 def has_graphics_card(renderer: object) -> bool:
     """Return whether what a browser names as its renderer is more than a program."""
@@ -68,13 +57,12 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
-    bridge.run(backdrop.SCRIPT)
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
         readout = Readout(session)
         pose = PosePanel(session)
-        gui.add_html(TAB_STYLE)
+        gui.add_html(page_style())
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.words += [readout, pose]
     context = SceneContext(client.scene, session.dispatch, MotionStore())
@@ -111,7 +99,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         if has_graphics_card(renderer):
             session.dispatch("graphics", lambda state: actions.set_layers(state, fine=True))
         else:
-            bridge.run(render_on_demand.SCRIPT)
+            bridge.call("renderOnDemand")
 
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(build_robot))
