@@ -12,7 +12,7 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import KEYS, Key
+from paminsa_viz.files.design_schema import KEYS, DesignKey
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.errors import PaminsaError
@@ -129,7 +129,14 @@ class Diff:
             print("the designs have the same values")
         else:
             rows: list[tuple[str, ...]] = [
-                (key.table, key.name, f"{a:.10g}", f"{b:.10g}", _change(a, b), _meaning(key))
+                (
+                    key.table,
+                    key.name,
+                    f"{a:.10g}",
+                    f"{b:.10g}",
+                    f"{100 * (b / a - 1):+.3g} %" if a else "",
+                    _meaning(key),
+                )
                 for key, a, b in found
             ]
             if weighted:
@@ -162,9 +169,5 @@ def _values(design: Design) -> dict[str, float]:
     return {key.path: design.value(key.parameter.path) for key in KEYS}
 
 
-def _meaning(key: Key) -> str:
+def _meaning(key: DesignKey) -> str:
     return f"{key.parameter.symbol}, {key.parameter.label}"
-
-
-def _change(first: float, second: float) -> str:
-    return f"{100 * (second / first - 1):+.3g} %" if first else ""

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from paminsa_viz.plots import ticks
 from paminsa_viz.plots.axes import Mark
 from paminsa_viz.plots.curves_data import Panel
-from paminsa_viz.plots.curves_words import ten
 from paminsa_viz.plots.lettering import TextMetrics
+from paminsa_viz.units import number, power_of_ten
 
 _ROUNDING = 1e-9
 """Share of a value's size below which its changes are rounding errors."""
@@ -70,10 +70,9 @@ def value_scale(panel: Panel, parts: int = 6) -> Scale:
     low, high = low - room, high + room
     step = ticks.nice_step(high - low, parts)
     marks = tuple(
-        Mark((v - low) / (high - low), ticks.number(v, 6), v)
-        for v in ticks.multiples(low, high, step)
+        Mark((v - low) / (high - low), number(v, 6), v) for v in ticks.multiples(low, high, step)
     )
-    label = panel.label if not power else f"{panel.symbol} [{ten(power)} {unit}]"
+    label = panel.label if not power else f"{panel.symbol} [{power_of_ten(power)} {unit}]"
     return Scale(factor / 10.0**power, low, high, marks, label)
 
 
@@ -83,7 +82,7 @@ def time_marks(time: NDArray[np.float64], length: float, letters: TextMetrics) -
     for count in range(10, 0, -1):
         step = ticks.nice_step(end - begin, count)
         marks = tuple(
-            Mark((v - begin) / (end - begin), ticks.number(v), v)
+            Mark((v - begin) / (end - begin), number(v), v)
             for v in ticks.multiples(begin, end, step)
         )
         widest = max((letters.width(mark.words) for mark in marks), default=0.0)

@@ -15,12 +15,9 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.palette import INK
-from paminsa_viz.plots.maps import DISPLAY_UNITS
+from paminsa_viz.units import DisplayUnit, display_unit
 
 Dash = Literal["solid", "dashed", "dotted", "dashdot"]
-
-SHOWN_UNITS: dict[str, tuple[float, str]] = {**DISPLAY_UNITS, "rad": (180 / math.pi, "°")}
-"""Units that are shown differently from how they are stored: factor and shown unit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,14 +90,14 @@ class Panel:
     readings: tuple[Reading, ...] = ()
 
     @property
-    def display(self) -> tuple[float, str]:
-        """Factor from stored to shown values, and the shown unit."""
-        return SHOWN_UNITS.get(self.unit, (1.0, self.unit))
+    def display(self) -> DisplayUnit:
+        """The unit that people read the values in."""
+        return display_unit(self.unit)
 
     @property
     def label(self) -> str:
         """Label of the axis, such as ``τ₁ [N·m]``."""
-        return f"{self.symbol} [{self.display[1]}]"
+        return f"{self.symbol} [{self.display.text}]"
 
 
 @dataclass(frozen=True)

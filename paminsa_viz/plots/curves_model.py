@@ -13,6 +13,7 @@ from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
 from paminsa_viz.plots import curves_words as words
 from paminsa_viz.plots.curves_data import CurveData, Level, Panel, Peak, Reading, Trace
 from paminsa_viz.plots.curves_sources import Sources
+from paminsa_viz.units import format_value
 
 Values = NDArray[np.float64]
 
@@ -49,9 +50,9 @@ def torques(sources: Sources) -> tuple[Panel, ...]:
         for source, said, color in _summaries(sources, j):
             peaks.append(Peak(source.peak_t, source.peak, color))
             levels.append(Level(float(np.copysign(source.rms, source.peak)), color))
-            peak = words.value(source.peak, UNITS[j])
-            rms = words.value(source.rms, UNITS[j])
-            at = words.value(source.peak_t, "s")
+            peak = format_value(source.peak, UNITS[j], 3)
+            rms = format_value(source.rms, UNITS[j], 3)
+            at = format_value(source.peak_t, "s", 3)
             readings.append(Reading(f"{said}peak {peak} at {at}, RMS {rms}", color))
         panels.append(
             replace(
@@ -112,9 +113,9 @@ def power(sources: Sources) -> tuple[Panel, ...]:
         peaks, readings = [], []
         for source, said, color in _summaries(sources, j):
             peaks.append(Peak(source.top_power_t, source.top_power, color))
-            top = words.value(source.top_power, "W")
-            at = words.value(source.top_power_t, "s")
-            speed = words.value(source.top_speed, "rad/s" if j < 3 else "m/s")
+            top = format_value(source.top_power, "W", 3)
+            at = format_value(source.top_power_t, "s", 3)
+            speed = format_value(source.top_speed, "rad/s" if j < 3 else "m/s", 3)
             more = "" if said else f", speed up to {speed}"  # the others' speeds are the same
             readings.append(Reading(f"{said}peak {top} at {at}{more}", color))
         panels.append(
@@ -132,7 +133,10 @@ def energy(sources: Sources) -> tuple[Panel, ...]:
         traces.append(Trace("design", analysis.work[:, j], ACTUATOR_COLORS[j], width=1.3))
         readings = []
         for source, said, color in _summaries(sources, j):
-            driven, braked = words.value(source.driven, "J"), words.value(source.braked, "J")
+            driven, braked = (
+                format_value(source.driven, "J", 3),
+                format_value(source.braked, "J", 3),
+            )
             readings.append(Reading(f"{said}drives {driven}, brakes {braked}", color))
         panels.append(replace(panel, traces=tuple(traces), readings=tuple(readings)))
     growth = analysis.energy - analysis.energy[0]
@@ -288,8 +292,8 @@ def _difference(values: Values, t: Values, name: str, symbol: str, unit: str, co
     if known.size == 0:
         return panel
     top = known[np.abs(values[known]).argmax()]
-    at = words.value(float(t[top]), "s")
-    said = f"largest {words.value(float(values[top]), unit)} at {at}"
+    at = format_value(float(t[top]), "s", 3)
+    said = f"largest {format_value(float(values[top]), unit, 3)} at {at}"
     return replace(
         panel, peaks=(Peak(float(t[top]), float(values[top]), color),),
         readings=(Reading(said, MUTED),),

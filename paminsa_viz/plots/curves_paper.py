@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.plots import axes, ticks
+from paminsa_viz.plots import axes
 from paminsa_viz.plots.curves_axes import Scale, time_marks, value_scale
 from paminsa_viz.plots.curves_data import CurveData
 from paminsa_viz.plots.curves_legend import Key, draw_keys, keys, rows_of
@@ -15,6 +15,7 @@ from paminsa_viz.plots.formats import Credits, check_size, drawing, figure_file
 from paminsa_viz.plots.layout import Box
 from paminsa_viz.plots.lettering import TextMetrics
 from paminsa_viz.plots.page import Page
+from paminsa_viz.units import number
 
 TWO_COLUMNS = 130.0  # mm; narrower figures have their panels below each other
 LEAST_WIDTH = 60.0  # mm; below it headings would be cut
@@ -112,7 +113,7 @@ def _arranged(
     lefts = [
         1.0 + _LABEL + 2.2 + _widest(scales[column::columns], letters) for column in range(columns)
     ]
-    last = ticks.number(float(data.time[-1]))
+    last = number(float(data.time[-1]))
     right = max(_RIGHT, letters.width(last) / 2 + 0.7)
     each = (width - right - sum(lefts) - _BETWEEN * (columns - 1)) / columns
     rows = -(-count // columns)

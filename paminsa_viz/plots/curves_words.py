@@ -11,53 +11,24 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots import axes, ticks
+from paminsa_viz.plots import axes
 from paminsa_viz.plots.caption import equals, robot, shown
-from paminsa_viz.plots.curves_data import SHOWN_UNITS, Interval
+from paminsa_viz.plots.curves_data import Interval
 from paminsa_viz.plots.curves_sources import Sources
 from paminsa_viz.plots.from_model import provenance
 from paminsa_viz.plots.maps import Provenance
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import Control
-
-_RAISED = str.maketrans("\u22120123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+from paminsa_viz.units import NONE, format_value, number
 
 NAMED_FAILURES = 4
 """Failures that a caption names one by one."""
 
 
-def value(number: float, unit: str, digits: int = 3) -> str:
-    """Return a value of a stored unit as a person reads it, with the shown unit."""
-    factor, after = reading(unit)
-    return f"{written(number * factor, digits)}{after}"
-
-
-def reading(unit: str) -> tuple[float, str]:
-    """Return the factor from a stored unit to the one that a person reads, and what follows it.
-
-    Speeds and accelerations stay in meters, which is how drives and limits are rated.
-    """
-    base, _, rest = unit.partition("/")
-    factor, name = (1.0, "m") if rest and base == "m" else SHOWN_UNITS.get(base, (1.0, base))
-    between = "" if name == "°" else " "
-    return factor, f"{between}{name}{f'/{rest}' if rest else ''}"
-
-
 def size(values: NDArray[np.float64], unit: str) -> str:
     """Return the largest size among values (n,), with its unit; a dash if there is none."""
     known = np.abs(values[np.isfinite(values)])
-    return value(float(known.max()), unit) if known.size else "–"
-
-
-def written(number: float, digits: int = 3) -> str:
-    """Return a number with powers of ten as they are printed, 1.2·10⁻¹³."""
-    mantissa, e, exponent = ticks.number(number, digits).partition("e")
-    return f"{mantissa}·10{exponent.translate(_RAISED)}" if e else mantissa
-
-
-def ten(exponent: int) -> str:
-    """Return a power of ten, such as 10⁻³."""
-    return f"10{ticks.number(exponent).translate(_RAISED)}"
+    return format_value(float(known.max()), unit, 3) if known.size else NONE
 
 
 def failures(sources: Sources, simulated: bool) -> tuple[Interval, ...]:
@@ -105,8 +76,8 @@ def _reason(limit: Limit, leg: int) -> str:
 def span(interval: Interval) -> str:
     """Return a time interval in words."""
     if interval.end == interval.start:
-        return f"at {written(interval.start, 4)} s"
-    return f"{written(interval.start, 4)} to {written(interval.end, 4)} s"
+        return f"at {number(interval.start, 4)} s"
+    return f"{number(interval.start, 4)} to {number(interval.end, 4)} s"
 
 
 def caption(
@@ -154,7 +125,7 @@ def _failure_sentences(found: Sequence[Interval], kind: str) -> list[str]:
     if not found:
         return []
     if kind == "tracking":
-        return [f"The simulation stopped at {written(found[0].start, 4)} s: {found[0].reason}."]
+        return [f"The simulation stopped at {number(found[0].start, 4)} s: {found[0].reason}."]
     named = [f"{span(each)} {each.reason}" for each in found[:NAMED_FAILURES]]
     if len(found) > NAMED_FAILURES:
         named.append(f"and {len(found) - NAMED_FAILURES} more")
@@ -213,8 +184,8 @@ def _tracking(sources: Sources) -> list[str]:
     drift = float(np.max(np.abs(simulation.energy_drift)))
     said = [
         f"Controller: {c.control.value}{gains}.",
-        f"The platform is at most {value(furthest, 'm')} from its place; the solution's energy "
-        f"drifts by {value(drift, 'J', 2)}.",
+        f"The platform is at most {format_value(furthest, 'm', 3)} from its place; the solution's "
+        f"energy drifts by {format_value(drift, 'J', 2)}.",
     ]
     if simulation.design != sources.analysis.design:
         other = provenance(simulation.design, simulation.assembly)

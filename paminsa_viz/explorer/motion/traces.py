@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from paminsa_viz.explorer.motion.checking import EngineTorques
 from paminsa_viz.explorer.motion.plots import Plot, PlotView
 from paminsa_viz.explorer.motion.store import Analyzed
-from paminsa_viz.explorer.symbols import unit_text
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
 from paminsa_viz.plots.curves_model import PARTS
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import power_of_ten
 
 Values = NDArray[np.float64]
 
@@ -204,7 +204,7 @@ def _readable(largest: float, unit: str) -> tuple[float, str]:
     if not 0.0 < largest < _PLAIN:
         return 1.0, unit
     power = 3 * math.floor(math.log10(largest) / 3)
-    return 10.0**-power, f"{unit_text(f'10^{power}')} {unit}"
+    return 10.0**-power, f"{power_of_ten(power)} {unit}"
 
 
 def _parts(actuator: int, found: Analyzed) -> Chart:

@@ -10,8 +10,8 @@ import numpy as np
 from paminsa_viz.explorer.motion.readings import Reading, value_at
 from paminsa_viz.explorer.motion.store import Analyzed
 from paminsa_viz.explorer.motion.traces import DASHED, DOTTED, SOLID, Chart, Trace
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.palette import BAD, INK, MUTED, OK
+from paminsa_viz.units import number
 
 NOTHING = '<div class="paminsa-numbers"></div>'
 
