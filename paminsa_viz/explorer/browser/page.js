@@ -166,8 +166,9 @@
   };
 
   // --- self-test ----------------------------------------------------------------------------
-  // A test returns undefined as long as nothing on the page can tell.
-  const onceThere = (selector, test) => (document.querySelector(selector) ? test() : undefined);
+  // A name that stays missing for ten seconds is reported; `UNKNOWN`: nothing here can tell yet.
+  const UNKNOWN = Symbol("unknown");
+  const onceThere = (selector, test) => (document.querySelector(selector) ? test() : UNKNOWN);
   const features = {
     "graphics card detection (canvas)": () => viewer().canvas,
     "plain background (backgroundMaterial)": () => viewer().backgroundMaterial,
@@ -184,8 +185,8 @@
     const missing = [];
     for (const name of Object.keys(waited)) {
       const found = features[name]();
-      if (found) delete waited[name];
-      else if (found !== undefined && ++waited[name] > 20) missing.push(name);
+      if (!found && ++waited[name] > 20) missing.push(name);
+      if (found && found !== UNKNOWN) delete waited[name];
     }
     if (missing.length && send("missing", missing)) for (const name of missing) delete waited[name];
   });
