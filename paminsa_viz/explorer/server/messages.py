@@ -22,7 +22,6 @@ Real: TypeAlias = Annotated[float, Meta(ge=-1e12, le=1e12)]  # also shuts out Na
 Index: TypeAlias = Annotated[int, Meta(ge=0, le=2**40)]
 Name: TypeAlias = Annotated[str, Meta(max_length=256)]
 Text: TypeAlias = Annotated[str, Meta(max_length=100_000)]
-OptionalText: TypeAlias = Annotated[str | None, Meta(max_length=100_000)]
 
 PART_BYTES = 512 * 1024
 """Size of the parts in which viser's page sends a file [bytes]."""
@@ -33,6 +32,8 @@ class InputUpdate(Struct, forbid_unknown_fields=True):
 
     value: bool | Real | Text | Annotated[list[Real], Meta(max_length=16)]
 
+
+_OPTIONAL_TEXT = typing.Optional[Text]  # noqa: UP045
 
 PAGE_MESSAGES: dict[str, dict[str, Any]] = {
     "ViewerCameraMessage": {},
@@ -54,7 +55,7 @@ PAGE_MESSAGES: dict[str, dict[str, Any]] = {
         "content": Annotated[bytes, Meta(max_length=PART_BYTES)],
     },
     "GetRenderResponseMessage": {"payload": bytes},
-    "LocalStorageGetItemResponseMessage": {"value": OptionalText, "error": OptionalText},
+    "LocalStorageGetItemResponseMessage": dict.fromkeys(("value", "error"), _OPTIONAL_TEXT),
 }  # fmt: skip
 """What passes, with the fields that are given a type here and not by viser: those that the filter
 reads, and those that hold more than a name. Left out on purpose: share tunnels, forms, and
