@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 import viser
 
-from paminsa_viz.explorer.browser.backdrop import over_backdrop
+from paminsa_viz.explorer.browser.style import over_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.model import (
     Configuration,
     Design,
@@ -22,7 +23,8 @@ from paminsa_viz.model import (
     Quantity,
     inverse_kinematics,
 )
-from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_data import TORQUES
+from paminsa_viz.plots.map_table import map_table
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -109,7 +111,7 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.paper import render
+    from paminsa_viz.plots.map_figure import render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
@@ -126,19 +128,14 @@ def table(state: State, store: MapStore, kind: str, single: bool) -> File:
     Args:
         state: What to show.
         store: Where maps come from.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
         single: One map of the chosen quantity instead of the three torques.
 
     Raises:
         InvalidInput: If there is no such kind.
     """
-    from paminsa_viz.files.map_table import map_csv, map_npz
-
-    writers = {"csv": map_csv, "npz": map_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     data = store.data(state, FULL, shown_quantities(state, single))
-    return File(file_name(state, _what(state, single), kind), writers[kind](data))
+    return File(file_name(state, _what(state, single), kind), table_bytes(map_table(data), kind))
 
 
 def robot(state: State) -> File:
@@ -165,7 +162,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
     from paminsa_viz.meshes.robot_files import robot_files, zipped
 
     design, configuration = _standing(state)
-    text = exported_mjcf(design, configuration.assembly, pose=configuration.pose.tolist())
+    text = exported_mjcf(design, pose=configuration.pose.tolist())
     if not meshes:
         return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
@@ -177,7 +174,7 @@ def _standing(state: State) -> tuple[Design, Configuration]:
     """Return the present masses on the geometry that stands, and how it stands."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
-    return design, inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    return design, inverse_kinematics(standing.geometry, standing.pose)
 
 
 def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:

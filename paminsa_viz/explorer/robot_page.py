@@ -15,14 +15,14 @@ import viser
 from numpy.typing import ArrayLike
 
 from paminsa_viz.explorer.browser import asset
-from paminsa_viz.explorer.browser.backdrop import page_style
+from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.scene.cameras import preset
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.view import raised
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.server.viser_patch import quiet
 from paminsa_viz.model.arrays import as_vectors
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
@@ -31,13 +31,12 @@ ASPECT = 1.6
 """Width over height of the window that the camera is placed for."""
 
 
-def robot_html(design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER) -> bytes:
+def robot_html(design: Design, pose: ArrayLike) -> bytes:
     """Return a page with the robot in a pose, to be turned and zoomed with the mouse.
 
     Args:
         design: The robot.
         pose: (4,) [m, m, rad, m].
-        assembly: How its pantographs are put together.
 
     Returns:
         HTML, UTF-8.
@@ -51,7 +50,7 @@ def robot_html(design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranc
     if place.shape != (4,):
         raise InvalidInput("pose", f"one pose (4,) is needed; got {place.shape}")
     require_reachable(design.geometry, place)
-    configuration = inverse_kinematics(design.geometry, place, assembly)
+    configuration = inverse_kinematics(design.geometry, place)
     with standing_robot(design, configuration) as (_, _, page):
         return titled(page(), f"PAMINSA: {design.name}").encode()
 
@@ -73,11 +72,11 @@ def standing_robot(
     with quiet():
         server = open_server(port=0)
         try:
-            robot = RobotScene(server.scene, design, configuration.assembly)
+            robot = RobotScene(server.scene, design)
             for layer in Layer:
                 robot.show(layer, layer in SHOWN_AT_START or layer is Layer.FINE)
             robot.pose(configuration)
-            view = preset("3D", design.geometry, configuration.assembly, configuration, ASPECT)
+            view = preset("3D", design.geometry, configuration, ASPECT)
             view = raised(view, covered)
             camera = server.initial_camera
             camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)
@@ -91,4 +90,4 @@ def titled(page: str, title: str) -> str:
     """Return viser's page with a title and a backdrop of ours."""
     head, _, rest = page.partition("</head>")
     head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
-    return f"{head}{page_style()}<script>{asset('backdrop.js')}</script></head>{rest}"
+    return f"{head}{style_html()}<script>{asset('backdrop.js')}</script></head>{rest}"

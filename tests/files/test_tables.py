@@ -1,0 +1,192 @@
+"""Tables of poses: every cell arrives, every fault is named by row and column."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.cli import main
+from paminsa_viz.explorer import exports
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.tables import (
+    LONGEST_ROW,
+    TABLE_FORMATS,
+    DataTable,
+    TableBlock,
+    TableReader,
+    csv_rows,
+    open_table,
+)
+
+ALL = POSES.columns
+HEAD = ",".join(POSE)
+FLOATS = st.floats(allow_nan=False, allow_infinity=False)
+
+
+def read(text: str, rows_at_once: int = 1000) -> list[TableBlock]:
+    return list(TableReader(io.StringIO(text, newline=""), POSES, "in.csv").blocks(rows_at_once))
+
+
+def refusal(text: str, rows_at_once: int = 1000) -> TableFileError:
+    with pytest.raises(TableFileError) as caught:
+        read(text, rows_at_once)
+    assert str(caught.value).isprintable()
+    assert len(str(caught.value)) < 500
+    return caught.value
+
+
+@given(
+    st.sampled_from([POSE, POSE + VELOCITY, POSE + ACCELERATION, ALL]).flatmap(st.permutations),
+    st.lists(st.lists(FLOATS, min_size=12, max_size=12), max_size=7),
+    st.sampled_from(["\n", "\r\n", "\r"]),
+    st.sampled_from(["{!r}", '"{!r}"', " {!r} "]),
+    st.integers(1, 4),
+    st.integers(0, 3),
+)
+def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once, blanks) -> None:
+    lines = [",".join(columns)]
+    lines += [",".join(style.format(x) for x in row[: len(columns)]) for row in rows]
+    pieces = read(end.join(lines) + end + blanks * end, rows_at_once)
+    assert sum(len(piece.cells) for piece in pieces) == len(rows)
+    if not rows:
+        return
+    wanted = {name: [row[i] for row in rows] for i, name in enumerate(columns)}
+    zeros = [0.0] * len(rows)
+    for names in (POSE, VELOCITY, ACCELERATION):
+        got = np.concatenate([piece.group(names) for piece in pieces])
+        assert got.shape == (len(rows), 4)
+        for column, name in enumerate(names):
+            assert got[:, column].tolist() == wanted.get(name, zeros)
+
+
+@pytest.mark.parametrize(
+    ("text", "row", "column", "words"),
+    [
+        ("", None, "", "is empty; a header row with x_m,y_m,theta_rad,z_m"),
+        ("\n1,2,3,4", 1, "x_m", "the column is missing"),
+        ("1,2,3,4\n", 1, "1", "the first row has to name the columns"),
+        ("x_m,y_m,theta_rad\n", 1, "z_m", "a pose needs x_m,y_m,theta_rad,z_m"),
+        ("x_m;y_m;theta_rad;z_m\n", 1, "x_m;y_m;theta_rad;z_m", "separated by commas"),
+        (f"{HEAD},x_m\n", 1, "x_m", "twice"),
+        (f"{HEAD},\n", 1, "", "column 5 has no name"),
+        ("x_mm,y_m,theta_rad,z_m\n", 1, "x_mm", "did you mean x_m?"),
+        ("x_m,y_m,theta_deg,z_m\n", 1, "theta_deg", "did you mean theta_rad?"),
+        ("x_m,y_m,theta_rad,Z_m\n", 1, "Z_m", "did you mean z_m?"),
+        (f"{HEAD},Z_m\n", 1, "Z_m", "it is a result"),
+        (f"{HEAD},status\n", 1, "status", "it is a result"),
+        (f"{HEAD},comment\n", 1, "comment", "there are x_m,"),
+        (f"{HEAD},vx_m_s\n", 1, "vy_m_s", "with velocity columns come vx_m_s,vy_m_s"),
+        (f"{HEAD}\n0,0,0,0\n0,,0,0\n", 3, "y_m", "the value is missing"),
+        (f"{HEAD}\n0,0,0,0\n0, ,0,0\n", 3, "y_m", "the value is missing"),
+        (f"{HEAD}\n0,0,0\n", 2, "z_m", "the value is missing"),
+        (f"{HEAD}\n0,0,0,0,0\n", 2, "", "there are 5 values for 4 columns"),
+        (f"{HEAD}\n0,0,0,0\n0,0,1e,0\n", 3, "theta_rad", "'1e' is not a number"),
+        (f"{HEAD}\n0,0,1_0,0\n", 2, "theta_rad", "'1_0' is not a number"),
+        (f"{HEAD}\n0,0,٣,0\n", 2, "theta_rad", "'٣' is not a number"),
+        (f"{HEAD}\n0,0,0x1,0\n", 2, "theta_rad", "'0x1' is not a number"),
+        (f"{HEAD}\n0,0,0,nan\n", 2, "z_m", "'nan' is not a finite number"),
+        (f"{HEAD}\n0,0,0,-inf\n", 2, "z_m", "'-inf' is not a finite number"),
+        (f"{HEAD}\n0,0,0,1e999\n", 2, "z_m", "'1e999' is not a finite number"),
+        (f"{HEAD}\n0,0,0,a\0b\x1b\n", 2, "z_m", "is not a number"),
+        (f"{HEAD}\n0,0,0,0\n\n\n0,0,0,0\n", 3, "", "the row is empty, but others follow"),
+        (f"{HEAD}\n0,0,0,0\n,,,\n0,0,0,0\n", 3, "", "the row is empty, but others follow"),
+        (f'{HEAD}\n0,0,0,"0', 2, "", "is not valid CSV"),
+        (f'{HEAD}\n0,0,0,"0"1\n', 2, "", "is not valid CSV"),
+        (f'{HEAD}\n0,0,"0\n",x\n', 2, "z_m", "'x' is not a number"),
+        (f'{HEAD}\n0,0,"0\n",0\n0,0,0,x\n', 3, "z_m", "'x' is not a number"),
+        (f"{HEAD}\n0,0,0,0\n{'1' * LONGEST_ROW}", 3, "", "longer than"),
+        (f"{HEAD}\n0,0,0,{'v' * 5000}\n", 2, "z_m", "is not a number"),
+    ],
+)
+@pytest.mark.parametrize("rows_at_once", [1, 2, 1000])
+def test_a_refusal_names_row_and_column(text, row, column, words, rows_at_once) -> None:
+    error = refusal(text, rows_at_once)
+    assert (error.row, error.column) == (row, column)
+    assert words in str(error)
+    assert row is None or f"in.csv, row {row}" in str(error)
+
+
+@given(st.integers(0, 30), st.integers(0, 3), st.sampled_from(["", "x", "nan"]), st.integers(1, 9))
+def test_the_bad_cell_is_found_wherever_it_is(row, column, bad, rows_at_once) -> None:
+    rows = [["0.5"] * 4 for _ in range(31)]
+    rows[row][column] = bad
+    error = refusal("\n".join([HEAD, *map(",".join, rows)]), rows_at_once)
+    assert (error.row, error.column, error.value) == (row + 2, POSE[column], bad)
+
+
+@given(st.text(max_size=100))
+def test_any_text_is_refused_in_one_line_or_has_no_rows(text: str) -> None:
+    refusal(text)
+    try:
+        pieces = read(f"{HEAD}\n{text}")
+    except TableFileError:
+        refusal(f"{HEAD}\n{text}")
+    else:
+        assert pieces == [] or text.count(",") >= 3
+
+
+def test_a_header_alone_has_no_rows() -> None:
+    assert read(HEAD) == read(f"{HEAD}\n\n") == []
+
+
+@pytest.mark.parametrize(
+    ("data", "row", "words"),
+    [
+        (b"\xff\xfex\0", None, "is UTF-16"),
+        (HEAD.encode() + b"\n0,0,\x80,0\n", 2, "is not a number"),
+        (b"\x80x_m,y_m,theta_rad,z_m", 1, "did you mean x_m"),
+        (b"\x7fELF\0\0", 1, "there is no such column"),
+    ],
+)
+def test_bytes_that_are_no_text(tmp_path, data, row, words) -> None:
+    path = tmp_path / "in.csv"
+    path.write_bytes(data)
+    with pytest.raises(TableFileError, match=words) as caught, open_table(path) as lines:
+        list(TableReader(lines, POSES, "in.csv").blocks())
+    assert caught.value.row == row
+    assert str(caught.value).isprintable()
+
+
+def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path) -> None:
+    path = tmp_path / "in.csv"
+    path.write_bytes(b"\xef\xbb\xbf" + HEAD.encode())
+    with open_table(path) as lines:
+        assert TableReader(lines, POSES, "in.csv").header == POSE
+
+
+def test_files_that_can_not_be_opened(tmp_path) -> None:
+    with pytest.raises(TableFileError, match="no such file"):
+        open_table(tmp_path / "none.csv")
+    with pytest.raises(TableFileError, match="is a directory"):
+        open_table(tmp_path)
+
+
+@given(st.lists(st.lists(FLOATS, min_size=2, max_size=2), min_size=1, max_size=4))
+def test_numbers_are_written_with_all_their_digits_and_nan_as_nothing(rows) -> None:
+    numbers = np.array([*rows, [np.nan, 7.0]])
+    words = np.array(["ok"] * len(rows) + ["stretched:leg2"])
+    lines = [line.split(",") for line in csv_rows([*numbers.T, words]).splitlines()]
+    assert [[float(cell) for cell in line[:2]] for line in lines[:-1]] == rows
+    assert [line[2] for line in lines] == words.tolist()
+    assert lines[-1] == ["", "7.0", "stretched:leg2"]
+
+
+def test_a_format_is_one_entry_that_commands_and_exports_offer(monkeypatch, tmp_path) -> None:
+    def names(table: DataTable) -> bytes:
+        return ",".join(table.columns).encode()
+
+    monkeypatch.setitem(TABLE_FORMATS, "names", names)
+    monkeypatch.chdir(tmp_path)
+    assert main(["map", "--cells", "10", "--out", "map.names"]) == 0
+    assert (tmp_path / "map.names").read_text().startswith("x_m,y_m,theta_rad,z_m,tau1_Nm")
+    assert main(["trajectory", "--preset", "line", "--out", "motion.names"]) == 0
+    assert (tmp_path / "motion.names").read_text().startswith("t_s,x_m")
+    state = initial_state()
+    assert exports.table(state, MapStore(), "names", single=True).name.endswith(".names")

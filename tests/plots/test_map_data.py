@@ -1,0 +1,186 @@
+"""The data object: what it accepts, what it keeps, how maps are cut out and subtracted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import paminsa_viz
+from paminsa_viz.model import APPENDIX_4, Quantity, solve_field, static_torques, xy_grid
+from paminsa_viz.model.errors import InvalidInput, PaminsaError
+from paminsa_viz.model.grids import Grid
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.palette import LEG_COLORS
+from paminsa_viz.plots.map_data import LEGENDS, difference, map_data
+from tests.plots.samples import made_up, real
+
+POSE = (0.05, -0.03, np.pi / 3, -0.5)
+
+
+def test_arrays_cannot_be_written() -> None:
+    data = made_up()
+    for name in ("x", "y", "values", "status", "pose", "margin", "leg"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(data, name)[...] = 0
+
+
+def test_the_caller_s_arrays_stay_writable() -> None:
+    pose = np.array([0.0, 0.0, 1.0, -0.5])
+    made_up(pose=pose)
+    pose[0] = 1.0
+
+
+def test_masked_cells_lose_their_values() -> None:
+    data = made_up(values=np.ones((3, 27, 31)))
+    assert np.isnan(data.values[:, data.status != 0]).all()
+    assert (data.values[:, data.status == 0] == 1).all()
+
+
+def test_extent_reaches_half_a_cell_beyond_the_centers() -> None:
+    left, right, bottom, top = made_up(nx=29, ny=25).extent
+    assert np.allclose([left, right, bottom, top], [-0.435, 0.435, -0.375, 0.375])
+
+
+def test_a_panel_is_a_map_of_its_own() -> None:
+    data = made_up()
+    one = data.panel(1)
+    assert one.names == ("τ₂",)
+    assert one.colors == data.colors[1:2]
+    assert np.array_equal(one.values[0], data.values[1], equal_nan=True)
+    with pytest.raises(InvalidInput):
+        data.panel(3)
+
+
+def test_the_marker_moves_but_not_theta_or_z() -> None:
+    data = made_up()
+    moved = data.with_pose((0.1, 0.2, 1.0, -0.5))
+    assert moved.pose.tolist() == [0.1, 0.2, 1.0, -0.5]
+    with pytest.raises(InvalidInput):
+        data.with_pose((0.1, 0.2, 1.1, -0.5))
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"x": np.linspace(0, 1, 30)},
+        {"x": np.linspace(1, 0, 31)},
+        {"x": np.geomspace(1, 2, 31)},
+        {"x": np.full(31, np.nan)},
+        {"values": np.zeros((2, 27, 31))},
+        {"values": np.zeros((3, 31, 27))},
+        {"status": np.zeros((27, 31))},
+        {"status": np.full((27, 31), 9, dtype=np.uint8)},
+        {"status": np.zeros((3, 27, 31), dtype=np.uint8)},
+        {"colors": ("#000000",)},
+        {"pose": (0, 0, 0)},
+        {"singular_radius": float("nan")},
+        {"singular_radius": -1.0},
+        {"margin": np.zeros((31, 27))},
+        {"leg": np.full((27, 31), 3, dtype=np.int8)},
+    ],
+)
+def test_what_does_not_fit_is_refused(changes: dict[str, Any]) -> None:
+    with pytest.raises(PaminsaError):
+        made_up(**changes)
+
+
+def test_difference_is_masked_where_either_is() -> None:
+    current = made_up()
+    status = np.zeros((27, 31), dtype=np.uint8)
+    status[:5] = Limit.GUIDE
+    leg = np.where(status != 0, np.int8(2), np.int8(-1))
+    reference = made_up(values=np.full((3, 27, 31), 0.25), status=status, leg=leg)
+    result = difference(current, reference)
+    both = (current.status == 0) & (status == 0)
+    assert np.array_equal(result.status == 0, both)
+    assert np.array_equal(result.values[:, both], current.values[:, both] - 0.25)
+    assert np.isnan(result.values[:, ~both]).all()
+    only_reference = (current.status == 0) & (status != 0)
+    assert (result.status[only_reference] == Limit.GUIDE).all()
+    assert result.leg is not None
+    assert (result.leg[only_reference] == 2).all()
+    assert result.names == ("Δτ₁", "Δτ₂", "Δτ₃")
+    assert result.signed
+    assert result.provenance.reference == "Sample"
+
+
+def test_difference_of_equal_maps_is_zero() -> None:
+    data = made_up()
+    result = difference(data, data)
+    assert (result.values[:, data.status == 0] == 0).all()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"pose": (0.0, 0.0, 0.9, -0.5)},
+        {"unit": "N"},
+        {"names": ("a", "b", "c")},
+        {"x": np.linspace(-0.4, 0.4, 31)},
+    ],
+)
+def test_difference_needs_maps_of_the_same_thing(changes: dict[str, Any]) -> None:
+    data = made_up()
+    with pytest.raises(InvalidInput):
+        difference(data, replace(data, **changes))
+
+
+def test_infinite_values_cancel_without_a_warning() -> None:
+    values = np.full((3, 27, 31), np.inf)
+    data = made_up(values=values)
+    assert np.isnan(difference(data, data).values).all()
+
+
+def test_values_are_the_model_s_at_every_cell() -> None:
+    data = real(21)
+    x, y = np.meshgrid(data.x, data.y)
+    pose = np.stack([x, y, np.full_like(x, POSE[2]), np.full_like(x, POSE[3])], axis=-1)
+    torque = np.moveaxis(static_torques(APPENDIX_4, pose)[..., :3], -1, 0)
+    good = data.status == 0
+    assert 100 < good.sum() < good.size
+    assert np.allclose(data.values[:, good], torque[:, good], rtol=1e-10)
+    assert np.isnan(data.values[:, ~good]).all()
+    assert data.colors == LEG_COLORS
+    assert data.names == ("τ₁", "τ₂", "τ₃")
+    assert data.singular_radius == pytest.approx(np.sqrt(0.35**2 + 0.1**2 - 0.035))
+
+
+@pytest.mark.parametrize("quantity", Quantity)
+def test_every_quantity_has_a_legend_and_can_be_mapped(quantity: Quantity) -> None:
+    data = real(21, quantities=(quantity,))
+    assert data.title == LEGENDS[quantity].title
+    shown = data.values[np.isfinite(data.values)]
+    assert shown.size
+    if not data.signed:
+        assert (shown >= 0).all() or (shown <= 0).all()
+    else:
+        assert shown.min() < 0 < shown.max()
+
+
+def test_provenance_holds_every_number_of_the_design() -> None:
+    source = real(5).provenance
+    assert source.design == "Appendix 4"
+    assert source.version == paminsa_viz.__version__
+    assert dict(source.parameters)["links.b3 [kg]"] == 0.406
+    assert dict(source.parameters)["geometry.magnification"] == 3.0
+    loaded = APPENDIX_4.vary({"payload.mass": 2.5})
+    assert ("payload", 2.5, "kg") in real(5, design=loaded).provenance.numbers
+
+
+def test_what_does_not_belong_together_is_refused() -> None:
+    axis = np.linspace(-0.1, 0.1, 5)
+    field = solve_field(APPENDIX_4.geometry, xy_grid(axis, axis, POSE[2], POSE[3]))
+    with pytest.raises(InvalidInput, match="pose"):
+        map_data(field, APPENDIX_4, (0.0, 0.0, 1.0, -0.5))
+    with pytest.raises(InvalidInput, match="geometry"):
+        map_data(field, APPENDIX_4.vary({"geometry.base_radius": 0.36}), POSE)
+    with pytest.raises(InvalidInput, match="unit"):
+        map_data(field, APPENDIX_4, POSE, (Quantity.TAU_1, Quantity.F_4))
+    with pytest.raises(InvalidInput, match="unit"):
+        map_data(field, APPENDIX_4, POSE, ())
+    other = replace(field, grid=Grid.over(POSE, x=axis, y=axis))
+    with pytest.raises(InvalidInput, match="grid"):
+        map_data(other, APPENDIX_4, POSE)
