@@ -21,16 +21,16 @@ from paminsa_viz.model import (
     Field,
     Geometry,
     KneeBranch,
-    Quantity,
     solve_field,
     xy_grid,
 )
 from paminsa_viz.plots import ticks
-from paminsa_viz.plots.from_model import TORQUES, map_data
+from paminsa_viz.plots.from_model import map_data
 from paminsa_viz.plots.map_window import cell_centers, half_width
 from paminsa_viz.plots.maps import MapData, difference
 from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.plots.scale import Kind, Scale, ScaleChoice
+from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells
 
 COARSE = 72
 """Cells along each side while the hand moves; also what the color range is found from, so that it
@@ -63,7 +63,6 @@ class MapStore:
         z: float,
         cells: int,
         half: float,
-        dexterity: bool = False,
     ) -> Field:
         """Return a field over the square of side ``2 * half`` [m], solved or kept.
 
@@ -73,19 +72,16 @@ class MapStore:
             z: Its height [m].
             cells: Cells along each side.
             half: Half the side [m].
-            dexterity: Whether determinant and condition number are needed.
         """
         key = (geometry, assembly, theta, z, half, cells)
         with self._lock:
             found = self._fields.get(key)
             if found is not None:
                 self._fields.move_to_end(key)
-        if found is not None and (found.condition is not None or not dexterity):
+        if found is not None:
             return found
         centers = cell_centers(half, cells)
-        made = solve_field(
-            geometry, xy_grid(centers, centers, theta, z), assembly, dexterity=dexterity
-        )
+        made = solve_field(geometry, xy_grid(centers, centers, theta, z), assembly)
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)
@@ -93,9 +89,7 @@ class MapStore:
                 self._fields.popitem(last=False)
         return made
 
-    def data(
-        self, state: State, cells: int = FULL, quantities: Sequence[Quantity] = TORQUES
-    ) -> MapData:
+    def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
         """Return the maps of a state, at the theta and z asked for.
 
         With ``map_view.difference`` and a pinned reference, they show the design minus the
@@ -104,7 +98,7 @@ class MapStore:
         Args:
             state: What to show.
             cells: Cells along each side.
-            quantities: What to show, one a panel, all in one unit.
+            quantities: Keys of what to show, one a panel, all in one unit.
         """
         present = self.present(state, cells, quantities)
         reference = state.document.reference
@@ -113,14 +107,12 @@ class MapStore:
         return difference(present, self._of(state, reference, cells, quantities))
 
     def present(
-        self, state: State, cells: int = FULL, quantities: Sequence[Quantity] = TORQUES
+        self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES
     ) -> MapData:
         """Return the maps of the present design, whether or not the difference is shown."""
         return self._of(state, state.document.design, cells, quantities)
 
-    def _of(
-        self, state: State, design: Design, cells: int, quantities: Sequence[Quantity]
-    ) -> MapData:
+    def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
         document = state.document
         theta, z = document.pose[2:]
         field = self.field(
@@ -128,14 +120,13 @@ class MapStore:
             document.assembly,
             theta,
             z,
-            cells,
+            affordable_cells(quantities, cells),
             half_width(document.design.geometry),
-            any(quantity.needs_dexterity for quantity in quantities),
         )
         return map_data(field, design, document.pose, quantities)
 
     def scales(
-        self, state: State, data: MapData, quantities: Sequence[Quantity] = TORQUES
+        self, state: State, data: MapData, quantities: Sequence[str] = TORQUES
     ) -> tuple[Scale, ...]:
         """Return the color scales for maps of a state, one a panel.
 
@@ -199,7 +190,7 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
     """
     kind: Kind = "symlog" if view.logarithmic else "linear"
     robust = ScaleChoice(shared=view.shared, kind=kind)
-    if view.range_mode is RangeMode.MANUAL and view.quantity.unit == data.unit:
+    if view.range_mode is RangeMode.MANUAL and QUANTITIES[view.quantity].unit == data.unit:
         ends = _usable(view.low, view.high)
         if ends is not None:
             low, high = ends

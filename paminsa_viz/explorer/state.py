@@ -20,7 +20,6 @@ from paminsa_viz.model import (
     Design,
     Geometry,
     KneeBranch,
-    Quantity,
     check_reach,
 )
 
@@ -55,7 +54,7 @@ class MapView:
     """How the torque maps are drawn.
 
     Attributes:
-        quantity: What the single map and the floor show; the three-panel figure shows torques.
+        quantity: Key of what the single map and the floor show; the other figure shows torques.
         range_mode: How the color range is found.
         low, high: The manual range, in the quantity's SI unit.
         shared: Whether the three torque maps have one range.
@@ -63,7 +62,7 @@ class MapView:
         difference: Whether the maps show the difference from the reference design.
     """
 
-    quantity: Quantity = Quantity.MAX_TORQUE
+    quantity: str = "max_torque"
     range_mode: RangeMode = RangeMode.AUTO
     low: float = -10.0
     high: float = 10.0

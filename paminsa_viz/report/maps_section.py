@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
-from paminsa_viz.plots.from_model import TORQUES, map_data
+from paminsa_viz.model.grids import solve_field, xy_grid
+from paminsa_viz.plots.from_model import map_data
 from paminsa_viz.plots.map_window import cell_centers, half_width
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.paper import render
 from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.plots.scale import ScaleChoice
+from paminsa_viz.quantities import TORQUES
 from paminsa_viz.report.blocks import Block, Figure, Note, Section
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value
@@ -26,9 +27,9 @@ def maps_section(request: ReportRequest) -> Section:
     centers = cell_centers(half_width(geometry), CELLS)
     _, _, theta, z = request.pose
     grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid, request.assembly, dexterity=True)
+    field = solve_field(geometry, grid, request.assembly)
 
-    def maps(*quantities: Quantity) -> MapData:
+    def maps(*quantities: str) -> MapData:
         return map_data(field, request.design, request.pose, quantities)
 
     blocks: list[Block] = [
@@ -37,8 +38,8 @@ def maps_section(request: ReportRequest) -> Section:
             "torques of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
         ),
         _figure(maps(*TORQUES), 170.0, half=False),
-        _figure(maps(Quantity.F_4), 85.0, half=True),
-        _figure(maps(Quantity.CONDITION), 85.0, half=True),
+        _figure(maps("f_4"), 85.0, half=True),
+        _figure(maps("condition"), 85.0, half=True),
     ]
     return Section("maps", "Torque maps", tuple(blocks))
 

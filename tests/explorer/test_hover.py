@@ -13,7 +13,7 @@ from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.panels.hover import REASON_CELLS, HoverFigure
 from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.model import Limit, Quantity
+from paminsa_viz.model import Limit
 from paminsa_viz.plots.live import screen_layout
 
 
@@ -76,9 +76,9 @@ class TestHover:
 
     def test_values_that_explode_are_no_gaps(self) -> None:
         state = initial_state()
-        data = STORE.data(state, COARSE, (Quantity.MAX_TORQUE,))
+        data = STORE.data(state, COARSE, ("max_torque",))
         values = np.where(data.status == 0, 1e40, np.nan)[None]
         huge = maps.replace(data, values=values)
-        layout = screen_layout(huge, STORE.scales(state, data, (Quantity.MAX_TORQUE,)), 400)
+        layout = screen_layout(huge, STORE.scales(state, data, ("max_torque",)), 400)
         tree = json.loads(HoverFigure(huge, layout, "n").to_json())
         assert np.isfinite(unpacked(tree["data"][1]["z"])[data.status == 0]).all()

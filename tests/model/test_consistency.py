@@ -95,7 +95,7 @@ def test_maps_agree_with_reach(case: Case, stroke: float, clearance: float) -> N
         y=rng.uniform(-2, 2, 12) * g.base_radius,
         x=rng.uniform(-2, 2, 11) * g.base_radius,
     )
-    field = solve_field(g, grid, case.assembly, dexterity=True)
+    field = solve_field(g, grid, case.assembly)
     reach = check_reach(g, grid.poses())
     np.testing.assert_array_equal(field.status, reach.status)
     np.testing.assert_array_equal(field.leg, reach.leg)
@@ -141,7 +141,7 @@ def test_exactly_at_the_end_of_a_guide_everything_is_known(assembly: KneeBranch)
     assert reach.margins[2, 2] == 0.0
     assert reach.ok
     measured = measure_singularity(design.geometry, pose)
-    field = solve_field(design.geometry, Grid.over(pose), assembly, dexterity=True)
+    field = solve_field(design.geometry, Grid.over(pose), assembly)
     assert field.status == Limit.OK
     for values in (
         static_torques(design, pose, assembly),
@@ -191,7 +191,7 @@ def test_poses_that_are_not_finite_are_quiet_and_named(
     result = inverse_dynamics(APPENDIX_4, pose, one, one, assembly)
     assert result.status == Limit.NOT_FINITE
     assert result.leg == -1
-    field = solve_field(geometry, Grid.over(pose), assembly, dexterity=True)
+    field = solve_field(geometry, Grid.over(pose), assembly)
     assert field.status == check_reach(geometry, pose).status == Limit.NOT_FINITE
     for values in (
         result.torque,

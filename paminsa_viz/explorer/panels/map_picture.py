@@ -16,7 +16,6 @@ from paminsa_viz.explorer.panels.hover import HoverFigure
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.plots.layout import Layout
 from paminsa_viz.plots.live import Way, live_image, marks, screen_layout
@@ -25,7 +24,7 @@ from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import number
 
-Quantities = Callable[[State], tuple[Quantity, ...]]
+Quantities = Callable[[State], tuple[str, ...]]
 
 LIVE_QUALITY = 88
 """Quality of the JPEG that follows the hand; at rest the picture is without loss."""
