@@ -14,6 +14,7 @@ import viser
 from paminsa_viz.explorer.browser.backdrop import before_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.model import (
     Configuration,
     Design,
@@ -21,6 +22,7 @@ from paminsa_viz.model import (
     PaminsaError,
     inverse_kinematics,
 )
+from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.quantities import TORQUES
 
 WIDTHS = (80.0, 400.0)
@@ -125,19 +127,14 @@ def table(state: State, store: MapStore, kind: str, single: bool) -> File:
     Args:
         state: What to show.
         store: Where maps come from.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
         single: One map of the chosen quantity instead of the three torques.
 
     Raises:
         InvalidInput: If there is no such kind.
     """
-    from paminsa_viz.files.map_table import map_csv, map_npz
-
-    writers = {"csv": map_csv, "npz": map_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     data = store.data(state, FULL, shown_quantities(state, single))
-    return File(file_name(state, _what(state, single), kind), writers[kind](data))
+    return File(file_name(state, _what(state, single), kind), table_bytes(map_table(data), kind))
 
 
 def robot(state: State) -> File:
@@ -164,7 +161,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
     from paminsa_viz.meshes.robot_files import robot_files, zipped
 
     design, configuration = _standing(state)
-    text = exported_mjcf(design, configuration.assembly, pose=configuration.pose.tolist())
+    text = exported_mjcf(design, pose=configuration.pose.tolist())
     if not meshes:
         return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
@@ -176,7 +173,7 @@ def _standing(state: State) -> tuple[Design, Configuration]:
     """Return the present masses on the geometry that stands, and how it stands."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
-    return design, inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    return design, inverse_kinematics(standing.geometry, standing.pose)
 
 
 def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Motion, Pose
-from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.motion.playback import Playback
 from paminsa_viz.explorer.motion.plots import PlotView
 from paminsa_viz.explorer.motion.simulating import Simulating
@@ -20,7 +19,6 @@ from paminsa_viz.model import (
     Design,
     Geometry,
     KneeBranch,
-    check_reach,
 )
 
 HOME_DROP = 0.5
@@ -29,15 +27,14 @@ HOME_DROP = 0.5
 
 @dataclass(frozen=True)
 class LastReachable:
-    """The last reachable configuration; it stays in the scene while a request cannot be met.
+    """The last reachable pose; the robot stays there while a requested one is out of reach.
 
     Attributes:
-        geometry, assembly: The lengths and the knee's root it was solved with.
+        geometry: The lengths and the knee's root it was solved with.
         pose: Platform pose [m, m, rad, m].
     """
 
     geometry: Geometry
-    assembly: KneeBranch
     pose: Pose
 
 
@@ -77,14 +74,12 @@ class Document:
 
     Attributes:
         design: The robot.
-        assembly: Root of the knee.
         pose: The pose asked for; it may be out of reach.
         reference: A pinned design to compare with, or None.
         motion: The motion that is planned.
     """
 
     design: Design = APPENDIX_4
-    assembly: KneeBranch = KneeBranch.LOWER
     pose: Pose = (0.0, 0.0, 0.0, 0.0)
     reference: Design | None = None
     motion: Motion = field(default_factory=Motion)
@@ -115,40 +110,17 @@ class State:
     engine_answer: Answer | None = None
 
 
-def home_pose(geometry: Geometry, assembly: KneeBranch) -> Pose:
-    """Return a pose at the center with plenty of room to all limits."""
+def home_pose(geometry: Geometry) -> Pose:
+    """Return a pose at the center, far from all limits."""
     reach = geometry.crank_length + geometry.coupler_length
     height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
     drop = min(HOME_DROP * reach, 0.75 * float(height))
-    z5 = -drop if assembly is KneeBranch.LOWER else drop
+    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
     return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
-def initial_state(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER) -> State:
+def initial_state(design: Design = APPENDIX_4) -> State:
     """Return the state a new session starts with."""
-    pose = home_pose(design.geometry, assembly)
-    document = Document(design, assembly, pose)
-    return State(document, LastReachable(design.geometry, assembly, pose))
-
-
-def with_document(state: State, document: Document) -> State:
-    """Return the state with another document; the robot follows it if the pose can be taken.
-
-    While the robot follows the motion, its pose is that of the instant that is shown; where the
-    motion fails, it stays.
-    """
-    if state.playback.following:
-        document = at_instant(document, state.playback.time)
-    standing = state.standing
-    if check_reach(document.design.geometry, document.pose).ok.all():
-        standing = LastReachable(document.design.geometry, document.assembly, document.pose)
-    return replace(state, document=document, standing=standing)
-
-
-def at_instant(document: Document, time: float) -> Document:
-    """Return a document with the pose of its motion at a time [s]; the same where there is none."""
-    found = planned(document.motion, document.design, document.assembly)
-    if found.trajectory is None:
-        return document
-    pose = pose_at(found.trajectory, document.design.geometry, time)
-    return document if pose is None else replace(document, pose=pose)
+    pose = home_pose(design.geometry)
+    document = Document(design, pose)
+    return State(document, LastReachable(design.geometry, pose))

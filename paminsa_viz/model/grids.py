@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.backend import Formula
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
@@ -111,7 +111,7 @@ class Field:
     """What the geometry says about every pose of a grid; arrays have the grid's shape.
 
     Attributes:
-        grid, geometry, assembly: What it was solved for.
+        grid, geometry: What it was solved for.
         status: (...) values of `Limit`.
         leg: (...) index of the leg that stands in the way, -1 for none.
         threads: Threads that share the work; None for all cores where the grid is large enough.
@@ -119,7 +119,6 @@ class Field:
 
     grid: Grid
     geometry: Geometry
-    assembly: KneeBranch
     status: NDArray[np.uint8]
     leg: NDArray[np.int8]
     threads: int | None
@@ -129,7 +128,7 @@ class Field:
         """Return the results of a formula, (results, ...); solved at the first call and kept."""
         found = self._solved.get(formula)
         if found is None:
-            m = mechanism(self.geometry, self.assembly)
+            m = mechanism(self.geometry)
             found = self._solved[formula] = _evaluate(formula, m, self.grid, self.threads)
         return found
 
@@ -163,7 +162,6 @@ class Field:
 def solve_field(
     geometry: Geometry,
     grid: Grid,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     threads: int | None = None,
 ) -> Field:
@@ -172,10 +170,9 @@ def solve_field(
     Args:
         geometry: Lengths of the mechanism.
         grid: The poses.
-        assembly: Root of the knee.
         threads: Threads to share the work; None for all cores where the grid is large enough.
     """
-    m = mechanism(geometry, assembly)
+    m = mechanism(geometry)
     gamma = _evaluate(UNIT_TORQUES, m, grid, threads)
     margin = _evaluate(LEAST_MARGIN, m, grid, threads)
     status, leg = decode(*margin)
@@ -183,20 +180,19 @@ def solve_field(
     status[(status == Limit.OK) & ~finite] = Limit.SINGULAR
     gamma[:, status != Limit.OK] = np.nan
     solved = {UNIT_TORQUES: gamma, LEAST_MARGIN: margin}
-    return Field(grid, geometry, assembly, status, leg, threads, solved)
+    return Field(grid, geometry, status, leg, threads, solved)
 
 
 def rotary_torques(
     design: Design,
     grid: Grid,
-    assembly: KneeBranch = KneeBranch.LOWER,
     threads: int | None = None,
 ) -> Array:
     """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
     """
-    gamma = _evaluate(ROTARY_TORQUES, mechanism(design.geometry, assembly), grid, threads)
+    gamma = _evaluate(ROTARY_TORQUES, mechanism(design.geometry), grid, threads)
     gamma *= static_imbalance(design)
     return gamma
 

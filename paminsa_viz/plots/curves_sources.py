@@ -72,7 +72,7 @@ class Sources:
     @cached_property
     def provenance(self) -> Provenance:
         """Where the numbers come from."""
-        return provenance(self.analysis.design, self.analysis.solved.assembly)
+        return provenance(self.analysis.design)
 
     @cached_property
     def time(self) -> NDArray[np.float64]:

@@ -105,7 +105,7 @@ def summary(title: str, sources: Sources, source: Provenance) -> str:
     """Return one line about a figure for a file's metadata."""
     t = sources.analysis.trajectory
     return (
-        f"{title} of PAMINSA, design {shown(source.design)}, {source.assembly} assembly, "
+        f"{title} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
         f"motion {shown(t.name)}, {t.duration:.6g} s"
     )
 
@@ -188,7 +188,7 @@ def _tracking(sources: Sources) -> list[str]:
         f"energy drifts by {format_value(drift, 'J', 2)}.",
     ]
     if simulation.design != sources.analysis.design:
-        other = provenance(simulation.design, simulation.assembly)
+        other = provenance(simulation.design)
         said.insert(0, f"The robot that is simulated: {robot(other)}.")
     return said
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import paminsa_viz
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.parameters import PARAMETERS
@@ -18,14 +18,14 @@ from paminsa_viz.plots.maps import MapData, Provenance
 from paminsa_viz.quantities import TORQUES, find
 
 
-def provenance(design: Design, assembly: KneeBranch) -> Provenance:
+def provenance(design: Design) -> Provenance:
     """Return what captions and file headers say of a design."""
     numbers = [("Mₚ₂", static_imbalance(design), "N")]
     if design.payload.mass:
         numbers.append(("payload", design.payload.mass, "kg"))
     return Provenance(
         design=design.name,
-        assembly=assembly.value,
+        knee=design.geometry.knee,
         version=paminsa_viz.__version__,
         numbers=tuple(numbers),
         parameters=tuple(
@@ -72,7 +72,7 @@ def map_data(
         colors=tuple(quantity.color for quantity in chosen),
         pose=present,
         singular_radius=float(singular_radius(design.geometry, present[2])),
-        provenance=provenance(design, field.assembly),
+        provenance=provenance(design),
         title=chosen[0].title if len(chosen) == 1 else "Static torques of the rotary actuators",
         signed=any(quantity.signed for quantity in chosen),
         margin=field.margin,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import COORDINATES, Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.quantities import find
@@ -40,7 +40,6 @@ def sweep_blocks(
     design: Design,
     grid: Grid,
     quantities: tuple[str, ...],
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     block: int = 2**20,
     threads: int | None = None,
@@ -55,7 +54,7 @@ def sweep_blocks(
     """
     found = find(quantities)
     for part, piece in grid.split(block):
-        field = solve_field(design.geometry, piece, assembly, threads=threads)
+        field = solve_field(design.geometry, piece, threads=threads)
         yield part, field, {q.key: q.over(field, design) for q in found}
 
 
@@ -63,7 +62,6 @@ def sweep(
     design: Design,
     grid: Grid,
     quantities: tuple[str, ...] = ("max_torque",),
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     block: int = 2**20,
     threads: int | None = None,
@@ -74,7 +72,6 @@ def sweep(
         design: The robot.
         grid: The poses.
         quantities: Keys of `paminsa_viz.quantities.QUANTITIES`.
-        assembly: Root of the knee.
         block: Poses held at a time.
         threads: Threads to share the work; None for all cores.
     """
@@ -83,9 +80,7 @@ def sweep(
         q: {"n": 0, "max": -np.inf, "min": np.inf, "sum": 0.0, "squares": 0.0, "at": (np.nan,) * 4}
         for q in quantities
     }
-    for _, field, values in sweep_blocks(
-        design, grid, quantities, assembly, block=block, threads=threads
-    ):
+    for _, field, values in sweep_blocks(design, grid, quantities, block=block, threads=threads):
         for limit, number in enumerate(np.bincount(field.status.ravel(), minlength=len(Limit))):
             counts[Limit(limit)] += int(number)
         ok = field.status == Limit.OK

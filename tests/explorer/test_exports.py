@@ -25,6 +25,7 @@ from paminsa_viz.explorer.panels.export_panel import ExportPanel
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
+from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, static_torques
 
 from .panel_desk import Desk, desk_with
@@ -135,7 +136,7 @@ class TestMujocoModel:
     @pytest.fixture
     def state(self) -> State:
         """A design of its own, mirrored and posed, and then asked for too much."""
-        state = actions.assemble(initial_state(), KneeBranch.UPPER)
+        state = actions.set_knee(initial_state(), KneeBranch.UPPER)
         state = actions.vary(state, {"payload.mass": 3.25, "geometry.crank_length": 0.44})
         return actions.move(actions.move(state, x=0.04, y=-0.02, theta=0.5), x=9.0)
 
@@ -245,6 +246,15 @@ def started(desk: Desk) -> list[dict[str, Any]]:
 
 
 class TestPanel:
+    def test_a_registered_table_format_has_a_button(
+        self, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setitem(TABLE_FORMATS, "txt", lambda table: b"x" * len(table.columns))
+        with desk_with(server, lambda session: ExportPanel(session, MapStore())) as desk:
+            desk.set(group(desk, "data"), "TXT")
+            desk.until(lambda: any(title == "Saved" for title, _ in desk.told))
+            assert started(desk)[0]["filename"].endswith(".txt")
+
     def test_a_button_sends_the_file(self, desk: Desk) -> None:
         desk.set(group(desk, "data"), "NPZ")
         desk.until(lambda: any(title == "Saved" for title, _ in desk.told))

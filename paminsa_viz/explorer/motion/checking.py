@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -17,10 +16,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
 
 if TYPE_CHECKING:
-    from paminsa_viz.explorer.state import State
     from paminsa_viz.plots.curves import OtherTorques
-
-log = logging.getLogger(__name__)
 
 MOST_SAMPLES = 250
 """Samples of a motion that the engine computes, in equal distance; it takes a tenth of a second."""
@@ -66,8 +62,8 @@ class EngineTorques:
     @cached_property
     def _scale(self) -> Array:
         thinned, good = self.thinned, self._good
-        poses, assembly = thinned.trajectory.pose[good], thinned.solved.assembly
-        return torque_scale(thinned.design, poses, self.engine.torque[good], assembly)
+        poses = thinned.trajectory.pose[good]
+        return torque_scale(thinned.design, poses, self.engine.torque[good])
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,21 +86,19 @@ class Answer:
         """Whether it holds for a design on a motion, and is not another's."""
         own = self.analysis
         return self.missing or (
-            own.trajectory is analysis.trajectory
-            and own.solved.assembly is analysis.solved.assembly
-            and own.design == analysis.design
+            own.trajectory is analysis.trajectory and own.design == analysis.design
         )
 
 
 def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
-    """Ask the engine for the torques of a design on a motion; raises nothing."""
+    """Ask the engine for the torques of a design on a motion."""
     # Late: what engines need takes half a second to load.
     from paminsa_viz.engines.verification import TOLERANCE
     from paminsa_viz.plots.verified import engine_torques
 
     try:
         kept, motion = _thinned(analysis.trajectory)
-        thinned = analyze(analysis.design, motion, analysis.solved.assembly)
+        thinned = analyze(analysis.design, motion)
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
         found = EngineTorques(thinned, kept, engine_torques(thinned), TOLERANCE)
@@ -113,9 +107,6 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:
         return Answer(analysis, None, str(error))
-    except Exception:
-        log.exception("an engine's computation failed")
-        return Answer(analysis, None, "it failed; details are in the program's log")
 
 
 def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
@@ -130,8 +121,3 @@ def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
         acceleration=trajectory.acceleration[kept],
     )
     return kept, motion
-
-
-def taken(state: State, answer: Answer) -> State:
-    """Take over what came of the last question."""
-    return replace(state, engine_answer=answer)

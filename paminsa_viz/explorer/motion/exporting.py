@@ -7,13 +7,8 @@ from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.trajectory_series import (
-    Series,
-    analysis_series,
-    series_csv,
-    series_npz,
-    simulation_series,
-)
+from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import InvalidInput, Misprint
 from paminsa_viz.plots.curves import CurveKind, figure_bytes
 from paminsa_viz.trajectory import analyze
@@ -75,8 +70,7 @@ def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: 
         raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
     analysis, title = torques.thinned, f"Formulae and {torques.engine.name}"
     if found.printed is not None:
-        motion, assembly = analysis.trajectory, analysis.solved.assembly
-        analysis = analyze(analysis.design, motion, assembly, misprints=Misprint.ALL)
+        analysis = analyze(analysis.design, analysis.trajectory, misprints=Misprint.ALL)
         title = f"Formulae as printed and {torques.engine.name}"
     content = figure_bytes(
         "comparison", analysis, engine=torques.engine, title=title,
@@ -90,22 +84,19 @@ def table(state: State, kind: str) -> File:
 
     Args:
         state: What to save.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
 
     Raises:
         InvalidInput: If there is no motion, or no such kind.
     """
-    writers = {"csv": series_csv, "npz": series_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     found = _analyzed(state)
     simulated = state.plots.plot in _SIMULATED and found.simulation is not None
-    series: Series
     if simulated and found.simulation is not None:
-        series = simulation_series(found.simulation)
+        content = simulation_table(found.simulation)
     else:
-        series = analysis_series(found.present)
-    return File(_name(state, found, "simulation" if simulated else "", kind), writers[kind](series))
+        content = analysis_table(found.present)
+    name = _name(state, found, "simulation" if simulated else "", kind)
+    return File(name, table_bytes(content, kind))
 
 
 def page(state: State) -> File:
@@ -118,7 +109,7 @@ def page(state: State) -> File:
 
     found = _analyzed(state)
     document = state.document
-    content = motion_html(document.design, document.assembly, found.present.trajectory)
+    content = motion_html(document.design, found.present.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 

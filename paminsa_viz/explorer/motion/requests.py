@@ -6,7 +6,9 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from paminsa_viz.explorer.actions import with_document
 from paminsa_viz.explorer.motion import planning
+from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Kind, Pose, Timing
 from paminsa_viz.explorer.motion.planning import Planned
 from paminsa_viz.explorer.motion.playback import SPEEDS, advanced, begun
@@ -17,9 +19,10 @@ from paminsa_viz.explorer.motion.simulating import (
     DAMPINGS,
     EXTRA_LOADS,
     Job,
+    Outcome,
     make_job,
 )
-from paminsa_viz.explorer.state import State, with_document
+from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import PRESET, Trajectory
 
@@ -27,7 +30,7 @@ from paminsa_viz.trajectory import PRESET, Trajectory
 def planned(state: State) -> Planned:
     """Return the trajectory of a state."""
     document = state.document
-    return planning.planned(document.motion, document.design, document.assembly)
+    return planning.planned(document.motion, document.design)
 
 
 def duration(state: State) -> float:
@@ -100,7 +103,7 @@ def end_here(state: State) -> State:
 
 def _ends(state: State) -> tuple[Pose, Pose]:
     document = state.document
-    return planning.ends(document.motion, document.design.geometry, document.assembly)
+    return planning.ends(document.motion, document.design.geometry)
 
 
 def swap_ends(state: State) -> State:
@@ -238,7 +241,7 @@ def wanted_job(state: State) -> Job:
     """
     document = state.document
     settings = state.simulating.settings
-    return make_job(document.design, planned(state).trajectory, document.assembly, settings)
+    return make_job(document.design, planned(state).trajectory, settings)
 
 
 def simulate(state: State) -> State:
@@ -263,3 +266,15 @@ def simulated_as_it_is(state: State) -> bool:
         return outcome is not None and outcome.job.same(wanted_job(state))
     except InvalidInput:
         return False
+
+
+def receive_simulation(state: State, outcome: Outcome) -> State:
+    """Take over the outcome of the job that runs; that of an older one is dropped."""
+    if state.simulating.running is not outcome.job:
+        return state
+    return replace(state, simulating=replace(state.simulating, running=None, outcome=outcome))
+
+
+def receive_engine_answer(state: State, answer: Answer) -> State:
+    """Take over the torques of an engine, or why there are none."""
+    return replace(state, engine_answer=answer)

@@ -11,8 +11,7 @@ import numpy as np
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds, Optimum
 from paminsa_viz.explorer.balancing.jobs import Outcome, Task
 from paminsa_viz.explorer.balancing.settings import Goal
-from paminsa_viz.explorer.panels.readout import dot
-from paminsa_viz.explorer.panels.tables import FONT, note, table
+from paminsa_viz.explorer.panels.tables import FONT, dot, note, table
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
@@ -112,7 +111,7 @@ def _headline(state: State, outcome: Outcome, after: Design) -> str:
     color = OK
     if abs(left) <= BALANCED:
         head = "Balanced: gravity asks nothing of M1–M3"
-        rest = "in every pose, in both assembly modes (<i>M</i><sub>p2</sub> = 0)"
+        rest = "in every pose, on both branches of the knee (<i>M</i><sub>p2</sub> = 0)"
     elif goal.static:
         color = WARN
         head = f"As near to balance as the bounds allow: {number(left, 4)} N"

@@ -14,7 +14,7 @@ from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import exporting, requests, uplot
-from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine, taken
+from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.motion.readings import readings
@@ -25,8 +25,8 @@ from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_htm
 from paminsa_viz.explorer.panels.motion_numbers import difference_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
-from paminsa_viz.plots import verified
 from paminsa_viz.units import power_of_ten
+from tests.samples import with_knee
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
 
@@ -51,13 +51,13 @@ def analyzed(state: State) -> Analyzed:
 
 def answered(state: State) -> State:
     """Return a state after the engine was asked about it."""
-    return taken(state, ask_engine(analyzed(state).present))
+    return requests.receive_engine_answer(state, ask_engine(analyzed(state).present))
 
 
 @needs_mujoco
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_numbers_are_those_of_a_verification(state: State, assembly: KneeBranch) -> None:
-    found = analyzed(answered(actions.assemble(state, assembly)))
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_numbers_are_those_of_a_verification(state: State, knee: KneeBranch) -> None:
+    found = analyzed(answered(actions.set_knee(state, knee)))
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
@@ -66,7 +66,7 @@ def test_numbers_are_those_of_a_verification(state: State, assembly: KneeBranch)
     assert motion.size == MOST_SAMPLES
     assert (motion.t[0], motion.t[-1]) == (0.0, found.present.trajectory.t[-1])
     design = found.present.design
-    known = verify(design, assembly, motion, poses=1, misprints=(Misprint.ALL,))
+    known = verify(with_knee(design, knee), motion, poses=1, misprints=(Misprint.ALL,))
     np.testing.assert_array_equal(torques.engine.torque, known.engines[0].dynamic.reference)
     own, printed = torques.comparison(found.present), torques.comparison(found.printed)
     assert own.agrees(TOLERANCE)
@@ -94,7 +94,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
         actions.vary(known, {"links.b3": 0.5}),
         actions.vary(known, {"geometry.crank_length": 0.44}),
         actions.vary(known, {"friction.coulomb_rotary": 0.1}),
-        actions.assemble(known, KneeBranch.UPPER),
+        actions.set_knee(known, KneeBranch.UPPER),
         requests.choose_preset(known, "circle"),
     ):
         found = analyzed(other)
@@ -203,17 +203,6 @@ def test_a_missing_engine_is_told_once_for_all_designs(
         exporting.figure(requests.set_plots(state, plot=Plot.DIFFERENCE), "png", 120.0, 100.0)
 
 
-def test_a_fault_is_told_and_logged(
-    state: State, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    def broken(analysis: object) -> None:
-        raise ZeroDivisionError
-
-    monkeypatch.setattr(verified, "engine_torques", broken)
-    assert "program's log" in ask_engine(analyzed(state).present).problem
-    assert "engine's computation failed" in caplog.text
-
-
 class Asked:
     """A session that takes requests at once, and an engine that answers when it is let."""
 
@@ -275,7 +264,7 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = Asked(state, monkeypatch)
-    monkeypatch.setattr(motion_engine, "REST", 0.0)
+    monkeypatch.setattr(motion_engine, "IDLE_DELAY", 0.0)
     asked.draw(0.5, moving=True)
     asked.wait()
     asked.may.release()

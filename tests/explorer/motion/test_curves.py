@@ -11,11 +11,11 @@ from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.plots import Plot, PlotView
 from paminsa_viz.explorer.motion.readings import readings, value_at
-from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run, taken
+from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.motion.traces import Chart, Trace, charts
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import KneeBranch, Misprint
+from paminsa_viz.model import Misprint
 from paminsa_viz.trajectory import analyze
 
 
@@ -148,11 +148,11 @@ def test_simulations_say_what_came_of_them() -> None:
     assert job is not None
     outcome = run(job)
     assert outcome.simulation is not None
-    done = taken(state, outcome)
+    done = requests.receive_simulation(state, outcome)
     assert done.simulating.running is None
     assert requests.simulated_as_it_is(done)
     assert not requests.simulated_as_it_is(actions.vary(done, {"links.b4": 3.0}))
-    assert taken(done, run(job)) is done
+    assert requests.receive_simulation(done, run(job)) is done
     found = MotionStore().all(done)
     assert found is not None
     place, turn = charts(PlotView(Plot.TRACKING), found)
@@ -164,7 +164,7 @@ def test_simulations_say_what_came_of_them() -> None:
 def test_an_impossible_load_and_an_impossible_path_are_told(failing: State) -> None:
     motion = requests.planned(initial_state()).trajectory
     design = initial_state().document.design
-    lighter = make_job(design, motion, KneeBranch.LOWER, SimulationSettings(extra_load=-1.0))
+    lighter = make_job(design, motion, SimulationSettings(extra_load=-1.0))
     assert "payload" in run(lighter).problem
     job = requests.wanted_job(failing)
     assert "cannot be run" in run(job).problem
