@@ -147,10 +147,9 @@ def map_view(
         InvalidInput: If there is no such quantity.
     """
     from paminsa_viz.model.grids import solve_field, xy_grid
-    from paminsa_viz.plots.from_model import map_data
-    from paminsa_viz.plots.map_window import cell_centers, half_width
+    from paminsa_viz.plots.interactive import interactive_map
+    from paminsa_viz.plots.map_data import cell_centers, half_width, map_data
     from paminsa_viz.plots.ranges import choose_scales
-    from paminsa_viz.plots.screen import screen_figure
     from paminsa_viz.quantities import selections
 
     if quantity not in selections():
@@ -162,7 +161,7 @@ def map_view(
         xy_grid(centers, centers, *place[2:].tolist()),
     )
     data = map_data(field, design, place, selections()[quantity])
-    return screen_figure(data, choose_scales(data), width)
+    return interactive_map(data, choose_scales(data), width)
 
 
 def curve_view(

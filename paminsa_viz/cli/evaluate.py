@@ -84,7 +84,7 @@ class Summary:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Evaluate, words, "evaluate", DESCRIPTION)
-    design = design_of(flags.design)
+    design = design_of(flags.design, flags.assembly)
     tally = evaluate_table(flags.table, flags.out, design)
     print(f"{flags.out}: {tally}")
     return 0

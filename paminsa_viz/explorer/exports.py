@@ -110,7 +110,7 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.paper import render
+    from paminsa_viz.plots.map_figure import render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)

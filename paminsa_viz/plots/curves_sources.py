@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots.caption import shown
-from paminsa_viz.plots.from_model import provenance
-from paminsa_viz.plots.maps import Provenance
+from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import Simulation
 

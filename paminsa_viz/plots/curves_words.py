@@ -11,12 +11,11 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots import axes
 from paminsa_viz.plots.caption import equals, robot, shown
 from paminsa_viz.plots.curves_data import Interval
 from paminsa_viz.plots.curves_sources import Sources
-from paminsa_viz.plots.from_model import provenance
-from paminsa_viz.plots.maps import Provenance
+from paminsa_viz.plots.hover import reason
+from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import Control
 from paminsa_viz.units import NONE, format_value, number
@@ -70,7 +69,7 @@ def _failed(analysis: TrajectoryAnalysis) -> tuple[Interval, ...]:
 
 def _reason(limit: Limit, leg: int) -> str:
     # A motion already fails at a clearance from what is singular.
-    return "too close to a singular pose" if limit is Limit.SINGULAR else axes.reason(limit, leg)
+    return "too close to a singular pose" if limit is Limit.SINGULAR else reason(limit, leg)
 
 
 def span(interval: Interval) -> str:

@@ -244,7 +244,7 @@ def test_another_motion_is_refused(analysis, failing) -> None:
 
 @pytest.mark.parametrize(("field", "changes"), [("width_mm", {"width_mm": 55.0}),
                                                 ("dpi", {"dpi": 5.0}),
-                                                ("kind", {"format": "gif"})])  # fmt: skip
+                                                ("format", {"format": "gif"})])  # fmt: skip
 def test_impossible_files_are_refused(field, changes, analysis) -> None:
     with pytest.raises(InvalidInput) as caught:
         figure_bytes("pose", analysis, **changes)
