@@ -14,7 +14,6 @@ from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.caption import equals, robot, shown
 from paminsa_viz.plots.curves_data import Interval
 from paminsa_viz.plots.curves_sources import Sources
-from paminsa_viz.plots.hover import reason
 from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import Control
@@ -69,7 +68,7 @@ def _failed(analysis: TrajectoryAnalysis) -> tuple[Interval, ...]:
 
 def _reason(limit: Limit, leg: int) -> str:
     # A motion already fails at a clearance from what is singular.
-    return "too close to a singular pose" if limit is Limit.SINGULAR else reason(limit, leg)
+    return "too close to a singular pose" if limit is Limit.SINGULAR else limit.reason(leg)
 
 
 def span(interval: Interval) -> str:

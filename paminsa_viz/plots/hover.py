@@ -23,28 +23,13 @@ FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 REASON_CELLS = 72
 """Cells along a side, at most, that say why there is no value; words are long."""
 
-_REASONS = {
-    Limit.OK: "no value",
-    Limit.NOT_FINITE: "out of reach",
-    Limit.STRETCHED: "out of reach: {leg} over-stretched",
-    Limit.FOLDED: "out of reach: {leg} folded too far",
-    Limit.GUIDE: "out of reach: joint 8 of {leg} would leave its guide",
-    Limit.AXIS: "out of reach: joint 5 of {leg} on its leg axis",
-    Limit.SINGULAR: "singular: no torque holds it",
-}
-
-
-def reason(limit: Limit, leg: int = -1) -> str:
-    """Return why there is no value; ``leg`` is the index of the leg, -1 for none."""
-    return _REASONS[limit].format(leg=f"leg {leg + 1}" if leg >= 0 else "a leg")
-
 
 def reasons(data: MapData, panel: int, stride: int = 1) -> NDArray[np.str_]:
     """Return for every ``stride``-th cell of a panel why it has no value, or an empty text."""
     picked = (slice(stride // 2, None, stride),) * 2
     status = data.status[picked]
     leg = np.full(status.shape, -1) if data.leg is None else data.leg[picked]
-    texts = np.array([[reason(limit, leg) for leg in range(-1, 3)] for limit in Limit])
+    texts = np.array([[limit.reason(leg) for leg in range(-1, 3)] for limit in Limit])
     empty = (status != 0) | np.isnan(data.values[panel][picked])
     return np.where(empty, texts[status, leg + 1], "")
 
@@ -60,10 +45,8 @@ def emptiness(data: MapData, panel: int) -> str:
 
 def value_text(data: MapData, panel: int, value: str = "z") -> str:
     """Return plotly's template for a cell with a value."""
-    unit = data.display[1]
-    return (
-        f"<b>{data.names[panel]} = %{{{value}:.4~g}}{' ' + unit if unit else ''}</b>{_place(data)}"
-    )
+    quantity = f"{data.names[panel]} = %{{{value}:.4~g}} {data.display.text}".rstrip()
+    return f"<b>{quantity}</b>{_place(data)}"
 
 
 def reason_text(data: MapData) -> str:

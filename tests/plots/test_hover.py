@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots.hover import REASON_CELLS, HoverFigure, emptiness, reason, reasons
+from paminsa_viz.plots.hover import REASON_CELLS, HoverFigure, emptiness, reasons
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import map_layout
 from paminsa_viz.plots.ranges import choose_scales
@@ -85,7 +85,7 @@ def test_values_that_explode_are_no_gaps() -> None:
 
 
 def test_every_limit_has_a_reason() -> None:
-    assert len({reason(limit, 1) for limit in Limit}) == len(Limit)
+    assert len({limit.reason(1) for limit in Limit}) == len(Limit)
     data = made_up(leg=None)
     assert set(reasons(data, 0)[data.status != 0]) == {"out of reach: a leg over-stretched"}
 
