@@ -25,7 +25,7 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli.arguments import PROGRAM
-from paminsa_viz.files.design_schema import SCHEMA_VERSION, TABLES, Key
+from paminsa_viz.files.design_schema import SCHEMA_VERSION, TABLES, DesignKey
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.counterweight import BAR_ENDS
@@ -98,12 +98,12 @@ def design_file() -> str:
     return _page(parts)
 
 
-def _meaning(key: Key) -> str:
+def _meaning(key: DesignKey) -> str:
     p = key.parameter
     return f"{p.label} `{p.symbol}` [{p.unit}], {p.default:g}"
 
 
-def _key_row(key: Key) -> tuple[str, ...]:
+def _key_row(key: DesignKey) -> tuple[str, ...]:
     p = key.parameter
     default = "as l_B10" if p.path == "geometry.guide_stroke" else f"{p.default:g}"
     allowed = "above 0" if p.positive else "0 or more"

@@ -12,7 +12,7 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import KEYS, Key
+from paminsa_viz.files.design_schema import KEYS, DesignKey
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.errors import PaminsaError
@@ -162,7 +162,7 @@ def _values(design: Design) -> dict[str, float]:
     return {key.path: design.value(key.parameter.path) for key in KEYS}
 
 
-def _meaning(key: Key) -> str:
+def _meaning(key: DesignKey) -> str:
     return f"{key.parameter.symbol}, {key.parameter.label}"
 
 

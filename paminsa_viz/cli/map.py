@@ -6,7 +6,7 @@ import math
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal, cast
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import tyro
@@ -21,6 +21,7 @@ from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.map_table import map_csv, map_npz
 from paminsa_viz.model import Design, KneeBranch, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.from_model import TORQUES
 from paminsa_viz.plots.maps import DISPLAY_UNITS, MapData
 
@@ -39,8 +40,7 @@ every cell.
 
 Exit code: 0 done; 1 no position can be reached there; 2 a wrong argument or file."""
 
-PICTURES = (".png", ".svg", ".pdf")
-ENDINGS = (*PICTURES, ".csv", ".npz")
+ENDINGS = (*figure_endings(), ".csv", ".npz")
 
 FEWEST, MOST = 10, 2000
 """Cells along a side that can be asked for."""
@@ -178,11 +178,10 @@ def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: s
         return map_csv(data)
     if ending == ".npz":
         return map_npz(data)
-    from paminsa_viz.plots.paper import Kind, render  # late: matplotlib takes a second to load
+    from paminsa_viz.plots.paper import render  # late: matplotlib takes a second to load
 
     scales = store.scales(state, data, flags.quantities)
-    kind = cast(Kind, ending[1:])
-    return render(data, scales, kind, width_mm=flags.width, dpi=flags.dpi)
+    return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
 
 
 def report(flags: Map, data: MapData) -> dict[str, Any]:

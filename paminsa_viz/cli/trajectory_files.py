@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import cast
 
 from paminsa_viz.cli.arguments import print_error
 from paminsa_viz.cli.trajectory_report import Results
@@ -18,11 +17,11 @@ from paminsa_viz.files.trajectory_series import (
     simulation_series,
 )
 from paminsa_viz.plots.curves import CurveKind, OtherTorques, figure_bytes
-from paminsa_viz.plots.printing import Kind
+from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
 
 TABLES = (".csv", ".npz")
-PICTURES = (".png", ".svg", ".pdf")
+PICTURES = figure_endings()
 PAGE = ".html"
 ENDINGS = (*TABLES, *PICTURES, PAGE)
 
@@ -119,7 +118,7 @@ def _content(
     return figure_bytes(
         kind, analysis,
         reference=results.reference, printed=results.printed, simulation=results.simulation,
-        engine=other, format=cast(Kind, ending[1:]), width_mm=width_mm, dpi=dpi,
+        engine=other, format=ending[1:], width_mm=width_mm, dpi=dpi,
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import Annotated, Any, Literal
 
 import tyro
 
@@ -21,6 +21,7 @@ from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.plots.formats import FIGURE_FORMATS
 
 DESCRIPTION = """\
 Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
@@ -36,7 +37,7 @@ in which MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-Kind: TypeAlias = Literal["png", "svg", "pdf"]
+FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
 
 HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
@@ -65,8 +66,10 @@ class Verify:
     """Print JSON for other programs."""
     figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
-    format: Kind = "png"
-    """Kind of the figures."""
+    format: Annotated[str, tyro.conf.arg(constructor=FormatName, help_behavior_hint="(png)")] = (
+        "png"
+    )
+    """Format of the figures."""
 
 
 def main(words: list[str]) -> int:
@@ -166,7 +169,7 @@ def _show_simulation(found: Verification) -> None:
     )
 
 
-def _figures(found: Verification, folder: Path, kind: Kind) -> list[Path]:
+def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:
     """Write a figure for each engine, and one of the printed formulae; return their paths."""
     # Late: matplotlib takes a second to load.
     from paminsa_viz.plots.curves_paper import render_curves

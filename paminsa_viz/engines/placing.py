@@ -56,7 +56,7 @@ def joint_values(configuration: Configuration) -> dict[str, Array]:
 
 
 def start_pose(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Array:
-    """Return the pose (4,) in which an exported model starts: centerd, on the natural side.
+    """Return the pose (4,) in which an exported model starts: centered, on the natural side.
 
     Halfway between the least and the greatest distance that its pantographs allow.
 

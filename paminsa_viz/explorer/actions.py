@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.bounds import validate_limits
+from paminsa_viz.explorer.scene.layers import with_layers
 from paminsa_viz.explorer.state import Document, State, home_pose, with_document
 from paminsa_viz.files.design_writer import name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch
@@ -139,6 +140,6 @@ def set_map_view(state: State, **changes: Any) -> State:
     return replace(state, map_view=replace(state.map_view, **changes))
 
 
-def set_layers(state: State, **changes: Any) -> State:
-    """Change what is visible in the scene."""
-    return replace(state, layers=replace(state.layers, **changes))
+def set_layers(state: State, **visible: bool) -> State:
+    """Show and hide layers of the scene, by their keys."""
+    return replace(state, layers=with_layers(state.layers, visible))

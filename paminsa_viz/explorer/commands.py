@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import requests as balancing
 from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import Layers
 
 
 class Command(NamedTuple):
@@ -25,7 +25,7 @@ class Command(NamedTuple):
 def _toggle(session: Session, name: str) -> Callable[[], None]:
     return lambda: session.dispatch(
         f"layers.{name}",
-        lambda s: actions.set_layers(s, **{name: not getattr(s.layers, name)}),
+        lambda s: actions.set_layers(s, **{name: name not in s.layers}),
     )
 
 
@@ -35,8 +35,6 @@ def commands(session: Session) -> list[Command]:
     def camera(name: str) -> Callable[[], None]:
         return lambda: session.submit(lambda: look(session, name))
 
-    layer_keys = {"skeleton": "K", "floor_map": "F", "gizmo": "G", "mass_centers": "C"}
-    assert layer_keys.keys() <= Layers.__dataclass_fields__.keys()
     return [
         Command("Home pose", "H", None, lambda: session.dispatch("home", actions.go_home)),
         Command("Undo", "Z", "cmd/ctrl", session.undo),
@@ -70,8 +68,10 @@ def commands(session: Session) -> list[Command]:
             for number, name in enumerate(CAMERAS, start=1)
         ),
         *(
-            Command(f"Show or hide: {name.replace('_', ' ')}", key, None, _toggle(session, name))
-            for name, key in layer_keys.items()
+            Command(
+                f"Show or hide: {layer.label.lower()}", layer.shortcut, None, _toggle(session, key)
+            )
+            for key, layer in LAYERS.items()
         ),
     ]
 

@@ -32,7 +32,7 @@ class Control:
         *,
         step: bool = True,
     ) -> None:
-        """Bind an input; see `Session.ask` for ``step``."""
+        """Bind an input; see `Session.dispatch` for ``step``."""
         self.session, self.handle, self.name = session, handle, name
         self._apply, self._show, self._step = apply, show, step
         # What the input held when it was last read or written here. If it holds something else,

@@ -1,8 +1,9 @@
-"""The rest of the page: the map panel, the tabs beside the first, the handle, floor and path."""
+"""The rest of the page: the map panel, the tabs after the first, the layers on the ground."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer import commands, saving
@@ -17,9 +18,7 @@ from paminsa_viz.explorer.panels.file_panel import FilePanel
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.view_panel import ViewPanel
-from paminsa_viz.explorer.scene.floor import FloorMap
-from paminsa_viz.explorer.scene.gizmo import Gizmo
-from paminsa_viz.explorer.scene.path import MotionPath
+from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 
 
@@ -40,15 +39,18 @@ class TabStore:
             self._bridge.save(text)
 
 
-def build_tabs(session: Session, bridge: Bridge, places: Mapping[str, Any]) -> None:
+def build_tabs(
+    session: Session, bridge: Bridge, places: Mapping[str, Any], context: SceneContext
+) -> None:
     """Fill the tabs and add their views to the session, which draws them with its next state.
 
     Args:
         session: The tab of the browser.
         bridge: The way to it.
         places: The empty tabs by name, see `paminsa_viz.explorer.page.LATER_TABS`.
+        context: What the layers of the scene are made with.
     """
-    motions = MotionStore()
+    motions = context.motions or MotionStore()
     maps = MapsPanel(session, bridge, motions)
     with places["Design"]:
         design = DesignPanel(session)
@@ -62,7 +64,8 @@ def build_tabs(session: Session, bridge: Bridge, places: Mapping[str, Any]) -> N
         view = ViewPanel(session)
     with places["File"]:
         files = FilePanel(session)
-    session.first += [Clock(session), Gizmo(session), MotionPath(session, motions)]
+    session.first.append(Clock(session))
     session.words += [design, balance, motion, view]
-    session.later += [maps, FloorMap(session, maps.store), compare, files, TabStore(bridge)]
+    floor = build_views(replace(context, maps=maps.store), animated=False)
+    session.later += [maps, *floor, compare, files, TabStore(bridge)]
     commands.register(session)

@@ -100,7 +100,7 @@ def figure(
     Args:
         state: What to show.
         store: Where maps come from.
-        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        kind: Name of a figure format.
         single: One map of the chosen quantity instead of the three torques.
         width_mm: Width [mm].
         dpi: Pixels per inch.
@@ -109,18 +109,15 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.paper import KINDS, render
+    from paminsa_viz.plots.paper import render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
-    for known in KINDS:
-        if known == kind:
-            quantities = shown_quantities(state, single)
-            data = store.data(state, FULL, quantities)
-            scales = store.scales(state, data, quantities)
-            content = render(data, scales, known, width_mm=width_mm, dpi=dpi)
-            return File(file_name(state, _what(state, single), kind), content)
-    raise InvalidInput("kind", f"one of {', '.join(KINDS)} is needed")
+    quantities = shown_quantities(state, single)
+    data = store.data(state, FULL, quantities)
+    scales = store.scales(state, data, quantities)
+    content = render(data, scales, kind, width_mm=width_mm, dpi=dpi)
+    return File(file_name(state, _what(state, single), kind), content)
 
 
 def table(state: State, store: MapStore, kind: str, single: bool) -> File:

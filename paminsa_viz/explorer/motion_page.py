@@ -55,7 +55,7 @@ _COVERED = 0.2
 Frames = list[tuple[dict[str, Position], dict[str, Quaternion]]]
 """Positions and quaternions by scene node, of each instant."""
 
-_PLAYER = Path(__file__).with_name("motion_player.html")
+_PLAYER = Path(__file__).parent / "browser" / "motion_player.html"
 
 
 def motion_html(

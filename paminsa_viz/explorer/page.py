@@ -13,8 +13,10 @@ import viser
 from paminsa_viz.explorer import actions, saving
 from paminsa_viz.explorer.browser import backdrop, render_on_demand
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import PosePanel
 from paminsa_viz.explorer.panels.readout import Readout
+from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import Design, PaminsaError
@@ -75,14 +77,15 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         gui.add_html(TAB_STYLE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.words += [readout, pose]
+    context = SceneContext(client.scene, session.dispatch, MotionStore())
 
     def build_robot() -> None:
         if session.first:
             return
-        from paminsa_viz.explorer.scene.view import RobotView, look
+        from paminsa_viz.explorer.scene.view import look
 
         look(session, "3D")
-        session.first.append(RobotView(session))
+        session.first += build_views(context, animated=True)
         session.dispatch("robot", replace)
 
     def build_rest() -> None:
@@ -90,7 +93,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
             return
         from paminsa_viz.explorer.deferred_tabs import build_tabs
 
-        build_tabs(session, bridge, places)
+        build_tabs(session, bridge, places, context)
         session.built.set()
         session.dispatch("page", replace)
 

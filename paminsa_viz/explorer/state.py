@@ -14,6 +14,7 @@ from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.motion.playback import Playback
 from paminsa_viz.explorer.motion.plots import PlotView
 from paminsa_viz.explorer.motion.simulating import Simulating
+from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
@@ -72,26 +73,6 @@ class MapView:
 
 
 @dataclass(frozen=True)
-class Layers:
-    """What is visible in the 3D scene; names match the switches of the page."""
-
-    mesh: bool = True
-    skeleton: bool = False
-    mass_centers: bool = False
-    gravity: bool = False
-    torques: bool = True
-    labels: bool = True
-    workspace: bool = True
-    singularity: bool = True
-    floor_map: bool = True
-    gizmo: bool = False
-    fine: bool = False
-    shadows: bool = False
-    path: bool = False
-    floor_opacity: float = 0.85
-
-
-@dataclass(frozen=True)
 class Document:
     """What a person works on: undo, saving and share codes are about this.
 
@@ -112,12 +93,22 @@ class Document:
 
 @dataclass(frozen=True)
 class State:
-    """Everything one browser tab shows."""
+    """Everything one browser tab shows.
+
+    Attributes:
+        document, standing: What is worked on, and where the robot stands.
+        map_view: How the maps are drawn.
+        layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
+        floor_opacity: Opacity of the map on the ground.
+        playback, plots: Where the motion is played, and how it is plotted.
+        simulating, balancing, engine_answer: Jobs of the session and what came of them.
+    """
 
     document: Document
     standing: LastReachable
     map_view: MapView = field(default_factory=MapView)
-    layers: Layers = field(default_factory=Layers)
+    layers: frozenset[str] = field(default_factory=default_layers)
+    floor_opacity: float = 0.85
     playback: Playback = field(default_factory=Playback)
     plots: PlotView = field(default_factory=PlotView)
     simulating: Simulating = field(default_factory=Simulating)

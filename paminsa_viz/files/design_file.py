@@ -18,7 +18,6 @@ the line, the key, its value and what is allowed.
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import tomllib
@@ -27,19 +26,11 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from paminsa_viz.files.atomic import as_file_error, written_whole
-from paminsa_viz.files.design_counterweights import KEYS as WEIGHT_KEYS
-from paminsa_viz.files.design_counterweights import (
-    TABLE,
-    counterweight_line,
-    read_counterweights,
-)
 from paminsa_viz.files.design_schema import (
-    FILE_KEYS,
+    COUNTERWEIGHT_KEYS,
+    COUNTERWEIGHTS,
     KEY_OF,
-    SCHEMA_VERSION,
-    TABLES,
-    key_hint,
-    table_hint,
+    KEYS,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
@@ -99,7 +90,7 @@ def read_design(content: str | bytes, source_name: str) -> Design:
     """
     text = _text(content, source_name)
     document = _parsed(text, source_name)
-    return _Reader(text, source_name).design(document)
+    return _design(document, text, source_name)
 
 
 def _text(content: str | bytes, source: str) -> str:
@@ -154,130 +145,95 @@ def _number_hint(line: str) -> str:
     return next((f" ({advice})" for way, advice in ways.items() if re.search(way, line)), "")
 
 
-class _Reader:
-    """Turns one parsed document into a design; knows its text, to name lines."""
+def _design(document: dict[str, Any], text: str, source: str) -> Design:
+    """Return the design of a parsed document; the text is where lines are looked up."""
+    # Late: not needed where no file is read, and it brings pydantic.
+    from paminsa_viz.files.design_document import (
+        DesignDocument,
+        ValidationError,
+        first_error,
+    )
 
-    def __init__(self, text: str, source: str) -> None:
-        self.text = text
-        self.source = source
+    def refused(path: str, value: object, problem: str) -> DesignFileError:
+        line = find_line(text, path) or find_line(text, path.rpartition(".")[0])
+        key = re.sub(rf"^({COUNTERWEIGHTS})\.\d+", r"\1", path)
+        return DesignFileError(source, problem, line=line, key=key, value=value)
 
-    def design(self, document: dict[str, Any]) -> Design:
-        self._check_version(document)
-        name = document.get("name", printable(PurePath(self.source).stem[:100]))
-        if "name" in document and (problem := name_problem(name)):
-            raise self._error("name", name, problem)
-        numbers: dict[str, float | None] = {}
-        weights: tuple[Counterweight, ...] = ()
-        for key, value in document.items():
-            if key in FILE_KEYS:
-                continue
-            if key == TABLE:
-                weights = read_counterweights(value, self._number, self._weight_error)
-                continue
-            if key in TABLES and key:
-                numbers |= self._table(key, value)
-            elif key in TABLES[""]:
-                numbers[TABLES[""][key].parameter.path] = self._number(key, value)
-            elif isinstance(value, dict):
-                raise self._error(key, None, f"there is no table of this name; {table_hint(key)}")
-            else:
-                raise self._error(key, None, f"there is no such key; {key_hint('', key)}")
-        self._check_count(document, len(numbers) + len(WEIGHT_KEYS) * len(weights))
+    try:
+        content = DesignDocument.model_validate(document).model_dump(exclude_unset=True)
+    except ValidationError as error:
+        raise refused(*first_error(error)) from error
+    name = content.get("name", printable(PurePath(source).stem[:100]))
+    if "name" in content and (problem := name_problem(name)):
+        raise refused("name", name, problem)
+    numbers = {
+        key.parameter.path: (content[key.table] if key.table else content)[key.name]
+        for key in KEYS
+        if key.name in (content.get(key.table, {}) if key.table else content)
+    }
+    entries = content.get(COUNTERWEIGHTS, [])
+    count, found = content.get("value_count", 0), len(numbers) + sum(map(len, entries))
+    if found < count:
+        problem = (
+            f"only {found} values are there, so the file was cut short; if you removed some to use "
+            f"Appendix 4's, delete this line too"
+        )
+        raise refused("value_count", count, problem)
+    weights = []
+    for index, entry in enumerate(entries):
+        values = {field: entry[key] for field, key in COUNTERWEIGHT_KEYS.items()}
         try:
-            return replace(APPENDIX_4.vary(numbers), name=name, counterweights=weights)
+            weights.append(Counterweight(**values | {"bar": entry["bar"].lower()}))
         except InvalidDesign as error:
-            known = KEY_OF.get(error.field.removeprefix("design."))
-            path = known.path if known else error.field
-            # A length that only contradicts others may be one that the file does not set.
-            value = error.value if isinstance(error.value, (int, float)) else None
-            raise self._error(path, value, error.allowed) from error
-
-    def _check_version(self, document: dict[str, Any]) -> None:
-        key = "schema_version"
-        if key not in document:
-            problem = f"is not a design file, or lacks the line {key} = {SCHEMA_VERSION} at its top"
-            raise DesignFileError(self.source, problem)
-        version = document[key]
-        if isinstance(version, bool) or not isinstance(version, int) or version < 1:
-            problem = f"a whole number is needed; {SCHEMA_VERSION} is the present one"
-            raise self._error(key, version, problem)
-        if version > SCHEMA_VERSION:
-            problem = (
-                f"the file is from a newer paminsa_viz than this one, which reads versions up to "
-                f"{SCHEMA_VERSION}; update paminsa_viz"
-            )
-            raise self._error(key, version, problem)
-
-    def _check_count(self, document: dict[str, Any], found: int) -> None:
-        key = "value_count"
-        count = document.get(key, 0)
-        if isinstance(count, bool) or not isinstance(count, int) or count < 0:
-            raise self._error(key, count, "a whole number is needed")
-        if found < count:
-            problem = (
-                f"only {found} values are there, so the file was cut short; if you removed some "
-                f"to use Appendix 4's, delete this line too"
-            )
-            raise self._error(key, count, problem)
-
-    def _table(self, table: str, content: object) -> dict[str, float | None]:
-        keys = TABLES[table]
-        if not isinstance(content, dict):
-            kind = "in single brackets" if isinstance(content, list) else "of values"
-            raise self._error(table, None, f"a table [{table}] {kind} is needed")
-        numbers: dict[str, float | None] = {}
-        for name, value in content.items():
-            path = f"{table}.{name}"
-            if name not in keys:
-                raise self._error(path, None, f"there is no such key; {key_hint(table, name)}")
-            numbers[keys[name].parameter.path] = self._number(path, value)
-        return numbers
-
-    def _number(self, path: str, value: object) -> float:
-        if isinstance(value, bool) or not isinstance(value, (int, float)):
-            hint = "a number is needed"
-            if isinstance(value, str):
-                hint += ", without quotes or unit"
-            raise self._error(path, value, hint)
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if not math.isfinite(number):
-            raise self._error(path, value, "a finite number is needed")
-        return number
-
-    def _weight_error(self, key: str, value: object, problem: str, number: int) -> DesignFileError:
-        line = counterweight_line(self.text, number, key)
-        path = key if key == TABLE else f"{TABLE}.{key}"
-        return DesignFileError(self.source, problem, line=line, key=path, value=value)
-
-    def _error(self, key: str, value: object, problem: str) -> DesignFileError:
-        line = find_line(self.text, key) or find_line(self.text, key.rpartition(".")[0])
-        return DesignFileError(self.source, problem, line=line, key=key, value=value)
+            key = COUNTERWEIGHT_KEYS[error.field.rpartition(".")[2]]
+            path = f"{COUNTERWEIGHTS}.{index}.{key}"
+            raise refused(path, error.value, error.allowed) from error
+    try:
+        return replace(APPENDIX_4.vary(numbers), name=name, counterweights=tuple(weights))
+    except InvalidDesign as error:
+        known = KEY_OF.get(error.field.removeprefix("design."))
+        # A length that only contradicts others may be one that the file does not set.
+        value = error.value if isinstance(error.value, (int, float)) else None
+        raise refused(known.path if known else error.field, value, error.allowed) from error
 
 
 def find_line(text: str, key: str) -> int | None:
     """Return the line of a TOML text, counted from 1, that sets a dotted key or opens a table.
 
     Reads headings and plain assignments only, which is what design files consist of; None if the
-    key is not found that way.
+    key is not found that way. The tables of a list are numbered: ``"counterweights.1.bar"``. One
+    pass over the text, by hand: a pattern could take quadratic time on a hostile one.
     """
     table = ""
+    counts: dict[str, int] = {}
     for number, line in enumerate(text.split("\n") if key else (), 1):
-        heading = re.match(r"\s*\[\[?([^\]]*)\]", line)
-        if heading:
-            table = _plain(heading[1])
-            if table == key:
-                return number
-            continue
-        assigned = re.match(r"""\s*((?:"[^"]*"|'[^']*'|[\w.\- \t])+?)\s*=""", line)
-        if assigned:
-            name = _plain(assigned[1])
-            path = f"{table}.{name}" if table else name
-            if path == key or path.startswith(f"{key}."):
-                return number
+        line = line.strip()
+        if line.startswith("["):
+            table = path = _plain(line.lstrip("[").partition("]")[0])
+            if line.startswith("[["):
+                counts[path] = counts.get(path, -1) + 1
+                table = path = f"{path}.{counts[path]}"
+        else:
+            name = _left_side(line)
+            path = f"{table}.{_plain(name)}" if table else _plain(name)
+            if not name:
+                continue
+        if path == key or path.startswith(f"{key}."):
+            return number
     return None
+
+
+def _left_side(line: str) -> str:
+    """Return what stands before the first ``=`` outside of quotes, empty without one."""
+    quote = ""
+    for place, character in enumerate(line):
+        if quote:
+            quote = "" if character == quote else quote
+        elif character in "\"'":
+            quote = character
+        elif character in "#=":
+            return line[:place] if character == "=" else ""
+    return ""
 
 
 def _plain(dotted: str) -> str:

@@ -19,6 +19,12 @@ added."""
 FILE_KEYS = ("schema_version", "name", "value_count")
 """Keys that describe the file and not the robot."""
 
+COUNTERWEIGHTS = "counterweights"
+"""Name of the tables ``[[counterweights]]``, one for each."""
+
+COUNTERWEIGHT_KEYS = {"bar": "bar", "joint": "joint", "beyond": "beyond_m", "mass": "mass_kg"}
+"""Keys of a counterweight by the names of its fields; each of them has to be there."""
+
 
 def unit_suffix(unit: str) -> str:
     """Return a unit as it ends a key: ``"kg m^2"`` gives ``"_kg_m2"``, ``""`` gives ``""``."""
@@ -28,7 +34,7 @@ def unit_suffix(unit: str) -> str:
 
 
 @dataclass(frozen=True)
-class Key:
+class DesignKey:
     """One number of a design file.
 
     Attributes:
@@ -47,29 +53,29 @@ class Key:
         return f"{self.table}.{self.name}" if self.table else self.name
 
 
-def _key(parameter: Parameter) -> Key:
+def _key(parameter: Parameter) -> DesignKey:
     table, _, field = parameter.path.rpartition(".")
-    return Key(table, field + unit_suffix(parameter.unit), parameter)
+    return DesignKey(table, field + unit_suffix(parameter.unit), parameter)
 
 
-KEYS: tuple[Key, ...] = tuple(_key(parameter) for parameter in PARAMETERS)
+KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETERS)
 """Every number that a design file can hold, in the design's order."""
 
-KEY_OF: dict[str, Key] = {key.parameter.path: key for key in KEYS}
+KEY_OF: dict[str, DesignKey] = {key.parameter.path: key for key in KEYS}
 """Keys by the dotted path of the design's number."""
 
-TABLES: dict[str, dict[str, Key]] = {
+TABLES: dict[str, dict[str, DesignKey]] = {
     table: {key.name: key for key in KEYS if key.table == table}
     for table in dict.fromkeys(["", *(key.table for key in KEYS)])
 }
-"""Keys by table and name. Numbers that stand in no table, under ``""``, come first: below a table's
+"""Keys by table and name. Numbers outside any table, under ``""``, come first: below a table's
 heading they would belong to it."""
 
 
 def table_hint(name: str) -> str:
     """Return advice for an unknown table: the nearest one, or all there are."""
     tables = [table for table in TABLES if table]
-    near = difflib.get_close_matches(name.lower(), tables, 1)
+    near = difflib.get_close_matches(name[:100].lower(), tables, 1)
     if near:
         return f"did you mean [{near[0]}]?"
     return "there are " + ", ".join(f"[{table}]" for table in tables)
@@ -79,20 +85,14 @@ def key_hint(table: str, name: str) -> str:
     """Return advice for an unknown key: the nearest key, here or in another table."""
     name = name[:100]
     by_symbol = [key for key in KEYS if _names_symbol(name, key.parameter.symbol)]
-    if by_symbol:
-        return _did_you_mean(table, by_symbol[0])
-    here = dict(TABLES[table])
-    if not table:
-        here |= dict.fromkeys(FILE_KEYS)  # type: ignore[arg-type]
-    if name in here:
-        return ""
     elsewhere = [key for key in KEYS if key.name == name]
-    if elsewhere:
-        return _did_you_mean(table, elsewhere[0])
+    if by_symbol or elsewhere:
+        return _did_you_mean(table, (by_symbol or elsewhere)[0])
+    here = [*TABLES[table], *(() if table else FILE_KEYS)]
     near = difflib.get_close_matches(name, here, 1, 0.6)
     if near:
-        key = here[near[0]]
-        return f"did you mean {near[0]}?" if key is None else _did_you_mean(table, key)
+        key = TABLES[table].get(near[0])
+        return _did_you_mean(table, key) if key else f"did you mean {near[0]}?"
     near = difflib.get_close_matches(name, [key.name for key in KEYS], 1, 0.7)
     if near:
         return _did_you_mean(table, next(key for key in KEYS if key.name == near[0]))
@@ -106,6 +106,6 @@ def _names_symbol(name: str, symbol: str) -> bool:
     return any(name == word or name.startswith(f"{word}_") for word in words)
 
 
-def _did_you_mean(table: str, key: Key) -> str:
+def _did_you_mean(table: str, key: DesignKey) -> str:
     where = "" if key.table == table else f" in [{key.table}]" if key.table else " at the top"
     return f"did you mean {key.name}{where} ({key.parameter.symbol}, {key.parameter.label})?"

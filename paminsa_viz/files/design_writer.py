@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-
-from paminsa_viz.files.design_counterweights import counterweight_lines
-from paminsa_viz.files.design_schema import KEY_OF, SCHEMA_VERSION, TABLES, Key
+from paminsa_viz.files.design_schema import (
+    COUNTERWEIGHT_KEYS,
+    COUNTERWEIGHTS,
+    KEY_OF,
+    SCHEMA_VERSION,
+    TABLES,
+    DesignKey,
+)
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.design import APPENDIX_4, Design
 
 HEADER = """\
 Design of a PAMINSA manipulator. All values are in SI units, named at the end of each key.
 A value that is left out is Appendix 4's (delete value_count when you leave some out)."""
+
+_COUNTERWEIGHT_COMMENTS = (
+    "bar of each leg, B3, B4, B7 or B8",
+    "end of the bar that its place is measured from",
+    "beyond that joint, away from the bar's other end; negative: on the bar",
+    "on each of the three legs",
+)
 
 NAME_CHARACTERS = 200
 """Longest name of a design."""
@@ -41,37 +52,39 @@ def write_design(design: Design, *, comment: str = "") -> str:
     lines = [f"# {printable(line)}".rstrip() for line in head]
     body: list[str] = []
     for table, keys in TABLES.items():
-        rows = [(_assignment(design, key), _comment(design, key)) for key in keys.values()]
-        width = max((len(assignment) for assignment, _ in rows), default=0)
         body += ["", f"[{table}]  {_table_comment(table)}".rstrip()] if table else []
-        body += [f"{assignment:<{width}}  # {text}" for assignment, text in rows]
-    body += counterweight_lines(design)
+        body += _aligned(
+            [(_assignment(design, key), _comment(design, key)) for key in keys.values()]
+        )
+    for weight in design.counterweights:
+        values = (f'"{weight.bar.upper()}"', weight.joint, weight.beyond, weight.mass)
+        texts = [f"{key} = {v}" for key, v in zip(COUNTERWEIGHT_KEYS.values(), values, strict=True)]
+        body += ["", f"[[{COUNTERWEIGHTS}]]"]
+        body += _aligned(list(zip(texts, _COUNTERWEIGHT_COMMENTS, strict=True)))
     count = sum("=" in line and not line.startswith("#") for line in body)
+    name = design.name.replace("\\", "\\\\").replace('"', '\\"')
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
-    lines += ["", f"name = {_string(design.name)}"]
+    lines += ["", f'name = "{name}"']
     lines += [f"value_count = {count}  # so that a file that was cut short is noticed"]
     lines += [f"schema_version = {SCHEMA_VERSION}"]
     return "\n".join([*lines, *body]) + "\n"
 
 
-def _string(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'
+def _aligned(rows: list[tuple[str, str]]) -> list[str]:
+    """Return lines of TOML with their comments below each other."""
+    width = max((len(text) for text, _ in rows), default=0)
+    return [f"{text:<{width}}  # {comment}" for text, comment in rows]
 
 
-def _assignment(design: Design, key: Key) -> str:
+def _assignment(design: Design, key: DesignKey) -> str:
+    """Return a key with its value, commented out if the value follows from others (the stroke)."""
     text = f"{key.name} = {design.value(key.parameter.path)!r}"
-    return f"# {text}" if _is_unset(design, key) else text
-
-
-def _is_unset(design: Design, key: Key) -> bool:
-    """Whether the design leaves the value to follow from others (the guide stroke)."""
-    field = key.parameter.path.rpartition(".")[2]
     owner = getattr(design, key.table) if key.table else design
-    return getattr(owner, field) is None
+    unset = getattr(owner, key.parameter.path.rpartition(".")[2]) is None
+    return f"# {text}" if unset else text
 
 
-def _comment(design: Design, key: Key) -> str:
+def _comment(design: Design, key: DesignKey) -> str:
     parameter = key.parameter
     text = f"{parameter.symbol}, {parameter.label}"
     if design.value(parameter.path) != parameter.default:
@@ -81,12 +94,11 @@ def _comment(design: Design, key: Key) -> str:
 
 def _table_comment(table: str) -> str:
     """Return the first sentence of the group's own documentation."""
-    group = next(item for item in fields(APPENDIX_4) if item.name == table)
-    text = (type(getattr(APPENDIX_4, group.name)).__doc__ or "").strip().splitlines()
+    text = (type(getattr(APPENDIX_4, table)).__doc__ or "").strip().splitlines()
     return f"# {text[0].rstrip('.')}" if text else ""
 
 
-def differences(first: Design, second: Design) -> list[tuple[Key, float, float]]:
+def differences(first: Design, second: Design) -> list[tuple[DesignKey, float, float]]:
     """Return the values in which two designs differ, in the design's order.
 
     A guide stroke that is left open counts as the length it takes.

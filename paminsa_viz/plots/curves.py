@@ -7,16 +7,13 @@ curve of the paper: the motion of its Figs. 6-11 is not in its text.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 from paminsa_viz.plots.curves_data import CurveData
 from paminsa_viz.plots.curves_model import build
 from paminsa_viz.plots.curves_sources import OtherTorques, Sources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import Simulation
-
-if TYPE_CHECKING:
-    from paminsa_viz.plots.printing import Kind
 
 CurveKind = Literal["torques", "breakdown", "pose", "power", "energy", "tracking", "comparison"]
 KINDS: tuple[CurveKind, ...] = get_args(CurveKind)
@@ -63,7 +60,7 @@ def figure_bytes(
     simulation: Simulation | None = None,
     engine: OtherTorques | None = None,
     notes: Sequence[str] = (),
-    format: Kind = "png",
+    format: str = "png",
     width_mm: float = 170.0,
     dpi: float = 300.0,
     title: str | None = None,

@@ -11,10 +11,10 @@ from paminsa_viz.plots.curves_axes import Scale, time_marks, value_scale
 from paminsa_viz.plots.curves_data import CurveData
 from paminsa_viz.plots.curves_legend import Key, draw_keys, keys, rows_of
 from paminsa_viz.plots.curves_panel import draw_panel
+from paminsa_viz.plots.formats import Credits, check_size, drawing, figure_file
 from paminsa_viz.plots.layout import Box
 from paminsa_viz.plots.lettering import TextMetrics
 from paminsa_viz.plots.page import Page
-from paminsa_viz.plots.printing import Kind, check_print, printed_bytes, printing
 
 TWO_COLUMNS = 130.0  # mm; narrower figures have their panels below each other
 LEAST_WIDTH = 60.0  # mm; below it headings would be cut
@@ -39,7 +39,7 @@ class _Plan:
 
 def render_curves(
     data: CurveData,
-    kind: Kind = "png",
+    kind: str = "png",
     *,
     width_mm: float = 170.0,
     dpi: float = 300.0,
@@ -50,7 +50,7 @@ def render_curves(
 
     Args:
         data: What to draw.
-        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        kind: Name of a figure format.
         width_mm: Width on paper [mm]; 85 is a column, 170 a page.
         dpi: Pixels per inch of a PNG.
         title: Heading; None for the data's own, empty for none.
@@ -59,14 +59,13 @@ def render_curves(
     Raises:
         InvalidInput: If kind, width or resolution is not possible.
     """
-    check_print(kind, width_mm, dpi)
+    check_size(kind, width_mm, dpi)
     if width_mm < LEAST_WIDTH:
         raise InvalidInput("width_mm", f"at least {LEAST_WIDTH:g} mm are needed")
-    with printing():
+    with drawing():
         page = _page(data, width_mm, dpi, data.title if title is None else title, caption)
-        return printed_bytes(
-            page.figure, kind, dpi, title=data.title, about=data.summary, version=data.version
-        )
+        credits = Credits(data.title, data.summary, data.version)
+        return figure_file(page.figure, kind, dpi, credits)
 
 
 def _page(data: CurveData, width: float, dpi: float, title: str, caption: bool) -> Page:

@@ -9,9 +9,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from paminsa_viz.palette import INK
+from paminsa_viz.plots.formats import INCH
 from paminsa_viz.plots.layout import Box
-
-INCH = 25.4  # mm
 
 
 class Page:

@@ -10,17 +10,15 @@ from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots import axes
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
+from paminsa_viz.plots.formats import Credits, check_size, drawing, figure_file
 from paminsa_viz.plots.layout import Room, arrange
 from paminsa_viz.plots.lettering import TextMetrics
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.page import Page
 from paminsa_viz.plots.paper_bar import draw_bar
 from paminsa_viz.plots.paper_panel import draw_panel
-from paminsa_viz.plots.printing import KINDS, Kind, check_print, printed_bytes, printing
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
-
-__all__ = ["KINDS", "Kind", "render"]
 
 LEAST_PANEL = 15.0  # mm; below it numbers would run into each other
 
@@ -43,7 +41,7 @@ _ROOM = Room(
 def render(
     data: MapData,
     scale: Scale | Sequence[Scale],
-    kind: Kind = "png",
+    kind: str = "png",
     *,
     width_mm: float = 170.0,
     dpi: float = 300.0,
@@ -55,7 +53,7 @@ def render(
     Args:
         data: The maps.
         scale: One color scale for all panels, or one for each.
-        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        kind: Name of a figure format.
         width_mm: Width on paper [mm]; 85 is a column, 170 a page.
         dpi: Pixels per inch: of a PNG, and of the colored cells inside SVG and PDF.
         title: Heading of the figure; None for the map's own title, empty for none.
@@ -68,18 +66,16 @@ def render(
         InvalidInput: If kind, width or resolution is not possible.
         InvalidScale: If the number of scales is not that of the panels.
     """
-    check_print(kind, width_mm, dpi)
+    check_size(kind, width_mm, dpi)
     if arrange(data, width_mm, _ROOM, own_bars=True).panels[0].width < LEAST_PANEL:
         raise InvalidInput("width_mm", f"too narrow for {data.panels} panels side by side")
     scales = per_panel(data, scale)
-    with printing():
+    with drawing():
         figure = _figure(
             data, scales, width_mm, dpi, data.title if title is None else title, caption
         )
-        return printed_bytes(
-            figure, kind, dpi,
-            title=data.title or "Map", about=summary(data), version=data.provenance.version,
-        )  # fmt: skip
+        credits = Credits(data.title or "Map", summary(data), data.provenance.version)
+        return figure_file(figure, kind, dpi, credits)
 
 
 def _figure(

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import axes, colors, lines, raster, ticks
+from paminsa_viz.plots.formats import INCH
 from paminsa_viz.plots.labels import Label, place_labels
 from paminsa_viz.plots.layout import Box
 from paminsa_viz.plots.lettering import TextMetrics
 from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.page import INCH, Page
+from paminsa_viz.plots.page import Page
 from paminsa_viz.plots.scale import Scale
 
 LABELLED_PANEL = 30.0  # mm; contours of smaller panels carry no numbers, and lines are finer

@@ -2,7 +2,7 @@
 
 `ReportRequest` says of which robot and motion, `report_html` computes and writes it. Each section
 is a module that turns results into blocks (`blocks`): tables, figures, notes. One template sets
-them. The file needs no network and no script; a browser's print dialogue makes a PDF of it.
+them. The file needs no network and no script; a browser's print dialog makes a PDF of it.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.files.design_schema import KEYS, Key
+from paminsa_viz.files.design_schema import KEYS, DesignKey
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.report.blocks import NONE, Block, Note, Row, Section, Table, measured
@@ -56,12 +56,12 @@ def _summary(design: Design, changed: int) -> str:
     return said + "."
 
 
-def _differs(design: Design, key: Key) -> bool:
+def _differs(design: Design, key: DesignKey) -> bool:
     path = key.parameter.path
     return design.value(path) != APPENDIX_4.value(path)
 
 
-def _row(design: Design, key: Key, differs: bool) -> Row:
+def _row(design: Design, key: DesignKey, differs: bool) -> Row:
     parameter = key.parameter
     now, before = design.value(parameter.path), APPENDIX_4.value(parameter.path)
     cells = (parameter.symbol, parameter.label, measured(now, parameter.unit, 6))

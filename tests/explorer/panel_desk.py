@@ -29,7 +29,7 @@ class Desk:
         self.page = RawPage(server)
         self.session = Session(self.page.client, initial_state())
         self.told: list[tuple[str, str]] = []
-        self.session.tell = self._tell  # type: ignore[method-assign]
+        self.session.notify = self._tell  # type: ignore[method-assign]
         self.panel: Any = make(self.session)
         self.session.first.append(self.panel)
         self.session.start()
@@ -56,7 +56,7 @@ class Desk:
         """Wait until something holds."""
         return eventually(condition)
 
-    def ask(self, intent: Callable[[State], State]) -> None:
+    def dispatch(self, intent: Callable[[State], State]) -> None:
         """Change the state from elsewhere, and wait until it has been taken."""
         done: list[bool] = []
         self.session.dispatch("elsewhere", intent)

@@ -10,7 +10,7 @@ import pytest
 import viser
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.panels import patient
+from paminsa_viz.explorer.panels import debounced_input
 from paminsa_viz.explorer.panels.design_panel import (
     WHOLE_GROUP,
     DesignPanel,
@@ -132,7 +132,7 @@ def test_a_number_below_the_slider_holds_if_it_is_possible(desk: Desk) -> None:
 def test_an_impossible_number_changes_nothing_is_told_and_set_back(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(patient, "PATIENCE", 0.05)
+    monkeypatch.setattr(debounced_input, "PATIENCE", 0.05)
     cases = {
         "platform.mass": (0.0, "m_pl = 0 kg", "above 0"),
         "links.b7": (-1.0, "m_B7 = −1 kg", "at least 0"),
@@ -169,7 +169,7 @@ def test_typing_through_an_impossible_number_is_not_interrupted(desk: Desk) -> N
 def test_the_newest_of_many_impossible_numbers_is_told_once(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(patient, "PATIENCE", 0.2)
+    monkeypatch.setattr(debounced_input, "PATIENCE", 0.2)
     handle = slider(desk, "geometry.magnification")
     for value in (1.25, 1.2, 1.15):  # a drag through what is impossible
         desk.set(handle, value)

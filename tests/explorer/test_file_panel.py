@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions, sharing
-from paminsa_viz.explorer.panels import patient
+from paminsa_viz.explorer.panels import debounced_input
 from paminsa_viz.explorer.panels.file_panel import FilePanel, file_name, uploaded_design
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import Document
@@ -217,7 +217,7 @@ def test_a_pasted_code_is_opened(desk: Desk) -> None:
 def test_a_broken_code_changes_nothing_and_is_told_in_time(
     desk: Desk, code: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(patient, "PATIENCE", 0.05)
+    monkeypatch.setattr(debounced_input, "PATIENCE", 0.05)
     before, shown = desk.state.document, desk.panel.code.value
     desk.set(desk.panel.code, code)
     desk.until(lambda: desk.told)

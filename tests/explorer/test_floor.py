@@ -17,7 +17,9 @@ from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.scene import floor
 from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
 from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
@@ -114,9 +116,13 @@ def server() -> Iterator[viser.ViserServer]:
     running.stop()
 
 
+def _floor_map(session: Session) -> FloorMap:
+    return FloorMap(SceneContext(session.client.scene, session.dispatch))
+
+
 @pytest.fixture
 def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, FloorMap) as made:
+    with desk_with(server, _floor_map) as made:
         made.until(lambda: made.panel._map.image.shape[0] == FULL)
         yield made
 

@@ -26,7 +26,7 @@ class FakeSession:
     def __init__(self) -> None:
         self.asked = 0
 
-    def ask(self, source: str, intent: Any) -> None:
+    def dispatch(self, source: str, intent: Any) -> None:
         del source
         state = initial_state()
         assert intent(state) == state

@@ -85,7 +85,7 @@ def test_missing_files_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(library, "checkout_folder", lambda: tmp_path / "nowhere")
     library.mesh_folder.cache_clear()
     try:
-        with pytest.raises(library.MissingMeshes, match=r"python -m paminsa_viz\.shapes"):
+        with pytest.raises(library.MissingMeshes, match=r"python -m paminsa_viz\.meshes"):
             library.mesh_folder()
     finally:
         library.mesh_folder.cache_clear()

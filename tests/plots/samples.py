@@ -66,7 +66,7 @@ sizes = st.floats(1e-6, 1e6)
 
 @st.composite
 def scales(draw: st.DrawFn) -> Scale:
-    """Draw any sensible scale: diverging or sequential, linear or log, centerd or not."""
+    """Draw any sensible scale: diverging or sequential, linear or log, centered or not."""
     low = draw(st.one_of(st.just(0.0), sizes, sizes.map(lambda v: -v)))
     high = low + draw(st.floats(1e-3, 1e3)) * max(abs(low), 1e-3)
     if draw(st.booleans()):

@@ -20,7 +20,7 @@ from paminsa_viz.plots.curves_data import Panel, Trace, extremes
 from paminsa_viz.plots.curves_model import PARTS
 from paminsa_viz.plots.curves_paper import _page
 from paminsa_viz.plots.curves_words import value, written
-from paminsa_viz.plots.printing import printing
+from paminsa_viz.plots.formats import drawing
 from paminsa_viz.trajectory import (
     PRESET,
     Control,
@@ -187,7 +187,7 @@ def test_words_are_on_the_page_and_clear_of_each_other(
     if kind == "comparison":
         given = {"engine": OtherTorques("engine", still.torque * (1 + 1e-12))}
     data = curve_data(kind, analysis if kind == "tracking" else still, **given)
-    with printing():
+    with drawing():
         page = _page(data, width, 150.0, data.title, True)
         found = _words(page)
         right, top = page.figure.bbox.max

@@ -20,7 +20,7 @@ from paminsa_viz.model import APPENDIX_4, Quantity
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.maps import difference
-from paminsa_viz.plots.paper import Kind, render
+from paminsa_viz.plots.paper import render
 from paminsa_viz.plots.ranges import choose_scales, per_panel
 from paminsa_viz.plots.scale import Scale, ScaleChoice
 from tests.plots.samples import SOURCE, made_up, real
@@ -65,7 +65,7 @@ def test_nothing_is_cut_off_at_the_edges() -> None:
 
 
 @pytest.mark.parametrize("kind", ["png", "svg", "pdf"])
-def test_equal_input_gives_equal_bytes(kind: Kind) -> None:
+def test_equal_input_gives_equal_bytes(kind: str) -> None:
     data = made_up()
     assert render(data, SCALE, kind, dpi=80) == render(data, SCALE, kind, dpi=80)
 

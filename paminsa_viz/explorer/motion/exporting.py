@@ -45,7 +45,7 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
 
     Args:
         state: What to show.
-        kind: ``"png"``, ``"svg"`` or ``"pdf"``.
+        kind: Name of a figure format.
         width_mm: Width [mm].
         dpi: Pixels per inch.
 
@@ -61,14 +61,11 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
     simulation = found.simulation if what == "tracking" else None
     if what == "tracking" and not (simulation and requests.simulated_as_it_is(state)):
         raise InvalidInput("simulation", "simulate the present motion first")
-    for known in ("png", "svg", "pdf"):
-        if known == kind:
-            content = figure_bytes(
-                what, found.present, reference=found.reference, printed=found.printed,
-                simulation=simulation, format=known, width_mm=width_mm, dpi=dpi,
-            )  # fmt: skip
-            return File(_name(state, found, what, kind), content)
-    raise InvalidInput("kind", "png, svg or pdf is needed")
+    content = figure_bytes(
+        what, found.present, reference=found.reference, printed=found.printed,
+        simulation=simulation, format=kind, width_mm=width_mm, dpi=dpi,
+    )  # fmt: skip
+    return File(_name(state, found, what, kind), content)
 
 
 def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: float) -> File:
@@ -81,14 +78,11 @@ def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: 
         motion, assembly = analysis.trajectory, analysis.solved.assembly
         analysis = analyze(analysis.design, motion, assembly, misprints=Misprint.ALL)
         title = f"Formulae as printed and {torques.engine.name}"
-    for known in ("png", "svg", "pdf"):
-        if known == kind:
-            content = figure_bytes(
-                "comparison", analysis, engine=torques.engine, title=title,
-                format=known, width_mm=width_mm, dpi=dpi,
-            )  # fmt: skip
-            return File(_name(state, found, "comparison", kind), content)
-    raise InvalidInput("kind", "png, svg or pdf is needed")
+    content = figure_bytes(
+        "comparison", analysis, engine=torques.engine, title=title,
+        format=kind, width_mm=width_mm, dpi=dpi,
+    )  # fmt: skip
+    return File(_name(state, found, "comparison", kind), content)
 
 
 def table(state: State, kind: str) -> File:

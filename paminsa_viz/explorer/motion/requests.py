@@ -46,7 +46,7 @@ def change(state: State, **changes: Any) -> State:
     require_possible(motion)
     changed = with_document(state, replace(state.document, motion=motion))
     if motion != state.document.motion:
-        changed = replace(changed, layers=replace(changed.layers, path=True))
+        changed = _with_path(changed)
     end = duration(changed)
     if changed.playback.time > end:
         changed = settle_time(changed, end)
@@ -170,7 +170,7 @@ def play(state: State) -> State:
 
 
 def _with_path(state: State) -> State:
-    return state if state.layers.path else replace(state, layers=replace(state.layers, path=True))
+    return replace(state, layers=state.layers | {"path"})
 
 
 def pause(state: State) -> State:

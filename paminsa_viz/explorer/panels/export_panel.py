@@ -17,8 +17,11 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.palette import INK, MUTED
+from paminsa_viz.plots.formats import FIGURE_FORMATS
 
 log = logging.getLogger(__name__)
+
+FIGURE_LABELS = tuple(each.label for each in FIGURE_FORMATS.values())
 
 THREE, ONE = "torque maps τ₁ τ₂ τ₃", "single map"
 
@@ -80,7 +83,9 @@ class ExportPanel:
             hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
         )  # fmt: skip
         figures = gui.add_button_group(
-            "figure", ("PNG", "SVG", "PDF"), hint="Title, units, design and pose are in it"
+            "figure",
+            tuple(each.label for each in FIGURE_FORMATS.values()),
+            hint="Title, units, design and pose are in it",
         )
         tables = gui.add_button_group(
             "data", ("CSV", "NPZ"), hint="SI units, with every number of the design"
@@ -103,7 +108,9 @@ class ExportPanel:
         )
         self._about_motion = gui.add_html(heading("Motion", _motion(session.state)))
         curves = gui.add_button_group(
-            "figure", ("PNG", "SVG", "PDF"), hint="The curves of “Motion plots”, width as above"
+            "figure",
+            tuple(each.label for each in FIGURE_FORMATS.values()),
+            hint="The curves of “Motion plots”, width as above",
         )
         series = gui.add_button_group(
             "data", ("CSV", "NPZ", "HTML page"),

@@ -137,7 +137,7 @@ class MapPicture:
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
-        motion = self._motions.present(state) if state.layers.path else None
+        motion = self._motions.present(state) if "path" in state.layers else None
         # Where the robot stands is not part of it: the mark lies over the picture.
         shown = (
             document.design, document.assembly, document.pose[2:], reference, view, quantities,

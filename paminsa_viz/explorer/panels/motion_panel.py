@@ -30,7 +30,7 @@ class MotionPanel:
         self.timing = TimingInputs(session)
         with gui.add_folder("Path in the scene", expand_by_default=False):
             show = gui.add_checkbox(
-                "Show the path", session.state.layers.path, hint="Drawn on the maps as well"
+                "Show the path", "path" in session.state.layers, hint="Drawn on the maps as well"
             )
             color = gui.add_dropdown(
                 "Colored by", ACTUATORS, initial_value=ACTUATORS[0],
@@ -43,7 +43,7 @@ class MotionPanel:
             Control(
                 session, show, "layers.path",
                 lambda s, value: actions.set_layers(s, path=bool(value)),
-                lambda s: s.layers.path,
+                lambda s: "path" in s.layers,
             ),
             Control(
                 session, color, "plots.color",

@@ -68,7 +68,7 @@ def _rings(fraction: float, length: float, scale: float) -> tuple[Array, Array]:
 def arc_arrow(fraction: float) -> Array:
     """Return the corners of an arc arrow about z for a torque as a fraction of full scale.
 
-    Positive values turn counter-clockwise seen from above. The arc's shaft is centerd on the
+    Positive values turn counter-clockwise seen from above. The arc's shaft is centered on the
     direction x; values beyond full scale are drawn as full.
     """
     fraction = float(np.clip(fraction, -1.0, 1.0))

@@ -16,7 +16,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width, shows_difference
 from paminsa_viz.explorer.scene.curves import Curve, thinned
 from paminsa_viz.explorer.scene.floor_legend import FloorLegend
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Quantity
@@ -56,15 +56,13 @@ POSE_MARK: Final = {
 class FloorMap:
     """The map on the ground of one session.
 
-    Args:
-        session: The tab.
-        store: Where maps come from; with the panel's store, nothing is solved twice.
+    Its maps come from the panel's store, so that nothing is solved twice.
     """
 
-    def __init__(self, session: Session, store: MapStore | None = None) -> None:
-        self._session = session
-        self._store = MapStore() if store is None else store
-        scene = session.client.scene
+    def __init__(self, context: SceneContext) -> None:
+        self._dispatch = context.dispatch
+        self._store = context.maps or MapStore()
+        scene = context.scene
         self._height = 0.0
         self._due = 0.0
         flat: dict[str, Any] = {"cast_shadow": False, "receive_shadow": False, "visible": False}
@@ -95,16 +93,16 @@ class FloorMap:
         x, y = standing.pose[:2]
         _put(self._ring, x, y, self._height + ABOVE["ring"])
         if not moving or time.monotonic() >= self._due:
-            self._due = time.monotonic() + (PERIOD if layers.fine else PERIOD_PLAIN)
-            if layers.floor_map:
+            self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
+            if "floor_map" in layers:
                 self._draw_map(state, moving)
-            if layers.workspace or layers.singularity:
+            if layers & {"workspace", "singularity"}:
                 self._draw_curves(state, moving)
         for node in (self._map, self._legend, self._ring):
-            _show(node, layers.floor_map)
+            _show(node, "floor_map" in layers)
         for curve, visible in (
-            (self._boundary, layers.workspace),
-            (self._circle, layers.singularity),
+            (self._boundary, "workspace" in layers),
+            (self._circle, "singularity" in layers),
         ):
             if curve.visible != visible:
                 curve.visible = visible
@@ -117,7 +115,7 @@ class FloorMap:
         self._curves_key = self._legend_key = ()
 
     def _draw_map(self, state: State, moving: bool) -> None:
-        document, view, opacity = state.document, state.map_view, state.layers.floor_opacity
+        document, view, opacity = state.document, state.map_view, state.floor_opacity
         reference = document.reference if shows_difference(state) else None
         theta, z = document.pose[2:]
         shown = (document.design, document.assembly, theta, z, reference, view, opacity)
@@ -159,7 +157,7 @@ class FloorMap:
     def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
         if place is not None:
-            self._session.dispatch("floor click", lambda state: go_to(state, *place))
+            self._dispatch("floor click", lambda state: go_to(state, *place))
 
 
 def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:

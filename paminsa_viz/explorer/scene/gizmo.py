@@ -8,31 +8,31 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.controls import check_value
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
 
 
 class Gizmo:
     """Arrows for x, y, z and an arc for theta, at the platform's center."""
 
-    def __init__(self, session: Session) -> None:
-        self.session = session
+    def __init__(self, context: SceneContext) -> None:
+        self._dispatch = context.dispatch
         free, locked = (-1000.0, 1000.0), (0.0, 0.0)
-        self.handle = session.client.scene.add_transform_controls(
+        self.handle = context.scene.add_transform_controls(
             "/gizmo",
             scale=0.22,
             line_width=3.0,
             rotation_limits=(locked, locked, free),
             depth_test=False,
             opacity=0.85,
-            visible=session.state.layers.gizmo,
+            visible=False,
         )
         self._held = False
         self.handle.on_update(self._dragged)
 
     def _dragged(self, event: viser.TransformControlsEvent) -> None:
         self._held = event.phase != "end"
-        self.session.dispatch("gizmo", self._intent)
+        self._dispatch("gizmo", self._intent)
 
     def _intent(self, state: State) -> State:
         x, y, z = (float(v) for v in self.handle.position)
@@ -46,7 +46,7 @@ class Gizmo:
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Stand at the platform, unless it is being dragged."""
-        visible = frame.state.layers.gizmo
+        visible = "gizmo" in frame.state.layers
         if self.handle.visible != visible:
             self.handle.visible = visible
         if self._held and moving:

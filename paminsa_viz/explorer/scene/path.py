@@ -13,8 +13,8 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.scene.curves import Curve, segments
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.tint import drawn
-from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.symbols import number
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK, MUTED
@@ -115,9 +115,9 @@ def pieces(analysis: TrajectoryAnalysis, actuator: int) -> Pieces:
 class MotionPath:
     """Draws the path of a session's motion, in space and as a line on the ground below it."""
 
-    def __init__(self, session: Session, store: MotionStore) -> None:
-        self._scene = session.client.scene
-        self._store = store
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._store = context.motions or MotionStore()
         self._way: LineSegmentsHandle | None = None
         self._failing = Curve(self._scene, "/path/failing", BAD, WIDTH, dash=DASH)
         self._below = Curve(self._scene, "/path/below", INK, 2.0)
@@ -127,7 +127,7 @@ class MotionPath:
         """Draw what has changed; nothing is worked out for a path that is hidden."""
         del moving
         state = frame.state
-        analysis = self._store.present(state) if state.layers.path else None
+        analysis = self._store.present(state) if "path" in state.layers else None
         height = layout(state.standing.geometry, state.standing.assembly).ground + ABOVE
         key = (analysis, state.plots.color, height)
         if key == self._key:

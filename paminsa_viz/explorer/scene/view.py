@@ -9,10 +9,16 @@ import numpy as np
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.placing import covered_share
 from paminsa_viz.explorer.scene.cameras import VIEWS, View, preset, take
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import Layers
-from paminsa_viz.model import Design, inverse_kinematics, lift_constant, lumped_coefficients
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    inverse_kinematics,
+    lift_constant,
+    lumped_coefficients,
+)
 
 CAMERAS = VIEWS
 """Names of the camera presets."""
@@ -68,12 +74,10 @@ def arrow_scales(design: Design) -> tuple[float, float]:
 class RobotView:
     """Draws the standing robot and its layers."""
 
-    def __init__(self, session: Session) -> None:
-        state = session.state
-        self.scene = RobotScene(
-            session.client.scene, state.document.design, state.standing.assembly
-        )
-        self._layers: Layers | None = None
+    def __init__(self, context: SceneContext) -> None:
+        # Of the shape that most sessions have; the first frame brings the session's own.
+        self.scene = RobotScene(context.scene, APPENDIX_4)
+        self._layers: frozenset[str] | None = None
         self._efforts: object = None
 
     def draw(self, frame: Frame, moving: bool) -> None:
@@ -94,19 +98,19 @@ class RobotView:
             self._layers = state.layers
             self._switch(state.layers)
 
-    def _switch(self, layers: Layers) -> None:
+    def _switch(self, layers: frozenset[str]) -> None:
         for layer, visible in (
-            (Layer.MESH, layers.mesh),
-            (Layer.SKELETON, layers.skeleton),
-            (Layer.NUMBERS, layers.skeleton),
-            (Layer.LABELS, layers.labels),
-            (Layer.MASSES, layers.mass_centers),
-            (Layer.GRAVITY, layers.gravity),
-            (Layer.EFFORTS, layers.torques),
-            (Layer.FINE, layers.fine),
-            (Layer.SHADOWS, layers.shadows),
+            (Layer.MESH, "mesh" in layers),
+            (Layer.SKELETON, "skeleton" in layers),
+            (Layer.NUMBERS, "skeleton" in layers),
+            (Layer.LABELS, "labels" in layers),
+            (Layer.MASSES, "mass_centers" in layers),
+            (Layer.GRAVITY, "gravity" in layers),
+            (Layer.EFFORTS, "torques" in layers),
+            (Layer.FINE, "fine" in layers),
+            (Layer.SHADOWS, "shadows" in layers),
             # Over a map it would only dim the colors, and true shadows need no help.
-            (Layer.SPOT, not (layers.floor_map or layers.shadows)),
+            (Layer.SPOT, not layers & {"floor_map", "shadows"}),
         ):
             if self.scene.shown(layer) != visible:
                 self.scene.show(layer, visible)

@@ -232,7 +232,7 @@ class Asked:
         assert self.may.acquire(timeout=20)
         return Answer(analysis, None, "no matter")
 
-    def ask(self, source: str, intent: Any, *, step: bool) -> None:
+    def dispatch(self, source: str, intent: Any, *, step: bool) -> None:
         assert not step
         self.state = intent(self.state)
         self.came.release()

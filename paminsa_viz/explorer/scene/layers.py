@@ -1,0 +1,159 @@
+"""The registry of scene layers: switches, commands, defaults and views all come from here.
+
+A layer is one entry and the class that draws it. Entries are plain data, so that the state can
+read the defaults without importing the viewer; a view is imported when the scene is built.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final
+
+if TYPE_CHECKING:
+    from viser import SceneApi
+
+    from paminsa_viz.explorer.maps import MapStore
+    from paminsa_viz.explorer.motion.store import MotionStore
+    from paminsa_viz.explorer.session import View
+
+    ViewFactory = Callable[["SceneContext"], View]
+
+
+def _ignore(source: str, intent: Callable[[Any], Any]) -> None:
+    """Dispatch nothing: a scene without a session answers to nobody."""
+
+
+@dataclass(frozen=True)
+class SceneContext:
+    """What a view of a layer is made with.
+
+    Attributes:
+        scene: Where its nodes go.
+        dispatch: `Session.dispatch`, for layers that a person can click or drag.
+        motions: What the session has computed along its motion.
+        maps: The session's maps; only for layers that are not animated.
+    """
+
+    scene: SceneApi
+    dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
+    motions: MotionStore | None = None
+    maps: MapStore | None = None
+
+
+@dataclass(frozen=True)
+class Layer:
+    """One switchable layer of the scene.
+
+    Attributes:
+        key: Name in the state; a view shows itself where `State.layers` holds it.
+        label: Name on the page.
+        hint: What it shows, for the switch's tooltip.
+        view: What draws it: a class or function of a `SceneContext`, or its place as
+            ``"module:name"``. Layers with the same view share one object.
+        default: Whether a new session shows it.
+        shortcut: Key that toggles it, or None.
+        animated: Whether it moves with the robot, and so is drawn first, in every frame. The
+            others are built with the rest of the page and drawn last, with the maps.
+    """
+
+    key: str
+    label: str
+    hint: str
+    view: str | ViewFactory
+    default: bool = False
+    shortcut: str | None = None
+    animated: bool = True
+
+
+LAYERS: Final[dict[str, Layer]] = {}
+"""Every layer by its key, in the order of the page's switches."""
+
+
+def register(*layers: Layer) -> None:
+    """Add layers to the registry.
+
+    Raises:
+        ValueError: If a key or a shortcut is taken.
+    """
+    for layer in layers:
+        shortcuts = {other.shortcut for other in LAYERS.values() if other.shortcut}
+        if layer.key in LAYERS or layer.shortcut in shortcuts:
+            raise ValueError(f"key or shortcut of layer {layer.key!r} is taken")
+        LAYERS[layer.key] = layer
+
+
+def default_layers() -> frozenset[str]:
+    """Return the keys of the layers that a new session shows."""
+    return frozenset(layer.key for layer in LAYERS.values() if layer.default)
+
+
+def with_layers(shown: frozenset[str], visible: dict[str, bool]) -> frozenset[str]:
+    """Return the keys of the shown layers after some have been switched.
+
+    Raises:
+        KeyError: If there is no such layer.
+    """
+    for key in visible:
+        LAYERS[key]
+    on = {key for key, is_on in visible.items() if is_on}
+    return (shown | on) - (visible.keys() - on)
+
+
+def build_views(context: SceneContext, *, animated: bool) -> list[View]:
+    """Make the views of the animated layers, or of the others; each view once."""
+    chosen = (layer.view for layer in LAYERS.values() if layer.animated is animated)
+    return [_factory(view)(context) for view in dict.fromkeys(chosen)]
+
+
+def _factory(view: str | ViewFactory) -> ViewFactory:
+    if not isinstance(view, str):
+        return view
+    module, _, name = view.partition(":")
+    return getattr(import_module(f"{__package__}.{module}"), name)
+
+
+_ROBOT = "view:RobotView"
+_FLOOR = "floor:FloorMap"
+
+register(
+    Layer("mesh", "Robot", "The machine itself", _ROBOT, default=True),
+    Layer(
+        "skeleton", "Skeleton", "Bars as lines, with the paper's joint numbers", _ROBOT,
+        shortcut="K",
+    ),
+    Layer(
+        "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion", _ROBOT,
+        shortcut="C",
+    ),
+    Layer("gravity", "Weights", "The weight of each body as an arrow", _ROBOT),
+    Layer(
+        "torques", "Actuator torques", "Static torques as arrows about the leg axes, and F₄",
+        _ROBOT, default=True,
+    ),
+    Layer("labels", "Labels", "Names of the actuators", _ROBOT, default=True),
+    Layer(
+        "workspace", "Workspace boundary", "Positions within reach at the current θ and z", _FLOOR,
+        default=True, animated=False,
+    ),
+    Layer(
+        "singularity", "Singular circle", "Where the platform escapes the actuators at this θ",
+        _FLOOR, default=True, animated=False,
+    ),
+    Layer(
+        "floor_map", "Floor map", "The chosen map, under the robot; click it to go there", _FLOOR,
+        default=True, shortcut="F", animated=False,
+    ),
+    Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
+    Layer(
+        "gizmo", "Platform handle", "Drag the platform in the scene", "gizmo:Gizmo", shortcut="G"
+    ),
+    Layer(
+        "fine", "Fine detail",
+        "Round edges and bolts; on by default where there is a graphics card", _ROBOT,
+    ),
+    Layer(
+        "shadows", "Shadows", "Shadows and reflections; slow without a graphics card", _ROBOT
+    ),
+)  # fmt: skip

@@ -1,0 +1,120 @@
+"""The content of a design file as a pydantic model, and what is wrong where it does not fit.
+
+Imported when the first file is read: pydantic takes 0.1 s to load.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+from pydantic_core import ErrorDetails
+
+from paminsa_viz.files.design_schema import (
+    COUNTERWEIGHT_KEYS,
+    COUNTERWEIGHTS,
+    SCHEMA_VERSION,
+    TABLES,
+    key_hint,
+    table_hint,
+)
+from paminsa_viz.model.counterweight import BAR_ENDS
+
+_BARS = tuple(bar.upper() for bar in BAR_ENDS)
+_CLOSED = ConfigDict(extra="forbid", strict=True)
+_Number = Annotated[float, Field(allow_inf_nan=False)]
+
+
+class CounterweightEntry(BaseModel):
+    """One table ``[[counterweights]]``."""
+
+    model_config = _CLOSED
+    bar: Literal[tuple(_BARS) + tuple(BAR_ENDS)]  # type: ignore[valid-type]
+    joint: int
+    beyond_m: _Number
+    mass_kg: _Number
+
+
+def _numbers(table: str) -> dict[str, Any]:
+    return dict.fromkeys(TABLES[table], (_Number, None))
+
+
+_FIELDS: dict[str, Any] = {
+    "schema_version": (Annotated[int, Field(ge=1, le=SCHEMA_VERSION)], ...),
+    "name": (Any, None),
+    "value_count": (Annotated[int, Field(ge=0)], 0),
+    **_numbers(""),
+    **{
+        table: (create_model(table, __config__=_CLOSED, **_numbers(table)), None)
+        for table in TABLES
+        if table
+    },
+    COUNTERWEIGHTS: (list[CounterweightEntry], []),
+}
+DesignDocument = create_model("DesignDocument", __config__=_CLOSED, **_FIELDS)
+"""A whole file; what it leaves out is unset."""
+
+
+def first_error(error: ValidationError) -> tuple[str, object, str]:
+    """Return the path, the value and the problem of the error to show.
+
+    The path is dotted, ``counterweights.1.bar`` in the second counterweight, and empty for a file
+    that is no design file. The value is None where it would not help.
+    """
+    details = error.errors(include_url=False, include_context=False)
+    # A misspelled key comes before the one that is missing because of it.
+    chosen = min(details, key=lambda e: (e["loc"][0] != "schema_version", e["type"] == "missing"))
+    *tables, name = map(str, chosen["loc"])
+    path = ".".join((*tables, name))
+    if chosen["type"] == "missing":
+        return ".".join(tables), None, _missing(name)
+    if chosen["type"] == "extra_forbidden":
+        listed = bool(tables) and tables[0] == COUNTERWEIGHTS
+        return path, chosen["input"] if listed else None, _unknown_key(tables, name, chosen)
+    if chosen["type"] in ("model_type", "list_type"):
+        return path, None, _no_table(tables[0] if tables else name, chosen)
+    return path, chosen["input"], _wrong_value(name, chosen)
+
+
+def _missing(name: str) -> str:
+    if name == "schema_version":
+        return f"is not a design file, or lacks the line {name} = {SCHEMA_VERSION} at its top"
+    return f"{name} is missing; each needs {', '.join(COUNTERWEIGHT_KEYS.values())}"
+
+
+def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
+    if not tables and isinstance(error["input"], dict):
+        return f"there is no table of this name; {table_hint(name)}"
+    table = tables[0] if tables else ""
+    if table == COUNTERWEIGHTS:
+        keys = ", ".join(COUNTERWEIGHT_KEYS.values())
+        return f"there is no such key; [[{COUNTERWEIGHTS}]] has {keys}"
+    return f"there is no such key; {key_hint(table, name)}"
+
+
+def _no_table(table: str, error: ErrorDetails) -> str:
+    if table == COUNTERWEIGHTS:
+        return f"a table [[{COUNTERWEIGHTS}]] in double brackets is needed for each"
+    kind = "in single brackets" if isinstance(error["input"], list) else "of values"
+    return f"a table [{table}] {kind} is needed"
+
+
+def _wrong_value(name: str, error: ErrorDetails) -> str:
+    kind = error["type"]
+    value = error["input"]
+    if name == "schema_version" and kind == "less_than_equal":
+        return (
+            f"the file is from a newer paminsa_viz than this one, which reads versions up to "
+            f"{SCHEMA_VERSION}; update paminsa_viz"
+        )
+    if name == "schema_version":
+        return f"a whole number is needed; {SCHEMA_VERSION} is the current one"
+    if name == "value_count":
+        return "a whole number is needed"
+    if name == "bar":
+        return f"a counterweight is on one of the bars {', '.join(_BARS)}"
+    if name == "joint":
+        return "a joint's number is needed"
+    if kind == "finite_number" or (isinstance(value, int) and not isinstance(value, bool)):
+        return "a finite number is needed"
+    return "a number is needed" + (", without quotes or unit" if isinstance(value, str) else "")

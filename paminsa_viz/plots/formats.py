@@ -1,0 +1,165 @@
+"""Figure formats: the registry that page, command line and report read, and how a file is written.
+
+A new format is one entry of `FIGURE_FORMATS`. matplotlib is imported late, so that whoever only
+lists formats does not wait for it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+
+from paminsa_viz.model.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INCH = 25.4  # mm
+
+WIDTHS = (50.0, 1000.0)
+"""Possible widths of a figure [mm]."""
+RESOLUTIONS = (20.0, 2400.0)
+"""Possible resolutions [pixels per inch]."""
+MOST_PIXELS = 20_000
+"""Largest width of a figure made of pixels."""
+
+
+@dataclass(frozen=True)
+class Credits:
+    """What a file says of itself: title, one line about it, and the version of this package."""
+
+    title: str
+    about: str
+    version: str
+
+    @property
+    def program(self) -> str:
+        """Name and version of this package."""
+        return f"paminsa_viz {self.version}"
+
+
+@dataclass(frozen=True)
+class FigureFormat:
+    """A file format of figures.
+
+    Attributes:
+        name: matplotlib's name, which is also the file's ending.
+        metadata: What matplotlib is to write into the file.
+        pixels: Whether the whole figure is made of pixels.
+    """
+
+    name: str
+    metadata: Callable[[Credits], dict[str, Any]]
+    pixels: bool = False
+
+    @property
+    def ending(self) -> str:
+        """Ending of the file, with the dot."""
+        return f".{self.name}"
+
+    @property
+    def label(self) -> str:
+        """Name on a button."""
+        return self.name.upper()
+
+
+FIGURE_FORMATS: dict[str, FigureFormat] = {
+    each.name: each
+    for each in (
+        FigureFormat(
+            "png",
+            lambda c: {"Title": c.title, "Description": c.about, "Software": c.program},
+            pixels=True,
+        ),
+        FigureFormat(
+            "svg",
+            # Without a date, so that equal input gives equal bytes; the same for PDF.
+            lambda c: {
+                "Title": c.title, "Description": c.about, "Creator": c.program, "Date": None
+            },
+        ),
+        FigureFormat(
+            "pdf",
+            lambda c: {
+                "Title": c.title, "Subject": c.about, "Creator": c.program,
+                "Producer": "matplotlib", "CreationDate": None,
+            },
+        ),
+    )
+}  # fmt: skip
+"""Every figure format by name."""
+
+
+def figure_endings() -> tuple[str, ...]:
+    """Return the endings of figure files, with their dots."""
+    return tuple(each.ending for each in FIGURE_FORMATS.values())
+
+
+def figure_format(name: str) -> FigureFormat:
+    """Return a format by its name.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    if name not in FIGURE_FORMATS:
+        raise InvalidInput("format", f"one of {', '.join(FIGURE_FORMATS)} is needed, not {name!r}")
+    return FIGURE_FORMATS[name]
+
+
+def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
+    """Return a format after checking width [mm] and resolution [pixels per inch] for it.
+
+    Raises:
+        InvalidInput: Which of them is not possible, and what is.
+    """
+    chosen = figure_format(name)
+    if not WIDTHS[0] <= width_mm <= WIDTHS[1]:
+        raise InvalidInput("width_mm", f"{WIDTHS[0]:g} to {WIDTHS[1]:g} mm are possible")
+    if not RESOLUTIONS[0] <= dpi <= RESOLUTIONS[1]:
+        low, high = RESOLUTIONS
+        raise InvalidInput("dpi", f"{low:g} to {high:g} pixels per inch are possible")
+    if chosen.pixels and width_mm / INCH * dpi > MOST_PIXELS:
+        raise InvalidInput("dpi", f"the figure would be more than {MOST_PIXELS} pixels wide")
+    return chosen
+
+
+_SETTINGS: Any = {
+    "font.family": "DejaVu Sans",  # comes with matplotlib, so it is the same everywhere
+    "pdf.fonttype": 42,  # whole outlines, as journals ask
+    "svg.fonttype": "path",
+    "svg.hashsalt": "paminsa_viz",  # names of SVG elements, random otherwise
+    "text.hinting": "none",  # so that text is as wide at every resolution
+    "text.parse_math": False,  # a design's name may contain dollar signs
+}
+drawing_lock = threading.Lock()
+"""Held by whoever draws: matplotlib's settings and font caches belong to the process."""
+
+
+@contextmanager
+def drawing() -> Iterator[None]:
+    """Draw alone, with settings of our own, whatever a person's matplotlibrc says."""
+    import matplotlib as mpl
+
+    with drawing_lock, mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(_SETTINGS)
+        yield
+
+
+def figure_file(figure: Figure, name: str, dpi: float, credits: Credits) -> bytes:
+    """Return a figure as a file, inside `drawing`.
+
+    Args:
+        figure: The figure.
+        name: Name of the format.
+        dpi: Pixels per inch.
+        credits: What the file says of itself.
+    """
+    stream = BytesIO()
+    metadata = figure_format(name).metadata(credits)
+    figure.savefig(stream, format=name, dpi=dpi, metadata=metadata)
+    return stream.getvalue()
