@@ -258,33 +258,30 @@ def largest_size(traces: Sequence[Trace]) -> float:
     return max((float(values.max()) for values in known if values.size), default=0.0)
 
 
-def thinned(curves: Sequence[Values], most: int) -> NDArray[np.intp]:
-    """Return the indices of about ``most`` samples a curve that draw the same curves.
+def runs(values: Values) -> list[slice]:
+    """Return where values (n,) are without a NaN, as slices."""
+    known = np.concatenate([[False], ~np.isnan(values), [False]])
+    edges = np.flatnonzero(np.diff(known))
+    return [slice(int(first), int(stop)) for first, stop in edges.reshape(-1, 2)]
 
-    The samples are cut into equal parts; of each part the least and the largest value of every
-    curve stay, and the ends of runs of NaN, so that gaps and peaks are drawn as they are.
+
+def thinned(curves: Sequence[Values], most: int) -> NDArray[np.intp]:
+    """Return the indices of about ``most`` samples that draw the same curves.
+
+    They are evenly spread; peaks and gaps are drawn as they are, since the ends of each run of
+    values, its least and its largest value are among them.
 
     Args:
-        curves: Arrays (n,) over the same samples.
-        most: Samples a curve, but for the ends of gaps.
+        curves: Arrays over the same samples (n,), NaN where there is no value.
+        most: Samples, but for the ends and extremes of runs.
     """
     n = curves[0].size
     if n <= most:
         return np.arange(n)
-    size = math.ceil(n / max(most // 2, 1))
-    parts = math.ceil(n / size)
-    base = np.arange(parts) * size
-    kept = [np.array([0, n - 1])]
+    kept = [np.linspace(0, n - 1, most).round().astype(np.intp)]
     for values in curves:
-        grid = np.full(parts * size, np.nan)
-        grid[:n] = values
-        grid = grid.reshape(parts, size)
-        edges = np.flatnonzero(np.diff(np.isnan(values)))
-        kept += [
-            base + np.argmin(np.where(np.isnan(grid), np.inf, grid), axis=1),
-            base + np.argmax(np.where(np.isnan(grid), -np.inf, grid), axis=1),
-            edges,
-            edges + 1,
-        ]
-    found = np.unique(np.concatenate(kept))
-    return found[found < n]
+        for run in runs(values):
+            part = values[run]
+            ends = (0, part.size - 1, int(part.argmin()), int(part.argmax()))
+            kept.append(run.start + np.array(ends, dtype=np.intp))
+    return np.unique(np.concatenate(kept))

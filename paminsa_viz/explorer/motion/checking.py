@@ -14,11 +14,11 @@ from paminsa_viz.engines.comparison import Comparison, torque_scale
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import State
-    from paminsa_viz.plots.curves import OtherTorques
 
 log = logging.getLogger(__name__)
 
@@ -27,36 +27,26 @@ MOST_SAMPLES = 250
 
 
 @dataclass(frozen=True, eq=False)
-class EngineTorques:
+class EngineCheck:
     """An engine's torques along a motion.
 
     Attributes:
         thinned: The formulae's torques at the k samples that were computed.
-        kept: (k,) which samples of the whole motion they are.
         engine: The engine's torques there, joint friction added; NaN where the motion fails.
         tolerance: Largest difference over an actuator's largest torque that passes.
     """
 
     thinned: TrajectoryAnalysis
-    kept: NDArray[np.intp]
-    engine: OtherTorques
+    engine: EngineTorques
     tolerance: float
-
-    def difference(self, analysis: TrajectoryAnalysis) -> Array:
-        """Return the formulae's torques minus the engine's, (k, 4) [N m, N].
-
-        Args:
-            analysis: The same design on the whole motion, some formulae perhaps as printed.
-        """
-        return analysis.torque[self.kept] - self.engine.torque
 
     def comparison(self, analysis: TrajectoryAnalysis) -> Comparison:
         """Return the comparison at the samples where the motion does not fail.
 
         Args:
-            analysis: As of `difference`.
+            analysis: The same design on the whole motion, some formulae perhaps as published.
         """
-        computed = analysis.torque[self.kept[self._good]]
+        computed = self.engine.pick(analysis.torque)[self._good]
         return Comparison(computed, self.engine.torque[self._good], self._scale)
 
     @cached_property
@@ -82,7 +72,7 @@ class Answer:
     """
 
     analysis: TrajectoryAnalysis
-    found: EngineTorques | None
+    found: EngineCheck | None
     problem: str = ""
     missing: bool = False
 
@@ -107,8 +97,8 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         thinned = analyze(analysis.design, motion, analysis.solved.assembly)
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
-        found = EngineTorques(thinned, kept, engine_torques(thinned), TOLERANCE)
-        return Answer(analysis, found)
+        engine = replace(engine_torques(thinned), samples=kept)
+        return Answer(analysis, EngineCheck(thinned, engine, TOLERANCE))
     except EngineMissing as error:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:

@@ -9,7 +9,7 @@ from html import escape
 
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.explorer.motion.checking import Answer, ask_engine, taken
-from paminsa_viz.explorer.motion.store import Analyzed
+from paminsa_viz.explorer.motion.store import MotionResults
 from paminsa_viz.explorer.panels.motion_numbers import verdict
 from paminsa_viz.explorer.session import REST, Session
 from paminsa_viz.explorer.symbols import number
@@ -39,7 +39,7 @@ class EngineChecker:
         self._next: TrajectoryAnalysis | None = None
         self._busy = False
 
-    def draw(self, found: Analyzed | None, moving: bool) -> None:
+    def draw(self, found: MotionResults | None, moving: bool) -> None:
         """Ask about what is shown, unless the hand still changes it or it is known.
 
         Args:
@@ -76,7 +76,7 @@ class EngineChecker:
                 self._session.dispatch("plots.engine_answer", intent, step=False)
 
 
-def verdict_html(answer: Answer | None, found: Analyzed) -> str:
+def verdict_html(answer: Answer | None, found: MotionResults) -> str:
     """Return what the line below the charts says of the engine."""
     if answer is None:
         return f'<span style="color:{MUTED}">engine: computing …</span>'
@@ -88,10 +88,10 @@ def verdict_html(answer: Answer | None, found: Analyzed) -> str:
         f"{escape(torques.engine.name)}, {len(own.computed)} samples: "
         f"{verdict(own.agrees(tolerance))}, off by {_share(own)} of the largest torque"
     )
-    if found.printed is not None:
-        printed = torques.comparison(found.printed)
-        passed = printed.agrees(tolerance)
-        said += f" · as printed {verdict(passed)}, {_share(printed)}"
+    if found.sources.published is not None:
+        published = torques.comparison(found.sources.published)
+        passed = published.agrees(tolerance)
+        said += f" · as published {verdict(passed)}, {_share(published)}"
         said += "" if passed else ": <b>the misprints</b>"
     return said
 
