@@ -181,7 +181,7 @@ def curve_view(
     Args:
         analysis: A design on a trajectory.
         kind: What is drawn, see `paminsa_viz.plots.series.FIGURES`.
-        more: Further arguments of `paminsa_viz.plots.series_figure.figure_bytes`, such as ``reference``.
+        more: Further arguments of `series_figure.figure_bytes`, such as ``reference``.
 
     Raises:
         InvalidInput: If the kind is unknown, or what it needs is missing.

@@ -14,6 +14,7 @@ from paminsa_viz.model.leg_points import (
     bar_point,
     point_weights,
 )
+from paminsa_viz.units import format_ascii
 
 KINDS = ("joint", "bar", "guide", "slider")
 
@@ -65,10 +66,10 @@ class Anchor:
             return f"joint {self.joint}"
         if self.kind == "bar":
             return Counterweight(self.bar, self.joint, self.beyond).place
-        height = f"{1e3 * self.height:.4g} mm above"
+        height = f"{format_ascii(self.height, 'm')} above"
         if self.kind == "slider":
             return f"mast on slider 8, {height}"
-        return f"post on the guide link, {1e3 * self.radius:.4g} mm from the axis, {height}"
+        return f"post on the guide link, {format_ascii(self.radius, 'm')} from the axis, {height}"
 
 
 def at_joint(joint: int) -> Anchor:

@@ -129,7 +129,14 @@ class Diff:
             print("the designs have the same values")
         else:
             rows: list[tuple[str, ...]] = [
-                (key.table, key.name, f"{a:.10g}", f"{b:.10g}", _change(a, b), _meaning(key))
+                (
+                    key.table,
+                    key.name,
+                    f"{a:.10g}",
+                    f"{b:.10g}",
+                    f"{100 * (b / a - 1):+.3g} %" if a else "",
+                    _meaning(key),
+                )
                 for key, a, b in found
             ]
             if weighted:
@@ -164,7 +171,3 @@ def _values(design: Design) -> dict[str, float]:
 
 def _meaning(key: DesignKey) -> str:
     return f"{key.parameter.symbol}, {key.parameter.label}"
-
-
-def _change(first: float, second: float) -> str:
-    return f"{100 * (second / first - 1):+.3g} %" if first else ""

@@ -23,7 +23,8 @@ from paminsa_viz.model import Design, KneeBranch, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.from_model import TORQUES
-from paminsa_viz.plots.maps import DISPLAY_UNITS, MapData
+from paminsa_viz.plots.maps import MapData
+from paminsa_viz.units import display_unit, format_ascii
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -138,7 +139,7 @@ def main(words: list[str]) -> int:
     else:
         _print(flags, data, told)
     if not (data.status == Limit.OK).any():
-        z = f"{1e3 * data.z:.6g} mm"
+        z = format_ascii(data.z, "m", 6)
         print_error(NothingReached(f"no position can be reached at {flags.theta:g}° and z = {z}"))
         return 1
     return 0
@@ -167,7 +168,7 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
         range_mode=RangeMode.FULL if flags.full_range else RangeMode.AUTO,
     )
     if flags.range is not None:
-        factor, _ = DISPLAY_UNITS.get(quantity.unit, (1.0, ""))
+        factor = display_unit(quantity.unit).factor
         low, high = (value / factor for value in flags.range)
         view = replace(view, range_mode=RangeMode.MANUAL, low=low, high=high)
     return replace(start, document=document, map_view=view)
@@ -227,7 +228,8 @@ def _print(flags: Map, data: MapData, told: dict[str, Any]) -> None:
     print(f'design "{design}"{minus}, {told["assembly"]} assembly')
     factor, unit = data.display
     print(
-        f"theta = {flags.theta:g}°, z = {1e3 * data.z:.6g} mm, {data.x.size} x {data.y.size} cells"
+        f"theta = {flags.theta:g}°, z = {format_ascii(data.z, 'm', 6)}, "
+        f"{data.x.size} x {data.y.size} cells"
     )
     rows = [
         ("" if not unit else f"[{unit}]", "least", "largest", "half are below", "90 % below"),
@@ -238,6 +240,6 @@ def _print(flags: Map, data: MapData, told: dict[str, Any]) -> None:
     ]
     print_table(rows, right=True)
     area, radius = told["reached_area_m2"], told["singular_radius_m"]
-    print(f"reached: {area:.4g} m²; singular circle: radius {1e3 * radius:.4g} mm")
+    print(f"reached: {area:.4g} m²; singular circle: radius {format_ascii(radius, 'm')}")
     for path in flags.out:
         print(f"{path}: written")

@@ -13,7 +13,6 @@ import numpy as np
 from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
 from paminsa_viz.model.errors import PaminsaError
-from paminsa_viz.plots.curves_words import reading
 from paminsa_viz.trajectory import (
     PathEvent,
     Shortest,
@@ -21,6 +20,7 @@ from paminsa_viz.trajectory import (
     TrajectoryAnalysis,
 )
 from paminsa_viz.trajectory.limits import ACTUATOR_NAMES
+from paminsa_viz.units import format_ascii
 
 _UNITS = ("N m", "N m", "N m", "N")
 _SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
@@ -123,7 +123,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
     else:
         near = check.closest
         leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
-        where = f"{_plain(near.margin, 'm')} from {near.limit.word}{leg} at {near.t:.4g} s"
+        where = f"{format_ascii(near.margin, 'm', 3)} from {near.limit.word}{leg} at {near.t:.4g} s"
         print(f"can be run; closest to a limit: {where}")
     if results.reference is not None:
         first = results.reference.check.first
@@ -143,7 +143,7 @@ def _rows(analysis: TrajectoryAnalysis) -> list[tuple[str, ...]]:
     found = analysis.summary
 
     def row(name: str, values: Sequence[float], units: Sequence[str]) -> tuple[str, ...]:
-        return (name, *(_plain(v, u) for v, u in zip(values, units, strict=True)))
+        return (name, *(format_ascii(v, u, 3) for v, u in zip(values, units, strict=True)))
 
     seconds, watts, joules = ("s",) * 4, ("W",) * 4, ("J",) * 4
     return [
@@ -156,12 +156,6 @@ def _rows(analysis: TrajectoryAnalysis) -> list[tuple[str, ...]]:
         row("energy, driving", [a.driven for a in found], joules),
         row("energy, braking", [a.braked for a in found], joules),
     ]
-
-
-def _plain(number: float, unit: str) -> str:
-    """Return a value in the characters that every terminal and every program knows."""
-    factor, after = reading(unit)
-    return f"{number * factor:.3g}{after}"
 
 
 def _event(event: PathEvent) -> dict[str, Any]:
@@ -221,14 +215,19 @@ def _simulation(simulation: Simulation) -> dict[str, Any]:
 
 
 def _print_simulation(simulation: Simulation) -> None:
-    x, y, theta, z = np.abs(simulation.error).max(axis=0)
+    x, y, theta, z = (
+        format_ascii(float(value), unit, 3)
+        for value, unit in zip(
+            np.abs(simulation.error).max(axis=0), ("m", "m", "rad", "m"), strict=True
+        )
+    )
     print(
         f"simulated with {simulation.controller.control.value}, payload "
-        f"{simulation.design.payload.mass:.4g} kg: largest errors x {_plain(x, 'm')}, "
-        f"y {_plain(y, 'm')}, theta {_plain(theta, 'rad')}, z {_plain(z, 'm')}; at the end "
-        f"{_plain(simulation.distance[-1], 'm')} from its place"
+        f"{simulation.design.payload.mass:.4g} kg: largest errors x {x}, "
+        f"y {y}, theta {theta}, z {z}; at the end "
+        f"{format_ascii(simulation.distance[-1], 'm', 3)} from its place"
     )
     if simulation.stopped is not None:
         print(f"it stopped {simulation.stopped.explanation}")
     drift = float(np.abs(simulation.energy_drift).max())
-    print(f"energy drift of the solution: {_plain(drift, 'J')}")
+    print(f"energy drift of the solution: {format_ascii(drift, 'J', 3)}")

@@ -22,6 +22,7 @@ from paminsa_viz.files.errors import FileError
 from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
 Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
@@ -164,8 +165,9 @@ def _show_simulation(found: Verification) -> None:
     print(
         f"\nMoved by the calculated torques alone, {said['engine']} ran {said['until_s']:.3g} s "
         f"({end}); then off by\n"
-        f"  x {1e3 * x:.2g} mm, y {1e3 * y:.2g} mm, theta {math.degrees(theta):.2g} deg, "
-        f"z {1e3 * z:.2g} mm; loops opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
+        f"  x {format_ascii(x, 'm', 2)}, y {format_ascii(y, 'm', 2)}, "
+        f"theta {math.degrees(theta):.2g} deg, z {format_ascii(z, 'm', 2)}; loops "
+        f"opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
     )
 
 

@@ -11,6 +11,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
+from paminsa_viz.units import format_ascii
 
 
 def joint_values(configuration: Configuration) -> dict[str, Array]:
@@ -82,7 +83,7 @@ def no_posture(pose: Array) -> UnreachablePose:
     """Return the error for a pose (4,) at which the bars cannot close."""
     x, y, theta, z = (float(value) for value in pose)
     text = (
-        f"the bars cannot close at x = {1e3 * x:.6g} mm, y = {1e3 * y:.6g} mm, "
-        f"theta = {math.degrees(theta):.6g} deg, z = {1e3 * z:.6g} mm"
+        f"the bars cannot close at x = {format_ascii(x, 'm', 6)}, y = {format_ascii(y, 'm', 6)}, "
+        f"theta = {math.degrees(theta):.6g} deg, z = {format_ascii(z, 'm', 6)}"
     )
     return UnreachablePose((x, y, theta, z), 0, "configuration", 0.0, text)

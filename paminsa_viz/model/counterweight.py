@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.quantity import check_numbers, quantity
+from paminsa_viz.units import format_ascii
 
 BAR_ENDS: dict[str, tuple[int, int]] = {"b3": (4, 7), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
 """Bars of the pantograph and the joints at their two ends."""
@@ -49,4 +50,5 @@ class Counterweight:
     def place(self) -> str:
         """Where it is, in words, lengths in mm."""
         side = "beyond" if self.beyond >= 0 else "before"
-        return f"{self.bar.upper()}, {1e3 * abs(self.beyond):.4g} mm {side} joint {self.joint}"
+        distance = format_ascii(abs(self.beyond), "m")
+        return f"{self.bar.upper()}, {distance} {side} joint {self.joint}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.units import DisplayUnit, display_unit
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,11 @@ class Parameter:
     label: str
     default: float
     positive: bool
+
+    @property
+    def display(self) -> DisplayUnit:
+        """The unit that people read the number in."""
+        return display_unit(self.unit)
 
     @property
     def group(self) -> str:

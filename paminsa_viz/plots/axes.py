@@ -13,8 +13,7 @@ from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots import ticks
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.scale import Scale
-
-MM = 1e3
+from paminsa_viz.units import MM, number
 
 MARKER_FILL = "#ffffff"
 GRID_TEXT = "#3b4754"
@@ -48,7 +47,7 @@ def length_marks(
     for count in range(9, 0, -1):
         step = ticks.nice_step(high - low, count)
         values = ticks.multiples(low, high, step)
-        marks = [Mark((v - low) / (high - low), ticks.number(v), v) for v in values]
+        marks = [Mark((v - low) / (high - low), number(v), v) for v in values]
         marks = [
             m
             for m in marks
@@ -68,7 +67,7 @@ def bar_marks(
         values = scale.ticks(count)
         where = scale.position(np.array(values))
         marks = tuple(
-            Mark(float(p), ticks.number(v * factor), v) for p, v in zip(where, values, strict=True)
+            Mark(float(p), number(v * factor), v) for p, v in zip(where, values, strict=True)
         )
         if _have_room(marks, length, width_of, 0.5 * width_of("0")):
             break

@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from paminsa_viz.plots import axes, ticks
+from paminsa_viz.plots import axes
 from paminsa_viz.plots.maps import MapData, Provenance
 from paminsa_viz.plots.scale import Scale
+from paminsa_viz.units import MM, number
 
 LONGEST_NAME = 60
 """Characters of a design's name that a caption repeats."""
@@ -19,7 +20,7 @@ _TIE = "\u00a0"  # a space at which lines do not break
 def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     """Return the caption of a figure as one paragraph."""
     source = data.provenance
-    x, y, z = (float(v) * axes.MM for v in data.pose[[0, 1, 3]])
+    x, y, z = (float(v) * MM for v in data.pose[[0, 1, 3]])
     theta = equals("θ", math.degrees(data.theta), "") + "°"
     parts = [
         f"{robot(source)}; {theta}, {equals('z', z, 'mm')}.",
@@ -28,7 +29,7 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
         "Thick line: boundary of the workspace; hatched: not reachable.",
     ]
     if data.singular_radius:
-        radius = equals("radius", data.singular_radius * axes.MM, "mm")
+        radius = equals("radius", data.singular_radius * MM, "mm")
         parts.append(f"Dashed: singular positions, {radius}.")
     if _beyond(data, scales):
         parts.append("Pointed ends of the color bar: beyond its range.")
@@ -66,7 +67,7 @@ def _contours(data: MapData, scales: tuple[Scale, ...]) -> str:
         return ""
     factor, unit = data.display
     step = (scales[0].levels[1] - scales[0].levels[0]) * factor
-    return f"Contours every {ticks.number(step)}{_TIE}{unit}".rstrip(_TIE) + "."
+    return f"Contours every {number(step)}{_TIE}{unit}".rstrip(_TIE) + "."
 
 
 def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
@@ -79,7 +80,7 @@ def _beyond(data: MapData, scales: tuple[Scale, ...]) -> bool:
 
 def equals(symbol: str, value: float, unit: str) -> str:
     """Return ``symbol = value unit`` that no line break tears apart."""
-    return _TIE.join([symbol, "=", ticks.number(value), *([unit] if unit else [])])
+    return _TIE.join([symbol, "=", number(value), *([unit] if unit else [])])
 
 
 def _trouble(data: MapData) -> str:

@@ -15,13 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.reach import Limit
-
-DISPLAY_UNITS: dict[str, tuple[float, str]] = {
-    "m": (1e3, "mm"),
-    "N m": (1.0, "N·m"),
-    "1": (1.0, ""),
-}
-"""Units that are shown differently from how they are stored: factor and shown unit."""
+from paminsa_viz.units import DisplayUnit, display_unit
 
 
 @dataclass(frozen=True)
@@ -150,9 +144,9 @@ class MapData:
         )
 
     @property
-    def display(self) -> tuple[float, str]:
-        """Factor from stored to shown values, and the shown unit."""
-        return DISPLAY_UNITS.get(self.unit, (1.0, self.unit))
+    def display(self) -> DisplayUnit:
+        """The unit that people read the values in."""
+        return display_unit(self.unit)
 
     def panel(self, index: int) -> MapData:
         """Return one panel as a map of its own.

@@ -14,7 +14,7 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from paminsa_viz.palette import INK
-from paminsa_viz.plots import axes, colors, lines, raster, ticks
+from paminsa_viz.plots import axes, colors, lines, raster
 from paminsa_viz.plots.formats import INCH
 from paminsa_viz.plots.labels import Label, place_labels
 from paminsa_viz.plots.layout import Box
@@ -22,6 +22,7 @@ from paminsa_viz.plots.lettering import TextMetrics
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.page import Page
 from paminsa_viz.plots.scale import Scale
+from paminsa_viz.units import MM, number
 
 LABELLED_PANEL = 30.0  # mm; contours of smaller panels carry no numbers, and lines are finer
 
@@ -34,7 +35,7 @@ def draw_panel(
     """Draw one panel into its box."""
     panel = page.axes(box)
     thin = 1.0 if box.width >= LABELLED_PANEL else 0.75
-    left, right, bottom, top = (edge * axes.MM for edge in data.extent)
+    left, right, bottom, top = (edge * MM for edge in data.extent)
     panel.set(xlim=(left, right), ylim=(bottom, top))
     hatching = Rectangle(
         (left, bottom), right - left, top - bottom, fc=colors.REACHLESS, ec=colors.HATCH
@@ -47,16 +48,16 @@ def draw_panel(
     line: dict[str, Any] = {"solid_capstyle": "round", "solid_joinstyle": "round"}
     for part in lines.boundary(data):
         panel.plot(
-            *(part * axes.MM).T,
+            *(part * MM).T,
             color=INK,
             lw=0.9 * thin,
             zorder=4,
             **line,
         )
     for part in lines.singular_circle(data):
-        panel.plot(*(part * axes.MM).T, color="white", lw=1.3 * thin, zorder=5, **line)
-        panel.plot(*(part * axes.MM).T, color=INK, lw=0.8 * thin, dashes=(3.5, 2.5), zorder=5)
-    x, y = (float(v) * axes.MM for v in data.pose[:2])
+        panel.plot(*(part * MM).T, color="white", lw=1.3 * thin, zorder=5, **line)
+        panel.plot(*(part * MM).T, color=INK, lw=0.8 * thin, dashes=(3.5, 2.5), zorder=5)
+    x, y = (float(v) * MM for v in data.pose[:2])
     ring: dict[str, Any] = {"marker": "o", "ls": "none", "zorder": 6, "clip_on": True}
     panel.plot(x, y, ms=6.4 * thin, mfc="white", mec="white", mew=0, **ring)
     panel.plot(x, y, ms=4.6 * thin, mfc="white", mec=INK, mew=0.8, **ring)
@@ -80,11 +81,11 @@ def _cells(panel: Axes, data: MapData, index: int, scale: Scale) -> None:
             kinds = np.full(len(points), Path.LINETO, dtype=np.uint8)
             kinds[offsets[:-1]] = Path.MOVETO
             kinds[offsets[1:] - 1] = Path.CLOSEPOLY
-            paths.append(Path(points * axes.MM, kinds))
+            paths.append(Path(points * MM, kinds))
         if not paths:
             return
         area = PathPatch(Path.make_compound_path(*paths), transform=panel.transData)
-    left, right, bottom, top = (edge * axes.MM for edge in data.extent)
+    left, right, bottom, top = (edge * MM for edge in data.extent)
     image = panel.imshow(
         raster.map_image(values, status, scale),
         extent=(left, right, bottom, top),
@@ -133,7 +134,7 @@ def _contours(
         level: [onto(line) for line in parts]
         for level, parts in lines.contour_lines(data, index, scale).items()
     }
-    words = {level: ticks.number(level * data.display[0]) for level in found}
+    words = {level: number(level * data.display[0]) for level in found}
     small = TextMetrics(letters.size - 2)
     placed: list[Label] = []
     if box.width >= LABELLED_PANEL:
@@ -148,7 +149,7 @@ def _contours(
         )
     fine = 0.4 * thin
     for level, parts in found.items():
-        back = [(line / paper + origin) * axes.MM for line in parts]
+        back = [(line / paper + origin) * MM for line in parts]
         width = 2 * fine if level == 0 else fine
         panel.add_collection(
             LineCollection(
@@ -156,7 +157,7 @@ def _contours(
             )
         )
     for label in placed:
-        x, y = (np.array([label.x, label.y]) / paper + origin) * axes.MM
+        x, y = (np.array([label.x, label.y]) / paper + origin) * MM
         panel.text(x, y, words[label.level], size=small.size, rotation=label.angle, color=INK,
                    ha="center", va="center_baseline", rotation_mode="anchor", zorder=5.5,
                    path_effects=[withStroke(linewidth=1.2, foreground="white")])  # fmt: skip

@@ -16,7 +16,7 @@ import plotly.graph_objects as go
 from PIL import Image
 
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.plots import axes, colors, lines, raster, ticks
+from paminsa_viz.plots import axes, colors, lines, raster
 from paminsa_viz.plots.canvas import text_width
 from paminsa_viz.plots.layout import Box, Layout
 from paminsa_viz.plots.live import screen_layout
@@ -24,6 +24,7 @@ from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.plots.screen_bar import SIZE, Parts, color_axis, unit_note
+from paminsa_viz.units import MM, number
 
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 CONFIG: dict[str, Any] = {"displayModeBar": False, "doubleClick": "reset"}
@@ -95,7 +96,7 @@ def _numbered(name: str, index: int) -> str:
 
 
 def _add_axes(layout: Parts, data: MapData, index: int, box: Box, place: Layout) -> None:
-    left, right, bottom, top = (edge * axes.MM for edge in data.extent)
+    left, right, bottom, top = (edge * MM for edge in data.extent)
     x_marks = axes.length_marks(*data.extent[:2], box.width, lambda w: text_width(w, SIZE), 5)
     y_marks = axes.length_marks(*data.extent[2:], box.height, lambda _: 1.4 * SIZE, 0.5 * SIZE)
     x, y = _numbered("x", index), _numbered("y", index)
@@ -168,8 +169,8 @@ def _values(data: MapData, index: int, scale: Scale, color_axis: str) -> Parts:
     # what is read off is the value itself. Single precision halves what is sent.
     return {
         "type": "heatmap",
-        "x": data.x * axes.MM,
-        "y": data.y * axes.MM,
+        "x": data.x * MM,
+        "y": data.y * MM,
         "z": np.clip(scale.position(values), -1.0, 2.0).astype(np.float32),
         "customdata": (values * factor).astype(np.float32),
         "coloraxis": color_axis,
@@ -189,8 +190,8 @@ def _reasons(data: MapData, index: int) -> list[Parts]:
     return [
         {
             "type": "heatmap",
-            "x": data.x * axes.MM,
-            "y": data.y * axes.MM,
+            "x": data.x * MM,
+            "y": data.y * MM,
             "z": np.where(masked, dark, np.nan).astype(np.float32),
             "text": np.where(masked, axes.reasons(data), "").astype(object),
             "zmin": 0,
@@ -207,7 +208,7 @@ _ANY = Scale(0.0, 1.0)
 
 
 def _where(data: MapData) -> str:
-    theta, z = ticks.number(np.degrees(data.theta)), ticks.number(data.z * axes.MM)
+    theta, z = number(np.degrees(data.theta)), number(data.z * MM)
     place = "x = %{x:.1f} mm, y = %{y:.1f} mm"
     return f"<br>{place}<br>θ = {theta}°, z = {z} mm<extra></extra>"
 
@@ -219,7 +220,7 @@ def _lines(
         return []
     gap = np.full((1, 2), np.nan)
     points = np.concatenate([part for line in found for part in (line, gap)])[:-1]
-    points = (points * axes.MM).astype(np.float32)
+    points = (points * MM).astype(np.float32)
     return [
         {
             "type": "scatter",
@@ -236,8 +237,8 @@ def _dot(data: MapData, size: float, color: str, edge: float) -> Parts:
     return {
         "type": "scatter",
         "mode": "markers",
-        "x": [float(data.pose[0]) * axes.MM],
-        "y": [float(data.pose[1]) * axes.MM],
+        "x": [float(data.pose[0]) * MM],
+        "y": [float(data.pose[1]) * MM],
         "marker": {"size": size, "color": color, "line": {"color": INK, "width": edge}},
         "hoverinfo": "skip",
     }

@@ -122,6 +122,10 @@ class EngineTorques:
     torque: Values
     samples: NDArray[np.intp] | None = None
 
+    def samples_of(self, size: int) -> NDArray[np.intp]:
+        """Return the samples as indices (k,), also where they are all of a trajectory."""
+        return np.arange(size) if self.samples is None else self.samples
+
     def pick(self, values: Values) -> Values:
         """Return values (n, ...) of the trajectory at the engine's samples (k, ...)."""
         return values if self.samples is None else values[self.samples]
@@ -160,7 +164,7 @@ class SeriesSources:
             if not same:
                 raise InvalidInput(name, "it has to be an analysis of the same trajectory")
         if self.engine is not None:
-            count = self.engine.pick(motion.t).size
+            count = self.engine.samples_of(motion.size).size
             if self.engine.torque.shape != (count, 4):
                 shape = self.engine.torque.shape
                 raise InvalidInput("engine", f"torques ({count}, 4) are needed, not {shape}")

@@ -44,6 +44,13 @@ CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
 )
 """Parts of a torque: attribute of `TorqueBreakdown`, label, color, stroke."""
 
+_COMPARED: tuple[tuple[str, str, str, str | None, Dash, float], ...] = (
+    ("analysis", "design", "", None, "solid", 1.3),
+    ("reference", "reference", "reference", REFERENCE, "dashed", 1.0),
+    ("published", "formulae as published", "as published", PUBLISHED, "dotted", 1.0),
+)
+"""What is drawn of an actuator: source, label, suffix, color (None for its own), stroke, width."""
+
 MOST_MARKS = 50
 """About how many of an engine's torques are marked on a curve."""
 
@@ -61,9 +68,8 @@ def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
     check, time = sources.analysis.check, sources.analysis.trajectory.t
     failing, until = ~check.good, check.until
     if kind in ("comparison", "differences"):
-        pick = sources.other.pick
-        until = int(pick(np.arange(time.size) < until).sum())
-        time, failing = pick(time), pick(failing)
+        samples = sources.other.samples_of(time.size)
+        time, failing, until = time[samples], failing[samples], int((samples < until).sum())
     elif kind in ("tracking", "errors", "commands"):
         time = sources.simulated_time if kind == "tracking" else sources.simulated.t
         failing, until = np.zeros(time.size, dtype=bool), time.size
@@ -87,20 +93,11 @@ def _compared(
         annotate: Returns a trace with what is marked on it, and its note.
     """
     traces, notes = [], []
-    for analysis, label, suffix, color, dash, width in (
-        (sources.analysis, "design", "", panel.color, "solid", 1.3),
-        (sources.reference, "reference", "reference", REFERENCE, "dashed", 1.0),
-        (
-            sources.published,
-            "formulae as published",
-            "as published",
-            PUBLISHED,
-            "dotted",
-            1.0,
-        ),
-    ):
+    for source, label, suffix, fixed, dash, width in _COMPARED:
+        analysis: TrajectoryAnalysis | None = getattr(sources, source)
         if analysis is None:
             continue
+        color = fixed or panel.color
         until = analysis.check.until
         trace = Trace(label, values(analysis)[:, j], color, dash, width, suffix, until=until)
         if annotate is not None and analysis.summary:
@@ -138,7 +135,7 @@ def _with_torque(unit: str, summary: ActuatorSummary, trace: Trace) -> tuple[Tra
 
 def _marks(engine: EngineTorques, size: int, j: int) -> Trace:
     """Return some of an engine's torques of actuator ``j`` as marks."""
-    samples = engine.pick(np.arange(size))
+    samples = engine.samples_of(size)
     step = max(math.ceil(samples.size / MOST_MARKS), 1)
     values = np.full(size, np.nan)
     values[samples[::step]] = engine.torque[::step, j]

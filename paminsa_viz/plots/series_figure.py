@@ -14,6 +14,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
@@ -152,7 +153,8 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     ]
     headings = sum(3.0 + body.line + (count - 1) * small.line for count in lines)
 
-    figure = Figure(dpi=dpi, layout="constrained")
+    figure, layout = Figure(dpi=dpi), ConstrainedLayoutEngine()
+    figure.set_layout_engine(layout)
     FigureCanvasAgg(figure)
     figure.set_figwidth((round(width / INCH * dpi) + 0.01) / dpi)
     legend = _legend(figure, data, width, body)
@@ -165,7 +167,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     height = (round(height / INCH * dpi) + 0.01) / dpi * INCH
     figure.set_figheight(height / INCH)
 
-    figure.get_layout_engine().set(  # type: ignore[union-attr]
+    layout.set(
         rect=(0, bottom / height, 1, 1 - (top + bottom) / height),
         w_pad=1.5 / INCH, h_pad=0.4 / INCH, wspace=0.03, hspace=0.0,
     )  # fmt: skip
@@ -177,14 +179,14 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     ticks = max(int(panel_width / 11.0), 2)
     grid[0, 0].xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
     grid[0, 0].set_xlim(data.time[0], data.time[-1])
-    style: dict[str, Any] = {"va": "top", "color": INK}
     figure.text(0.5, 1 - 1.0 / height, "\n".join(heading), size=large.size, weight="bold",
-                ha="center", **style)  # fmt: skip
+                color=INK, ha="center", va="top")  # fmt: skip
     if legend is not None:
         legend.set_bbox_to_anchor((0.5, (bottom - 1.0) / height))
     figure.text(2.0 / width, (bottom - legend_height - 1.0) / height, "\n".join(below),
-                size=small.size, linespacing=1.1, **style | {"color": axes.GRID_TEXT})  # fmt: skip
-    _shrink_notes(figure)
+                size=small.size, linespacing=1.1, color=axes.GRID_TEXT, va="top")  # fmt: skip
+    layout.execute(figure)
+    _shrink_notes(figure, small.size)
     return figure
 
 
@@ -263,9 +265,8 @@ def _draw_trace(area: Axes, data: SeriesData, trace: Trace, factor: float, zorde
         area.plot(t, value * factor, mec=trace.color, zorder=2 + zorder, clip_on=False, **_RING)
 
 
-def _shrink_notes(figure: Figure) -> None:
+def _shrink_notes(figure: Figure, size: float) -> None:
     """Make notes smaller that are wider than their panel, next to its name."""
-    figure.get_layout_engine().execute(figure)  # type: ignore[union-attr]
     for area in figure.axes:
         wide = area.get_window_extent().width
         name = area._left_title.get_window_extent().width  # type: ignore[attr-defined]
@@ -275,7 +276,7 @@ def _shrink_notes(figure: Figure) -> None:
             free = wide - (name + 2.0 / INCH * figure.dpi if row == 0 else 0.0)
             shrink = free / note.get_window_extent().width
             if shrink < 1:
-                note.set_fontsize(note.get_fontsize() * shrink)
+                note.set_fontsize(size * shrink)
 
 
 def _legend(figure: Figure, data: SeriesData, width: float, body: TextMetrics) -> Legend | None:

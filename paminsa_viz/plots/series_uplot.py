@@ -149,7 +149,9 @@ def chart_shape(chart: Chart, pieces: int = 1) -> ChartShape:
     """Return the shape of a chart with at least so many pieces a curve."""
     lines = [trace for trace in chart.traces if not trace.marks]
     needed = max((len(runs(trace.values)) for trace in lines), default=1)
-    strokes = tuple((t.color, t.dash, t.width, t.marks) for t in chart.traces)
+    strokes: tuple[tuple[str, Dash, float, bool], ...] = tuple(
+        (t.color, t.dash, t.width, t.marks) for t in chart.traces
+    )
     return ChartShape(chart.title, strokes, min(max(needed, pieces), MOST_PIECES))
 
 

@@ -1,4 +1,4 @@
-"""Round numbers for axes, color bars and contours, and how they are written."""
+"""Round numbers for axes, color bars and contours."""
 
 from __future__ import annotations
 
@@ -53,15 +53,6 @@ def dividing_step(low: float, high: float, count: float) -> float | None:
         if max(2.0, count / 3) - 1e-6 <= parts <= count + 1e-6:
             return _clean(step)
     return None
-
-
-def number(value: float, digits: int = 4) -> str:
-    """Write a number with at most ``digits`` significant digits and a proper minus sign."""
-    text = f"{value:.{digits}g}"
-    if "e" in text:
-        mantissa, _, exponent = text.partition("e")
-        text = f"{mantissa}e{int(exponent)}"
-    return "0" if text == "-0" else text.replace("-", "\u2212")
 
 
 def _clean(value: float) -> float:

@@ -19,9 +19,9 @@ from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.plots.series import SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
-from paminsa_viz.report.design_section import change
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
+from paminsa_viz.units import format_value, percent_change
 
 MP2 = 1
 """Place of M_p2 among the lumped coefficients."""
@@ -64,9 +64,10 @@ def contributions(design: Design) -> list[tuple[str, str, float]]:
 
 def _contributions(design: Design) -> Table:
     rows = [
-        Row((symbol, label, measured(share, "N"))) for symbol, label, share in contributions(design)
+        Row((symbol, label, format_value(share, "N")))
+        for symbol, label, share in contributions(design)
     ]
-    rows.append(Row(("M_p2", "all together", measured(static_imbalance(design), "N")), "total"))
+    rows.append(Row(("M_p2", "all together", format_value(static_imbalance(design), "N")), "total"))
     head = ("Symbol", "Body", "Part of M_p2")
     return Table(head, tuple(rows), "M_p2, body by body.", words=2)
 
@@ -85,17 +86,20 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
         Row(
             (
                 key.parameter.symbol, key.parameter.label,
-                measured(a, "kg"), measured(b, "kg"), change(b, a),
+                format_value(a, "kg"), format_value(b, "kg"), percent_change(a, b),
             ),
             "marked",
         )
         for key, a, b in differences(before, after)
     ]  # fmt: skip
     old, new = whole_mass(before), whole_mass(after)
-    whole = (measured(old, "kg"), measured(new, "kg"), change(new, old))
+    whole = (format_value(old, "kg"), format_value(new, "kg"), percent_change(old, new))
     rows.append(Row(("", "all that moves: three legs and the platform", *whole)))
     rows.append(
-        Row(("M_p2", "", measured(static_imbalance(before), "N"), measured(left, "N")), "total")
+        Row(
+            ("M_p2", "", format_value(static_imbalance(before), "N"), format_value(left, "N")),
+            "total",
+        )
     )
     said = (
         "The paper’s balance with the least added mass, by changing masses that M_p2 contains."
@@ -121,7 +125,7 @@ def _on_the_motion(before: TrajectoryAnalysis, after: TrajectoryAnalysis) -> Tab
         peaks, means = (abs(a.peak), abs(b.peak)), (a.rms, b.rms)
         cells = [f"M{j + 1}"]
         for one, two in (peaks, means):
-            cells += [measured(one, unit), measured(two, unit), change(two, one)]
+            cells += [format_value(one, unit), format_value(two, unit), percent_change(one, two)]
         rows.append(Row(tuple(cells), color=ACTUATOR_COLORS[j]))
     head = ("", "Peak before", "After", "Change", "RMS before", "After", "Change")
     worse = any(abs(b.rms) > abs(a.rms) for a, b in zip(before.summary, after.summary, strict=True))

@@ -7,11 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
-from paminsa_viz.plots.curves_words import value
-
-NONE = "–"
-"""Stands where there is no number."""
-
 
 @dataclass(frozen=True)
 class Fact:
@@ -127,19 +122,6 @@ class Section:
     key: str
     title: str
     blocks: tuple[Block, ...]
-
-
-def measured(number: float, unit: str, digits: int = 4) -> str:
-    """Return a number of an SI unit as a person reads it; a dash where there is none."""
-    return NONE if number != number else value(number, pretty(unit), digits)
-
-
-def pretty(unit: str) -> str:
-    """Return an SI unit with dots and raised digits: ``kg m^2`` becomes ``kg·m²``.
-
-    Those that `value` converts, such as m to mm, stay as they are.
-    """
-    return unit if unit in ("m", "N m", "rad") else unit.replace("^2", "²").replace(" ", "·")
 
 
 def columns(*rows: Sequence[str]) -> tuple[Row, ...]:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from paminsa_viz.files.design_schema import KEYS, DesignKey
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import NONE, Block, Note, Row, Section, Table, measured
+from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
+from paminsa_viz.units import format_value, percent_change
 
 GROUPS: dict[str, str] = {
     "geometry": "Lengths",
@@ -64,24 +65,17 @@ def _differs(design: Design, key: DesignKey) -> bool:
 def _row(design: Design, key: DesignKey, differs: bool) -> Row:
     parameter = key.parameter
     now, before = design.value(parameter.path), APPENDIX_4.value(parameter.path)
-    cells = (parameter.symbol, parameter.label, measured(now, parameter.unit, 6))
+    cells = (parameter.symbol, parameter.label, format_value(now, parameter.unit, 6))
     if not differs:
         return Row(cells)
-    return Row((*cells, measured(before, parameter.unit, 6), change(now, before)), "marked")
+    return Row(
+        (*cells, format_value(before, parameter.unit, 6), percent_change(before, now)), "marked"
+    )
 
 
 def _counterweights(design: Design) -> Table:
     rows = tuple(
-        Row((weight.place, measured(weight.mass, "kg", 5)), color=ACTUATOR_COLORS[3])
+        Row((weight.place, format_value(weight.mass, "kg", 5)), color=ACTUATOR_COLORS[3])
         for weight in design.counterweights
     )
     return Table(("Counterweight", "Mass, each leg"), rows, "Counterweights, on every leg.")
-
-
-def change(now: float, before: float) -> str:
-    """Return a change in per cent; a dash where there is nothing to compare with."""
-    if before == 0 or before != before or now != now:
-        return NONE
-    share = 100 * (now / before - 1)
-    text = f"{share:+,.0f}" if abs(share) >= 100 else f"{share:+.3g}"
-    return text.replace("-", "\u2212") + " %"

@@ -9,8 +9,9 @@ from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.paper import render
 from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.plots.scale import ScaleChoice
-from paminsa_viz.report.blocks import Block, Figure, Note, Section, measured
+from paminsa_viz.report.blocks import Block, Figure, Note, Section
 from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.units import format_value
 
 CELLS = 200
 """Cells along each side."""
@@ -32,8 +33,8 @@ def maps_section(request: ReportRequest) -> Section:
 
     blocks: list[Block] = [
         Note(
-            f"All maps are at θ = {measured(theta, 'rad')} and z = {measured(z, 'm')}. The torques "
-            "of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
+            f"All maps are at θ = {format_value(theta, 'rad')} and z = {format_value(z, 'm')}. The "
+            "torques of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
         ),
         _figure(maps(*TORQUES), 170.0, half=False),
         _figure(maps(Quantity.F_4), 85.0, half=True),

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import math
-import re
 from functools import lru_cache
 
 from jinja2 import Environment, PackageLoader, StrictUndefined, Template
-from markupsafe import Markup, escape
+from markupsafe import Markup
 
 import paminsa_viz
 from paminsa_viz.balancing import whole_mass
@@ -15,9 +13,8 @@ from paminsa_viz.engines.verification import Verification
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS, BAD, INK, MUTED, OK, WARN
-from paminsa_viz.plots.curves_words import written
 from paminsa_viz.report.balance_section import balance_section
-from paminsa_viz.report.blocks import NONE, Fact, Section, measured
+from paminsa_viz.report.blocks import Fact, Section
 from paminsa_viz.report.design_section import design_section
 from paminsa_viz.report.maps_section import maps_section
 from paminsa_viz.report.provenance_section import provenance_section
@@ -26,6 +23,7 @@ from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import workspace_section
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
+from paminsa_viz.units import NONE, format_value, number, symbols_html
 
 
 def report_html(request: ReportRequest, progress: Progress = silent) -> str:
@@ -73,24 +71,8 @@ def _template() -> Template:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["symbols"] = symbols
+    environment.filters["symbols"] = lambda text: Markup(symbols_html(text))
     return environment.get_template("report.html")
-
-
-_SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
-
-
-def symbols(text: str) -> Markup:
-    """Return a text as HTML, symbols such as ``l_B3`` and ``I_XX^(B4)`` set as in the paper."""
-
-    def typeset(found: re.Match[str]) -> str:
-        letter, below, above = found.groups()
-        raised = f"<sup>({above})</sup>" if above else ""
-        return f"<i>{letter}</i><sub>{below}</sub>{raised}" if below else found[0]
-
-    if len(text) == 1 and text.isalpha():
-        return Markup("<i>{}</i>").format(text)
-    return Markup(_SYMBOL.sub(typeset, str(escape(text))))
 
 
 def _numbered(sections: list[Section]) -> list[tuple[int, Section]]:
@@ -100,8 +82,8 @@ def _numbered(sections: list[Section]) -> list[tuple[int, Section]]:
 def _head(request: ReportRequest) -> list[str]:
     x, y, theta, z = request.pose
     return [
-        f"{request.assembly.value.capitalize()} assembly, pose x {measured(x, 'm')}, "
-        f"y {measured(y, 'm')}, θ {written(math.degrees(theta), 4)}°, z {measured(z, 'm')}",
+        f"{request.assembly.value.capitalize()} assembly, pose x {format_value(x, 'm')}, "
+        f"y {format_value(y, 'm')}, θ {format_value(theta, 'rad')}, z {format_value(z, 'm')}",
         f"Trajectory “{request.trajectory.name}”, {request.trajectory.duration:.3g} s",
     ]
 
@@ -114,12 +96,12 @@ def _facts(
     torque = force = NONE
     if analysis.summary:
         top = max(analysis.summary[:3], key=lambda summary: abs(summary.peak))
-        torque = measured(abs(top.peak), "N m", 3)
-        force = measured(abs(analysis.summary[3].peak), "N", 4)
+        torque = format_value(abs(top.peak), "N m", 3)
+        force = format_value(abs(analysis.summary[3].peak), "N", 4)
     runs = analysis.check.first is None
     facts = [
-        Fact("Moving mass", measured(whole_mass(design), "kg"), "legs, platform, payload"),
-        Fact("M_p2", measured(static_imbalance(design), "N", 3), "0 is static balance"),
+        Fact("Moving mass", format_value(whole_mass(design), "kg"), "legs, platform, payload"),
+        Fact("M_p2", format_value(static_imbalance(design), "N", 3), "0 is static balance"),
         Fact("Peak torque", torque, "M1 to M3 on the trajectory"),
         Fact("Peak force", force, "M4 on the trajectory"),
     ]
@@ -130,6 +112,6 @@ def _facts(
     else:
         kind = "ok" if found.passed else "bad"
         word = "passed" if found.passed else "failed"
-        note = f"largest difference {written(found.worst, 2)} of the largest torque"
+        note = f"largest difference {number(found.worst, 2)} of the largest torque"
         facts.append(Fact("Verification", word, note, kind))
     return facts

@@ -7,8 +7,9 @@ from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import format_value
 
 FIGURES: tuple[FigureKind, ...] = ("pose", "torques", "breakdown", "power")
 
@@ -36,7 +37,7 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
         blocks.append(
             Note(
                 f"The robot can run it. It comes nearest to a limit ({LIMITS[near.limit]}{leg}) at "
-                f"{near.t:.4g} s, with {measured(near.margin, 'm', 3)} to spare.",
+                f"{near.t:.4g} s, with {format_value(near.margin, 'm', 3)} to spare.",
                 "ok",
             )
         )
@@ -55,13 +56,13 @@ def _table(analysis: TrajectoryAnalysis) -> Table:
         unit, speed = ("N m", "rad/s") if j < 3 else ("N", "m/s")
         cells = (
             f"M{j + 1}",
-            measured(summary.peak, unit),
-            measured(summary.peak_t, "s", 3),
-            measured(summary.rms, unit),
-            measured(summary.top_speed, speed),
-            measured(summary.top_power, "W"),
-            measured(summary.driven, "J"),
-            measured(summary.braked, "J"),
+            format_value(summary.peak, unit),
+            format_value(summary.peak_t, "s", 3),
+            format_value(summary.rms, unit),
+            format_value(summary.top_speed, speed),
+            format_value(summary.top_power, "W"),
+            format_value(summary.driven, "J"),
+            format_value(summary.braked, "J"),
         )
         rows.append(Row(cells, color=ACTUATOR_COLORS[j]))
     head = (

@@ -7,11 +7,11 @@ from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.plots.curves_words import written
 from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.plots.verified import verification_figures
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, measured
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
 from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.units import format_value, number
 
 TITLE = "Verification"
 
@@ -33,8 +33,8 @@ def verification_section(found: Verification | str) -> Section:
     engines = " and ".join(f"{check.engine} {check.version}" for check in found.engines)
     verdict = Note(
         f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulae "
-        f"and {engines} is {written(found.worst, 2)} of the actuator’s largest torque; "
-        f"{written(found.tolerance, 2)} is allowed.",
+        f"and {engines} is {number(found.worst, 2)} of the actuator’s largest torque; "
+        f"{number(found.tolerance, 2)} is allowed.",
         "ok" if found.passed else "bad",
     )
     method = Note(
@@ -74,11 +74,11 @@ def _rows(where: str, comparison: Comparison) -> list[Row]:
         unit = line["unit"]
         cells = (
             ("τ₁", "τ₂", "τ₃", "F₄")[j],
-            measured(line["largest_torque"], unit),
-            measured(line["max_difference"], unit, 2),
-            measured(line["rms_difference"], unit, 2),
-            written(line["max_relative"], 2),
-            written(line["rms_relative"], 2),
+            format_value(line["largest_torque"], unit),
+            format_value(line["max_difference"], unit, 2),
+            format_value(line["rms_difference"], unit, 2),
+            number(line["max_relative"], 2),
+            number(line["rms_relative"], 2),
         )
         rows.append(Row(cells, color=ACTUATOR_COLORS[j]))
     return rows
@@ -87,7 +87,7 @@ def _rows(where: str, comparison: Comparison) -> list[Row]:
 def _misprints(found: Verification) -> Table:
     rows = [
         Row(
-            (MISPRINTS[item], *(written(value, 2) for value in comparison.relative)),
+            (MISPRINTS[item], *(number(value, 2) for value in comparison.relative)),
             "total" if item is Misprint.ALL else "plain",
         )
         for item, comparison in found.printed.items()
@@ -114,7 +114,7 @@ MISPRINTS: dict[Misprint, str] = {
 def _simulation(found: Verification) -> Note:
     said = found.to_dict()["simulation"]
     x, y, theta, z = (
-        measured(value, unit, 2)
+        format_value(value, unit, 2)
         for value, unit in zip(said["drift_m_rad"], ("m", "m", "rad", "m"), strict=True)
     )
     end = "to the end" if said["complete"] else "until it had strayed: the robot is unstable"

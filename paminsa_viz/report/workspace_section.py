@@ -16,18 +16,10 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.model.sweeps import sweep
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import (
-    Block,
-    Figure,
-    Note,
-    Row,
-    Section,
-    Table,
-    columns,
-    measured,
-)
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, columns
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.report.sketch import sketch
+from paminsa_viz.units import format_value
 
 SAMPLED = 20_000
 """Random poses behind the statistics of static torques."""
@@ -62,16 +54,17 @@ def _sizes(g: Geometry, theta: float) -> Table:
     bars = g.crank_length + g.coupler_length
     rows = columns(
         ("Farthest position of the platform from the axis, at the best angle and height",
-         measured(workspace_radius(g), "m")),
+         format_value(workspace_radius(g), "m")),
         ("Largest height of joints 5 above or below the guides, platform in the middle",
-         measured(workspace_height(g), "m")),
-        ("Reach of a pantograph, l_B4 + l_B8", measured(bars, "m")),
+         format_value(workspace_height(g), "m")),
+        ("Reach of a pantograph, l_B4 + l_B8", format_value(bars, "m")),
         ("Distance of joints 8 and 5 in the middle, at the height of the guides",
-         measured(g.home_span, "m")),
-        ("Stroke of joint 8 on its guide", measured(g.stroke, "m")),
-        ("Angle at which every position is singular", "± " + measured(singular_rotation(g), "rad")),
-        (f"Radius of singular positions at θ = {measured(theta, 'rad')}",
-         measured(float(singular_radius(g, theta)), "m")),
+         format_value(g.home_span, "m")),
+        ("Stroke of joint 8 on its guide", format_value(g.stroke, "m")),
+        ("Angle at which every position is singular",
+         "± " + format_value(singular_rotation(g), "rad")),
+        (f"Radius of singular positions at θ = {format_value(theta, 'rad')}",
+         format_value(float(singular_radius(g, theta)), "m")),
     )  # fmt: skip
     return Table(("Quantity", "Value"), rows, "Sizes that follow from the lengths in closed form.")
 
@@ -97,8 +90,8 @@ def _shares(design: Design, assembly: KneeBranch) -> Table:
         if counts[limit]
     ]
     box = (
-        f"|x|, |y| ≤ {measured(across, 'm', 3)}, |θ| ≤ {measured(turn, 'rad', 3)}, joints 5 within "
-        f"{measured(up, 'm', 3)} of the guides"
+        f"|x|, |y| ≤ {format_value(across, 'm', 3)}, |θ| ≤ {format_value(turn, 'rad', 3)}, "
+        f"joints 5 within {format_value(up, 'm', 3)} of the guides"
     )
     caption = f"Poses of the box {box}, on a grid of {grid.size:,} poses."
     return Table(("Poses", "Share"), tuple(rows), caption)
@@ -121,7 +114,7 @@ def _torques(request: ReportRequest) -> list[Block]:
     ]
     rows = tuple(
         Row(
-            (name, *(measured(float(figure[j]), unit) for figure in figures)),
+            (name, *(format_value(float(figure[j]), unit) for figure in figures)),
             color=ACTUATOR_COLORS[j],
         )
         for j, (name, unit) in enumerate(zip(ACTUATORS, UNITS, strict=True))

@@ -11,8 +11,8 @@ from paminsa_viz.explorer.bounds import largest
 from paminsa_viz.explorer.panels.design_layout import GROUPS
 from paminsa_viz.explorer.panels.number_row import Row, fitted_range, round_up
 from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.explorer.symbols import edge, plain
-from paminsa_viz.model import APPENDIX_4, PARAMETERS
+from paminsa_viz.model import APPENDIX_4, PARAMETER, PARAMETERS
+from paminsa_viz.units import symbol_text
 from tests.explorer.design_rows import ROWS
 
 
@@ -26,25 +26,25 @@ def test_labels_tell_the_numbers_apart_and_are_short_enough_for_their_column() -
     assert len(set(labels)) == len(labels)
     assert max(map(len, labels)) <= 18  # 97 px hold about that many
     for parameter in PARAMETERS:
-        assert ROWS[parameter.path].label.startswith(plain(parameter.symbol))
+        assert ROWS[parameter.path].label.startswith(symbol_text(parameter.symbol))
 
 
 @pytest.mark.parametrize("row", ROWS.values(), ids=lambda row: row.path)
 def test_a_slider_reaches_appendix_4_and_only_what_is_possible(row: Row) -> None:
-    shown = edge(row.path)
-    default = shown.shown(APPENDIX_4.value(row.path))
+    unit = PARAMETER[row.path].display
+    default = unit.from_si(APPENDIX_4.value(row.path))
     assert row.low <= default <= row.high
     steps = (default - row.low) / row.step if row.low == 0 else default / row.step
     assert steps == pytest.approx(round(steps), abs=1e-6)  # it can be dragged back to it
     for end in (row.low, row.high):
-        value = shown.inside(end)
+        value = unit.to_si(end)
         design = actions.vary(initial_state(), {row.path: value}).document.design
         assert design.value(row.path) == value
 
 
 @given(path=st.sampled_from(sorted(ROWS)), fraction=st.floats(0, 1))
 def test_a_range_grows_to_what_is_typed_and_leaves_room(path: str, fraction: float) -> None:
-    row, most = ROWS[path], edge(path).shown(largest(path))
+    row, most = ROWS[path], PARAMETER[path].display.from_si(largest(path))
     value = row.low + fraction * (most - row.low)
     low, high = fitted_range(row, row.low, row.high, value)
     assert low <= value <= high <= most

@@ -19,8 +19,8 @@ from paminsa_viz.explorer.panels.design_panel import (
 )
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.model import APPENDIX_4, PARAMETERS, static_imbalance, static_torques
+from paminsa_viz.units import number
 from tests.explorer.design_rows import ROWS
 from tests.samples import random_design
 

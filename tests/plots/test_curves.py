@@ -19,7 +19,6 @@ from paminsa_viz.plots.curves_axes import value_scale
 from paminsa_viz.plots.curves_data import Panel, Trace, extremes
 from paminsa_viz.plots.curves_model import PARTS
 from paminsa_viz.plots.curves_paper import _page
-from paminsa_viz.plots.curves_words import value, written
 from paminsa_viz.plots.formats import drawing
 from paminsa_viz.trajectory import (
     PRESET,
@@ -277,10 +276,3 @@ def test_an_axis_holds_its_values_and_has_numbers(numbers, unit) -> None:
     assert shown.max() < scale.high
     assert 2 <= len(scale.marks) <= 7
     assert all(scale.low <= mark.value <= scale.high for mark in scale.marks)
-
-
-def test_numbers_read_well() -> None:
-    assert written(-1.234e-13) == "−1.23·10⁻¹³"
-    assert value(0.0123, "m") == "12.3 mm"
-    assert value(1.5, "m/s²") == "1.5 m/s²"
-    assert value(np.pi / 2, "rad/s") == "90°/s"

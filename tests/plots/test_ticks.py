@@ -51,19 +51,3 @@ def test_multiples_are_all_inside_and_none_is_missing(low: float, step: float) -
 )
 def test_dividing_steps(low: float, high: float, count: int, step: float | None) -> None:
     assert ticks.dividing_step(low, high, count) == step
-
-
-@pytest.mark.parametrize(
-    ("value", "text"),
-    [
-        (0.0, "0"),
-        (-0.0, "0"),
-        (-12.5, "−12.5"),
-        (1000.0, "1000"),
-        (1e-7, "1e−7"),
-        (0.1 + 0.2, "0.3"),
-        (123456.0, "1.235e5"),
-    ],
-)
-def test_numbers_are_written_short_with_a_minus_sign(value: float, text: str) -> None:
-    assert ticks.number(value) == text

@@ -17,8 +17,8 @@ from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import html, number, unit_text
 from paminsa_viz.palette import INK, MUTED
+from paminsa_viz.units import number, symbol_html, unit_text
 
 MOST_BARS = 14
 
@@ -139,7 +139,7 @@ class TornadoFigure:
             "layout": LAYOUT | {
                 "barmode": "overlay", "bargap": 0.3,
                 "legend": LAYOUT["legend"] | {"y": 0},
-                "xaxis": AXIS | {"title": {"text": f"{html(NAMES[output])} [{unit}]"}},
+                "xaxis": AXIS | {"title": {"text": f"{symbol_html(NAMES[output])} [{unit}]"}},
                 "yaxis": AXIS | {"autorange": "reversed", "ticks": ""},
             },
             "config": CONFIG,

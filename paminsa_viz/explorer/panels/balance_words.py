@@ -14,10 +14,10 @@ from paminsa_viz.explorer.balancing.settings import Goal
 from paminsa_viz.explorer.panels.readout import dot
 from paminsa_viz.explorer.panels.tables import FONT, note, table
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import html, number, unit_text
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.palette import BAD, MUTED, OK, WARN
+from paminsa_viz.units import number, symbol_html, symbols_html, unit_text
 
 BALANCED = 1e-9
 """Largest |M_p2| that counts as balanced [N]."""
@@ -96,13 +96,13 @@ def problem_html(problem: PaminsaError) -> str:
 def carrier(name: str) -> str:
     """Return what may change, or is limited: its symbol, its words, or where a weight hangs."""
     if name in PARAMETER:
-        return html(PARAMETER[name].symbol)
+        return symbol_html(PARAMETER[name].symbol)
     head, _, rest = name.partition(".")
     if head == "counterweights":
         return f"counterweight {int(rest.partition('.')[0]) + 1}"
     name = name.replace("M1-M3", "M1–M3").replace(" on the trajectory", "")
     name = re.sub(r"counterweight on (B\d) from joint (\d)", r"weight on \1 past \2", name)
-    return escape(name).replace("M_p2", "<i>M</i><sub>p2</sub>")
+    return symbols_html(name)
 
 
 def _headline(state: State, outcome: Outcome, after: Design) -> str:
@@ -132,7 +132,7 @@ def _headline(state: State, outcome: Outcome, after: Design) -> str:
 def _effects(outcome: Outcome) -> str:
     rows = []
     for item in outcome.effects:
-        label = html(item.label) if item.label == "M_p2" else escape(item.label)
+        label = symbols_html(item.label)
         cells = [_number(value) for value in (item.before, item.after, item.after - item.before)]
         unit = unit_text(item.unit)
         rows.append([f"{label} [{unit}]", cells[0], f"<b>{cells[1]}</b>", cells[2]])
@@ -157,7 +157,7 @@ def _changes(before: Design, after: Design) -> str:
         old, new = before.value(path), after.value(path)
         if differs(old, new):
             known = PARAMETER[path]
-            name = f'<span title="{escape(known.label)}">{html(known.symbol)}</span>'
+            name = f'<span title="{escape(known.label)}">{symbol_html(known.symbol)}</span>'
             rows.append([f"{name} [{unit_text(known.unit)}]", *_row(old, new)])
     for place, (old, new) in _weights(before, after).items():
         if differs(old, new):

@@ -11,10 +11,8 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.number_row import is_changed
 from paminsa_viz.explorer.panels.readout import dot
-from paminsa_viz.explorer.panels.readout import number as fixed
 from paminsa_viz.explorer.panels.tables import note, table
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.symbols import change_text, edge, html, number
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
@@ -25,6 +23,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.units import fixed, number, percent_change, symbol_html
 
 PIN, SWAP, UNPIN = "Pin present", "Swap", "Unpin"
 
@@ -67,7 +66,7 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
     for label, now, then, digits in lines:
         if np.isfinite(then):
             tiny = abs(then) < 0.5 * 10**-digits  # shown as zero; a share of it says nothing
-            change = "–" if tiny else change_text(float(then), float(now))
+            change = "–" if tiny else percent_change(float(then), float(now))
             rest = [fixed(float(then), digits), fixed(float(now - then), digits), change]
         else:
             rest = ["–"] * 3
@@ -79,7 +78,7 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
 
 
 def _value(design: Design, parameter: Parameter) -> str:
-    text = edge(parameter.path).text(design.value(parameter.path)).replace(" ", "\u202f")
+    text = parameter.display.format(design.value(parameter.path), 6).replace(" ", "\u202f")
     if parameter.path == "geometry.guide_stroke" and design.geometry.guide_stroke is None:
         return f"{text} (l<sub>B10</sub>)"
     return text
@@ -95,9 +94,9 @@ def _weights(design: Design, reference: Design) -> list[list[str]]:
     return [
         [
             f"on {escape(place)}",
-            f"{number(held.get(place, 0.0))}\u202fkg",
-            f"<b>{number(present.get(place, 0.0))}\u202fkg</b>",
-            change_text(held.get(place, 0.0), present.get(place, 0.0)),
+            f"{number(held.get(place, 0.0), 6)}\u202fkg",
+            f"<b>{number(present.get(place, 0.0), 6)}\u202fkg</b>",
+            percent_change(held.get(place, 0.0), present.get(place, 0.0)),
         ]
         for place in dict.fromkeys([*held, *present])
         if held.get(place) != present.get(place)
@@ -108,10 +107,10 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
     """Return a table of the numbers in which two designs differ; arguments as `torques_html`."""
     rows = [
         [
-            f'<span title="{escape(p.label)}">{html(p.symbol)}</span>',
+            f'<span title="{escape(p.label)}">{symbol_html(p.symbol)}</span>',
             _value(reference, p),
             f"<b>{_value(design, p)}</b>",
-            change_text(reference.value(p.path), design.value(p.path)),
+            percent_change(reference.value(p.path), design.value(p.path)),
         ]
         for p in PARAMETERS
         if is_changed(design, p.path, reference)

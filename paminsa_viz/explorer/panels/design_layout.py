@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from paminsa_viz.explorer.panels.number_row import Row, round_up
-from paminsa_viz.explorer.symbols import edge
 from paminsa_viz.model import PARAMETER
 
 
@@ -43,12 +42,14 @@ def _inertia(path: str, name: str) -> Row:
 
 def _length(path: str, name: str, high: float | None = None) -> Row:
     # Twice Appendix 4's length: with the other lengths unchanged, the pantograph can still close.
-    high = round_up(2 * edge(path).shown(PARAMETER[path].default)) if high is None else high
+    parameter = PARAMETER[path]
+    if high is None:
+        high = round_up(2 * parameter.display.from_si(parameter.default))
     return _row(path, name, high, 0.25)
 
 
 def _friction(path: str, high: float, step: float) -> Row:
-    return _row(path, f"[{edge(path).unit}]", high, step)
+    return _row(path, f"[{PARAMETER[path].display.text}]", high, step)
 
 
 _INERTIA_ROWS = (

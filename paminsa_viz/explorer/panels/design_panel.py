@@ -8,14 +8,13 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group
 from paminsa_viz.explorer.panels.number_row import NumberRow, Row
-from paminsa_viz.explorer.panels.readout import number as fixed
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, lumped_matrix, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.palette import INK, MUTED, OK, REFERENCE
+from paminsa_viz.units import fixed, number
 
 WHOLE_GROUP = "all"
 """What the button says that sets a whole group back."""

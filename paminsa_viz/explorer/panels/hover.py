@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import Limit
-from paminsa_viz.plots import axes, ticks
 from paminsa_viz.plots.layout import Layout
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.screen import FONT
+from paminsa_viz.units import MM, number
 
 REASON_CELLS = 72
 """Cells along a side, at most, that say why nothing is there; words are long."""
@@ -60,7 +60,7 @@ def _axis(index: int) -> str:
 
 
 def _layout(data: MapData, layout: Layout, name: str) -> dict[str, Any]:
-    left, right, bottom, top = (edge * axes.MM for edge in data.extent)
+    left, right, bottom, top = (edge * MM for edge in data.extent)
     width, height = layout.width, layout.height
     out: dict[str, Any] = {
         "meta": name,
@@ -126,7 +126,7 @@ def _reason(status: int, leg: int) -> str:
 
 
 def _where(data: MapData) -> str:
-    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(data.z * axes.MM)} mm"
+    pose = f"θ = {number(np.degrees(data.theta))}°, z = {number(data.z * MM)} mm"
     return f"x = %{{x:.1f}} mm, y = %{{y:.1f}} mm<br>{pose}<extra></extra>"
 
 
@@ -136,8 +136,8 @@ def _heatmap(
     number = _axis(index)
     return {
         "type": "heatmap",
-        "x": _packed(x * axes.MM),
-        "y": _packed(y * axes.MM),
+        "x": _packed(x * MM),
+        "y": _packed(y * MM),
         "z": _packed(z),
         "xaxis": f"x{number}",
         "yaxis": f"y{number}",

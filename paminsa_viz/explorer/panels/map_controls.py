@@ -17,7 +17,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput, Quantity
 from paminsa_viz.plots import ticks
-from paminsa_viz.plots.maps import DISPLAY_UNITS
+from paminsa_viz.units import display_unit
 
 FIG_3_ANGLE = np.pi / 3
 """Angle of the platform in the paper's Fig. 3 [rad]; it does not say the height."""
@@ -201,7 +201,7 @@ class MapControls:
             control.draw(frame, moving)
 
     def _factor(self, state: State) -> float:
-        return DISPLAY_UNITS.get(self._unit(state), (1.0, ""))[0]
+        return display_unit(self._unit(state)).factor
 
     def _mode(self, state: State) -> RangeMode:
         """Return how the range of this picture is found; a manual one may be in another unit."""

@@ -18,12 +18,12 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, MUTED
-from paminsa_viz.plots import ticks
 from paminsa_viz.plots.layout import Layout
 from paminsa_viz.plots.live import Way, live_image, marks, screen_layout
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import number
 
 Quantities = Callable[[State], tuple[Quantity, ...]]
 
@@ -215,7 +215,7 @@ def way_of(motion: TrajectoryAnalysis) -> Way:
 
 def caption(state: State, data: MapData) -> str:
     """Return the line below a picture: what it shows, where, and what its marks mean."""
-    pose = f"θ = {ticks.number(np.degrees(data.theta))}°, z = {ticks.number(1e3 * data.z)}\u00a0mm"
+    pose = f"θ = {number(np.degrees(data.theta))}°, z = {number(1e3 * data.z)}\u00a0mm"
     reference = state.document.reference
     title = "Static torques" if data.panels > 1 else data.title
     if shows_difference(state) and reference is not None:

@@ -12,9 +12,9 @@ from paminsa_viz.explorer.motion.checking import Answer, ask_engine, taken
 from paminsa_viz.explorer.motion.store import MotionResults
 from paminsa_viz.explorer.panels.motion_numbers import verdict
 from paminsa_viz.explorer.session import REST, Session
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import number
 
 MARK = (
     '<span style="display:inline-block;width:6px;height:6px;border:1px solid '

@@ -8,10 +8,10 @@ from html import escape
 import numpy as np
 
 from paminsa_viz.explorer.motion.store import MotionResults
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.palette import BAD, INK, MUTED, OK
 from paminsa_viz.plots.series import Dash, Statistics, Trace
 from paminsa_viz.plots.series_uplot import Chart
+from paminsa_viz.units import number
 
 NOTHING = '<div class="paminsa-numbers"></div>'
 

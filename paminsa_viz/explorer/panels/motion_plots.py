@@ -19,11 +19,11 @@ from paminsa_viz.explorer.panels.motion_words import status_line
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts
+from paminsa_viz.units import number
 
 ACTUATORS = ("M1", "M2", "M3", "M4")
 _LABELS = {plot: label for label, plot in PLOTS.items()}

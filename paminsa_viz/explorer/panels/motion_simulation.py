@@ -16,9 +16,9 @@ from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.palette import BAD, MUTED, OK, WARN
 from paminsa_viz.trajectory import Control as Controlled
+from paminsa_viz.units import number
 
 CONTROLS = {
     "computed torque": Controlled.COMPUTED_TORQUE,

@@ -6,9 +6,9 @@ import math
 
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.state import Pose, State
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import number
 
 _NAMES = {
     Limit.STRETCHED: "a stretched pantograph",
@@ -40,5 +40,5 @@ def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool
 def pose_words(pose: Pose) -> str:
     """Return a pose in millimeters and degrees."""
     x, y, theta, z = pose
-    mm = [number(round(1e3 * value, 1)) for value in (x, y, z)]
+    mm = [number(round(1e3 * value, 1), 6) for value in (x, y, z)]
     return f"x {mm[0]}, y {mm[1]}, z {mm[2]} mm, θ {number(round(math.degrees(theta), 1))}°"

@@ -12,8 +12,8 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.explorer.symbols import edge, number
 from paminsa_viz.model import APPENDIX_4, PARAMETER, InvalidDesign, InvalidInput
+from paminsa_viz.units import number, symbol_text
 
 
 @dataclass(frozen=True)
@@ -37,13 +37,13 @@ class Row:
     @property
     def label(self) -> str:
         """Text beside the slider."""
-        return f"{edge(self.path).symbol} {self.name}".strip()
+        return f"{symbol_text(PARAMETER[self.path].symbol)} {self.name}".strip()
 
     @property
     def hint(self) -> str:
         """What the number is, and Appendix 4's value."""
         parameter = PARAMETER[self.path]
-        default = edge(self.path).text(parameter.default)
+        default = parameter.display.format(parameter.default, 6)
         if self.path == "geometry.guide_stroke":
             default = "as long as l_B10, and it follows l_B10 until it is set"
         name = parameter.label[:1].upper() + parameter.label[1:]
@@ -61,7 +61,8 @@ def round_up(value: float) -> float:
 def fitted_range(row: Row, low: float, high: float, value: float) -> tuple[float, float]:
     """Return a slider's range, grown if it has to be to hold ``value`` with room above it."""
     if value > high:
-        high = min(round_up(1.5 * value), max(edge(row.path).shown(largest(row.path)), value))
+        most = PARAMETER[row.path].display.from_si(largest(row.path))
+        high = min(round_up(1.5 * value), max(most, value))
     return min(low, value), high
 
 
@@ -70,16 +71,18 @@ class NumberRow:
 
     Attributes:
         row: What it offers.
+        name: The symbol, by which a button names the number.
         slider: viser's handle.
     """
 
     def __init__(self, session: Session, row: Row, hint: str) -> None:
         self.row = row
-        self._edge = edge(row.path)
+        parameter = PARAMETER[row.path]
+        self._unit, self.name = parameter.display, symbol_text(parameter.symbol)
         value = self._show(session.state)
         self._low, self._high = fitted_range(row, row.low, row.high, value)
-        default = self._edge.shown(PARAMETER[row.path].default)
-        tick = ((default, number(default)),)
+        default = self._unit.from_si(parameter.default)
+        tick = ((default, number(default, 6)),)
         self.slider = session.client.gui.add_slider(
             row.label, self._low, self._high, row.step, value, marks=tick, hint=hint
         )
@@ -87,18 +90,13 @@ class NumberRow:
             session, self.slider, f"design.{row.path}", self._apply, self._show
         )
 
-    @property
-    def name(self) -> str:
-        """The symbol, by which a button names the number."""
-        return self._edge.symbol
-
     def _show(self, state: State) -> float:
-        return self._edge.shown(state.document.design.value(self.row.path))
+        return self._unit.from_si(state.document.design.value(self.row.path))
 
     def _apply(self, state: State, value: Any) -> State:
-        shown = f"{self._edge.symbol} = {number(float(value))} {self._edge.unit}".rstrip()
+        shown = f"{self.name} = {number(float(value), 6)} {self._unit.text}".rstrip()
         try:
-            return actions.vary(state, {self.row.path: self._edge.inside(float(value))})
+            return actions.vary(state, {self.row.path: self._unit.to_si(float(value))})
         except InvalidDesign as error:
             # The model names the value that it misses; the person has to know which one was set.
             raise InvalidInput(shown, error.allowed) from error

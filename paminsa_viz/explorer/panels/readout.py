@@ -10,6 +10,7 @@ from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.model.reach import MARGINS, Limit
 from paminsa_viz.palette import ACTUATOR_COLORS, BAD, LEG_COLORS, MUTED, OK, WARN
+from paminsa_viz.units import fixed
 
 _STYLE = {Health.FINE: OK, Health.NEAR: WARN, Health.UNREACHABLE: BAD}
 
@@ -19,14 +20,6 @@ LIMIT_NAMES = {
     Limit.GUIDE: "guide",
     Limit.AXIS: "axis",
 }
-
-
-def number(value: float, digits: int) -> str:
-    """Write a number with a true minus sign and no negative zero."""
-    text = f"{value:.{digits}f}"
-    if float(text) == 0:
-        text = text.lstrip("-")
-    return text.replace("-", "−")
 
 
 def status_html(frame: Frame) -> str:
@@ -79,17 +72,17 @@ def actuators_html(frame: Frame) -> str:
     for j in range(4):
         rotary = j < 3
         place = (
-            f"θ{'₁₂₃'[j]} = {number(float(np.degrees(position[j])), 2)}°"
+            f"θ{'₁₂₃'[j]} = {fixed(float(np.degrees(position[j])), 2)}°"
             if rotary
-            else f"Z = {number(1e3 * float(position[3]), 1)} mm"
+            else f"Z = {fixed(1e3 * float(position[3]), 1)} mm"
         )
         unit, digits = ("N·m", 3) if rotary else ("N", 2)
         value = float(frame.torques[j])
         name = dot(ACTUATOR_COLORS[j]) + f"M{j + 1}"
-        cells = [name, place, f"<b>{number(value, digits)}</b> {unit}"]
+        cells = [name, place, f"<b>{fixed(value, digits)}</b> {unit}"]
         if pinned and reference is not None:
             held = float(reference[j])
-            cells += [number(held, digits), number(value - held, digits)]
+            cells += [fixed(held, digits), fixed(value - held, digits)]
         elif pinned:
             cells += ["–", "–"]
         rows.append(_row(cells))
@@ -100,20 +93,20 @@ def quality_html(frame: Frame) -> str:
     """Return balance, condition, distances to singularities and the legs' margins."""
     s = frame.singularity
     rows = [
-        _row(["M<sub>p2</sub>, distance from balance", f"<b>{number(frame.balance, 4)}</b> N"]),
-        _row(["condition number", number(float(s.condition), 3)]),
-        _row(["to the singular circle", f"{number(1e3 * float(s.position_distance), 1)} mm"]),
+        _row(["M<sub>p2</sub>, distance from balance", f"<b>{fixed(frame.balance, 4)}</b> N"]),
+        _row(["condition number", fixed(float(s.condition), 3)]),
+        _row(["to the singular circle", f"{fixed(1e3 * float(s.position_distance), 1)} mm"]),
         _row(
             [
                 "to a singular rotation",
-                f"{number(float(np.degrees(s.rotation_distance)), 2)}°",
+                f"{fixed(float(np.degrees(s.rotation_distance)), 2)}°",
             ]
         ),
     ]
     margins = [_row(["Room to limits [mm]", *LIMIT_NAMES.values()], head=True)]
     values = frame.configuration.reach.margins
     for leg in range(3):
-        cells = [number(1e3 * float(values[leg, MARGINS.index(limit)]), 1) for limit in LIMIT_NAMES]
+        cells = [fixed(1e3 * float(values[leg, MARGINS.index(limit)]), 1) for limit in LIMIT_NAMES]
         margins.append(_row([dot(LEG_COLORS[leg]) + f"leg {leg + 1}", *cells]))
     tables = f'{_table(rows)}<div style="height:6px"></div>{_table(margins)}'
     return f'<div data-testid="quality" style="{_PAD}">{tables}</div>'

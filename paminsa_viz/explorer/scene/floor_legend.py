@@ -20,7 +20,7 @@ from paminsa_viz.plots import axes
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.plots.raster import OVER, UNDER, lut
 from paminsa_viz.plots.scale import Scale
-from paminsa_viz.plots.ticks import number
+from paminsa_viz.units import number
 
 LEGEND_SIZE: Final = (0.44, 0.04)
 """Width and height of the colored bar on the ground [m]."""

@@ -15,11 +15,11 @@ from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.scene.curves import Curve, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.tint import drawn
-from paminsa_viz.explorer.symbols import number
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import colors
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import number
 
 Array = NDArray[np.float64]
 

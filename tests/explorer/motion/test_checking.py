@@ -24,9 +24,9 @@ from paminsa_viz.explorer.panels import motion_engine
 from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.explorer.symbols import unit_text
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots import verified
+from paminsa_viz.units import power_of_ten
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
 
@@ -142,7 +142,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     wanted = torques.difference(found.present)[:, 0]
     ratio = turning.traces[0].values[wanted != 0] / wanted[wanted != 0]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
-    assert turning.unit.startswith(unit_text(f"10^{-round(np.log10(ratio[0]))}"))
+    assert turning.unit.startswith(power_of_ten(-round(np.log10(ratio[0]))))
     assert 1 <= max(np.abs(trace.values).max() for trace in turning.traces) < 1000
     table = difference_html((turning, lifting), found, 0.1)
     assert table.count("PASS") == 4

@@ -1,0 +1,164 @@
+"""Numbers, units and symbols as people read them; every value inside the package is in SI.
+
+The model writes symbols and units in plain text as the paper does: ``m_B3``, ``I_XX^(B3)``,
+``l_B4 = k l_B7``, ``kg m^2``. Here they become Unicode or HTML, and lengths become millimeters and
+angles degrees.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from html import escape
+from typing import NamedTuple
+
+NONE = "–"
+"""Stands where there is no number."""
+
+NBSP = "\u00a0"
+"""A space at which lines do not break."""
+
+MM = 1e3
+"""Millimeters in a meter."""
+
+DEGREES = 180 / math.pi
+"""Degrees in a radian."""
+
+_SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
+_SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+_SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
+
+
+def number(value: float, digits: int = 4, *, sign: bool = False) -> str:
+    """Return a number with at most ``digits`` significant digits and a true minus sign.
+
+    Large and small ones get a power of ten, 1.2·10⁻¹³; NaN is a dash. With ``sign``, positive
+    numbers get a plus sign.
+    """
+    if math.isnan(value):
+        return NONE
+    text = f"{value:{'+' if sign else ''}.{digits}g}"
+    mantissa, e, exponent = text.partition("e")
+    if e:
+        return f"{mantissa.replace('-', '−')}·{power_of_ten(int(exponent))}"
+    return "0" if value == 0 else text.replace("-", "−")
+
+
+def fixed(value: float, decimals: int) -> str:
+    """Return a number with a fixed count of decimals, a true minus sign and no negative zero."""
+    if math.isnan(value):
+        return NONE
+    text = f"{value:.{decimals}f}"
+    if float(text) == 0:
+        text = text.lstrip("-")
+    return text.replace("-", "−")
+
+
+def power_of_ten(exponent: int) -> str:
+    """Return a power of ten, such as 10⁻³."""
+    return f"10{str(exponent).translate(_SUPERSCRIPTS)}"
+
+
+def percent_change(before: float, after: float) -> str:
+    """Return a change as a percentage of where it started."""
+    if math.isnan(before) or math.isnan(after):
+        return NONE
+    if before == 0:
+        return "new" if after else "0 %"
+    percent = 100 * (after - before) / before
+    if abs(percent) >= 1000:
+        return f"×{number(after / before, 3)}"
+    text = f"{percent:+.1f}" if abs(percent) < 100 else f"{percent:+.0f}"
+    return f"{text.replace('-', '−')} %" if float(text) else "≈ 0 %"
+
+
+def symbol_text(symbol: str) -> str:
+    """Return a symbol in Unicode, for labels without markup.
+
+    Digits become subscripts; letters stay on the line, as Unicode has no subscript for most of
+    them: ``m_5`` gives ``m₅``, ``m_B3`` stays, ``I_XX^(B3)`` gives ``I_XX(B3)``.
+    """
+    text = re.sub(r"_(\d+)", lambda found: found[1].translate(_SUBSCRIPTS), symbol)
+    return text.replace("^(", "(").replace("k l_", "k·l_")
+
+
+def symbol_html(symbol: str) -> str:
+    """Return a symbol as escaped HTML with italics, subscripts and superscripts."""
+    text = escape(symbol).replace("k l_", "k·l_")
+    text = re.sub(r"\b([A-Za-z])(?=_|\b)", r"<i>\1</i>", text)
+    text = re.sub(r"_([A-Za-z0-9]+)", r"<sub>\1</sub>", text)
+    return re.sub(r"\^\(([^)]*)\)", r"<sup>(\1)</sup>", text)
+
+
+def symbols_html(text: str) -> str:
+    """Return a sentence as escaped HTML, with the symbols in it such as ``M_p2`` typeset."""
+
+    def typeset(found: re.Match[str]) -> str:
+        letter, below, above = found.groups()
+        raised = f"<sup>({above})</sup>" if above else ""
+        return f"<i>{letter}</i><sub>{below}</sub>{raised}" if below else found[0]
+
+    if len(text) == 1 and text.isalpha():
+        return f"<i>{escape(text)}</i>"
+    return _SYMBOL.sub(typeset, escape(text))
+
+
+def unit_text(unit: str) -> str:
+    """Return an SI unit in Unicode: ``kg m^2`` gives ``kg·m²``; ``1`` and ``""`` give ``""``."""
+    if unit == "1":
+        return ""
+    raised = re.sub(r"\^(-?\d+)", lambda found: found[1].translate(_SUPERSCRIPTS), unit)
+    return re.sub(r"(?<=\w) (?=\w)|(?<=[²³]) ", "·", raised)
+
+
+class DisplayUnit(NamedTuple):
+    """The unit that an SI value is shown in.
+
+    Attributes:
+        factor: From SI to the displayed number.
+        text: The unit, empty for pure numbers.
+    """
+
+    factor: float
+    text: str
+
+    def from_si(self, value: float) -> float:
+        """Return an SI value as the displayed number, without the rounding error of the factor."""
+        return round(value * self.factor, 9)
+
+    def to_si(self, number: float) -> float:
+        """Return a displayed number as an SI value, without the rounding error of the factor."""
+        return number if self.factor == 1 else round(number / self.factor, 12)
+
+    def format(self, value: float, digits: int = 4, *, ascii_only: bool = False) -> str:
+        """Return an SI value with its unit: ``363.5 mm``, ``30°``; a dash for NaN.
+
+        With ``ascii_only`` the number is one that every terminal and program reads: ``-1e-13``.
+        """
+        shown = value * self.factor
+        text = f"{shown:.{digits}g}" if ascii_only else number(shown, digits)
+        space = "" if self.text.startswith("°") else " "
+        return NONE if math.isnan(value) else f"{text}{space}{self.text}".rstrip()
+
+
+def display_unit(unit: str) -> DisplayUnit:
+    """Return the unit that people read for an SI unit: mm for m, degrees for rad.
+
+    Angular rates are in degrees as well; speeds and accelerations stay in meters, as drives and
+    limits are rated.
+    """
+    if unit == "m":
+        return DisplayUnit(MM, "mm")
+    if unit == "rad" or re.fullmatch(r"rad/s(\^?[2²])?", unit):
+        return DisplayUnit(DEGREES, unit_text(unit).replace("rad", "°"))
+    return DisplayUnit(1.0, unit_text(unit))
+
+
+def format_value(value: float, unit: str, digits: int = 4) -> str:
+    """Return a value of an SI unit with its display unit; a dash for NaN."""
+    return display_unit(unit).format(value, digits)
+
+
+def format_ascii(value: float, unit: str, digits: int = 4) -> str:
+    """Return the same with an ASCII number, for terminals, tables and messages."""
+    return display_unit(unit).format(value, digits, ascii_only=True)

@@ -1,0 +1,141 @@
+"""Symbols, units and numbers as text."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import APPENDIX_4, PARAMETER
+from paminsa_viz.units import (
+    display_unit,
+    fixed,
+    format_ascii,
+    format_value,
+    number,
+    percent_change,
+    power_of_ten,
+    symbol_html,
+    symbol_text,
+    symbols_html,
+    unit_text,
+)
+from tests.explorer.design_rows import ROWS
+
+
+@pytest.mark.parametrize(
+    ("symbol", "label", "markup"),
+    [
+        ("m_5", "m₅", "<i>m</i><sub>5</sub>"),
+        ("m_B10", "m_B10", "<i>m</i><sub>B10</sub>"),
+        ("I_XX^(B3)", "I_XX(B3)", "<i>I</i><sub>XX</sub><sup>(B3)</sup>"),
+        (
+            "l_B4 = k l_B7",
+            "l_B4 = k·l_B7",
+            "<i>l</i><sub>B4</sub> = <i>k</i>·<i>l</i><sub>B7</sub>",
+        ),
+        ("|X_4| max", "|X₄| max", "|<i>X</i><sub>4</sub>| max"),
+        ("g", "g", "<i>g</i>"),
+    ],
+)
+def test_symbols_read_like_the_paper(symbol: str, label: str, markup: str) -> None:
+    assert symbol_text(symbol) == label
+    assert symbol_html(symbol) == markup
+
+
+@pytest.mark.parametrize(
+    ("text", "markup"),
+    [
+        ("a leg with M_p2 = 0 & more", "a leg with <i>M</i><sub>p2</sub> = 0 &amp; more"),
+        ("I_XX^(B3) grows", "<i>I</i><sub>XX</sub><sup>(B3)</sup> grows"),
+        ("max_imbalance", "max_imbalance"),
+        ("g", "<i>g</i>"),
+    ],
+)
+def test_symbols_in_a_sentence_are_typeset(text: str, markup: str) -> None:
+    assert symbols_html(text) == markup
+
+
+@pytest.mark.parametrize(
+    ("unit", "text"),
+    [
+        ("kg m^2", "kg·m²"), ("N m s/rad", "N·m·s/rad"), ("m/s^2", "m/s²"),
+        ("rad/s, m/s", "rad/s, m/s"), ("1", ""), ("", ""),
+    ],
+)  # fmt: skip
+def test_units_are_typeset(unit: str, text: str) -> None:
+    assert unit_text(unit) == text
+
+
+@given(path=st.sampled_from(sorted(ROWS)), value=st.floats(1e-6, 100))
+def test_a_value_survives_the_display_unit(path: str, value: float) -> None:
+    unit = PARAMETER[path].display
+    assert unit.to_si(unit.from_si(value)) == pytest.approx(value, abs=1e-9)
+    assert unit.to_si(round(unit.from_si(value), 3)) == pytest.approx(value, abs=1e-3)
+
+
+def test_appendix_4_survives_the_display_unit_to_the_last_digit() -> None:
+    for path in ROWS:
+        value = APPENDIX_4.value(path)
+        unit = PARAMETER[path].display
+        assert unit.to_si(unit.from_si(value)) == value
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "text"),
+    [
+        (0.3635, "m", "363.5 mm"), (0.406, "kg", "0.406 kg"), (3.0, "", "3"), (2.5, "1", "2.5"),
+        (np.pi / 6, "rad", "30°"), (-np.pi / 2, "rad/s", "−90°/s"), (np.pi, "rad/s²", "180°/s²"),
+        (1.5, "m/s²", "1.5 m/s²"), (1.5, "m/s^2", "1.5 m/s²"), (0.0321, "kg m^2", "0.0321 kg·m²"),
+        (-1.234e-13, "N m", "−1.234·10⁻¹³ N·m"), (np.nan, "m", "–"),
+    ],
+)  # fmt: skip
+def test_values_are_shown_in_the_unit_that_people_read(value: float, unit: str, text: str) -> None:
+    assert format_value(value, unit) == text
+
+
+def test_ascii_values_have_plain_numbers() -> None:
+    assert format_ascii(-1.234e-13, "m", 3) == "-1.23e-10 mm"
+    assert format_ascii(float("nan"), "m") == "–"
+    assert display_unit("rad").text == "°"
+
+
+@given(value=st.floats(-1e12, 1e12))
+def test_a_number_can_be_read_back(value: float) -> None:
+    text = number(value, 6)
+    plain_text = text.translate(str.maketrans("−⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "-0123456789-")).replace("·10", "e")
+    assert float(plain_text) == pytest.approx(value, rel=1e-5, abs=1e-300)
+    assert "-" not in text
+    assert text != "−0"
+
+
+def test_changes_are_percentages_of_where_they_started() -> None:
+    assert percent_change(2.0, 3.0) == "+50.0 %"
+    assert percent_change(2.0, 1.0) == "−50.0 %"
+    assert percent_change(-2.0, -1.0) == "−50.0 %"
+    assert percent_change(1.0, 5.0) == "+400 %"
+    assert percent_change(1.0, 50.0) == "×50"
+    assert percent_change(1.0, 1.0 + 1e-9) == "≈ 0 %"
+    assert percent_change(0.0, 5.0) == "new"
+    assert percent_change(float("nan"), 5.0) == "–"
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"), (-0.0, "0"), (-12.5, "−12.5"), (1000.0, "1000"), (1e-7, "1·10⁻⁷"),
+        (0.1 + 0.2, "0.3"), (123456.0, "1.235·10⁵"), (np.nan, "–"),
+    ],
+)  # fmt: skip
+def test_numbers_are_short_with_a_true_minus_sign(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+def test_numbers_with_a_sign() -> None:
+    assert [number(value, 3, sign=True) for value in (1.5, -1.5, 0.0)] == ["+1.5", "−1.5", "0"]
+
+
+def test_fixed_decimals_have_no_negative_zero() -> None:
+    assert [fixed(value, 2) for value in (-0.001, -1.005, np.nan)] == ["0.00", "−1.00", "–"]
+    assert power_of_ten(-3) == "10⁻³"
