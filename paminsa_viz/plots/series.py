@@ -240,19 +240,22 @@ def statistics(t: Values, trace: Trace, until: int | None = None) -> Statistics:
     return Statistics(float(values[top]), float(t[top]), float(rms(t, values[:, None])[0]))
 
 
-def readable_unit(unit: str, largest: float, bound: float = math.inf) -> DisplayUnit:
+def readable_unit(
+    unit: str, largest: float, *, lowest: int = -300, bound: float = math.inf
+) -> DisplayUnit:
     """Return the display unit of an SI unit, with a power of ten for very small or large values.
 
     Args:
         unit: SI unit.
         largest: Size of the largest value, in that unit.
+        lowest: Lowest power of ten.
         bound: Displayed values from this on get a power of ten too.
     """
     plain = display_unit(unit)
     size = largest * plain.factor
     if not size or 1e-2 <= size < bound:
         return plain
-    power = 3 * math.floor(math.log10(size) / 3)
+    power = max(3 * math.floor(math.log10(size) / 3), lowest)
     return DisplayUnit(plain.factor * 10.0**-power, f"{power_of_ten(power)} {plain.text}".rstrip())
 
 

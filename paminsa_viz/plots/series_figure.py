@@ -135,7 +135,7 @@ def render_series(
         heading = data.title if title is None else title
         below = series_text.caption(data, notes) if caption else ""
         figure = draw_series(data, width_mm, dpi, heading, below)
-        credits = Credits(data.title, series_text.summary(data), __version__)
+        credits = Credits(heading or data.title, series_text.summary(data), __version__)
         return figure_file(figure, format, dpi, credits)
 
 
@@ -200,7 +200,7 @@ def value_range(panel: Panel) -> tuple[DisplayUnit, float, float]:
     known = np.concatenate([*(t.values[np.isfinite(t.values)] for t in panel.traces), levels])
     if not known.size:
         return readable_unit(panel.unit, 0.0), 0.0, 1.0
-    unit = readable_unit(panel.unit, largest_size(panel.traces), _LARGEST)
+    unit = readable_unit(panel.unit, largest_size(panel.traces), bound=_LARGEST)
     low, high = float(known.min()) * unit.factor, float(known.max()) * unit.factor
     largest = max(abs(low), abs(high))
     if high - low <= _ROUNDING * largest or largest == 0:

@@ -26,6 +26,7 @@ from paminsa_viz.plots.series import (
     runs,
     thinned,
 )
+from paminsa_viz.units import display_unit
 
 MOST_POINTS = 480
 """About how many samples of a curve are handed to the page."""
@@ -57,6 +58,9 @@ _CHARTS: dict[SeriesKind, tuple[tuple[str, tuple[int, ...]], ...]] = {
     "errors": (("Error of x, y, z", _PLACE), ("Error of θ", _ANGLE)),
 }
 """Heading and panels of the charts of each kind; those of a breakdown depend on the actuator."""
+
+_SMALL: dict[SeriesKind, int] = {"differences": -30, "errors": -3}
+"""What may be shown in a fraction of its unit, and its lowest power of ten."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +108,11 @@ def charts(data: SeriesData, actuator: int = 0) -> tuple[Chart, ...]:
 
 def _chart(data: SeriesData, title: str, panels: tuple[Panel, ...]) -> Chart:
     traces = [(panel, trace) for panel in panels for trace in panel.traces]
-    traces.sort(key=lambda item: (item[1].marks, item[1].suffix or ""))
-    small = data.kind in ("differences", "errors")
-    largest = largest_size([trace for _, trace in traces]) if small else 1.0
-    unit = readable_unit(panels[0].unit, largest)
+    traces.sort(key=lambda item: trace_order(item[1]))
+    unit = display_unit(panels[0].unit)
+    if data.kind in _SMALL:
+        largest = largest_size([trace for _, trace in traces])
+        unit = readable_unit(panels[0].unit, largest, lowest=_SMALL[data.kind])
     if data.sources.engine is not None:
         title = title.format(data.sources.engine.name)
     drawn = tuple(
@@ -118,6 +123,11 @@ def _chart(data: SeriesData, title: str, panels: tuple[Panel, ...]) -> Chart:
         for panel, trace in traces
     )  # fmt: skip
     return Chart(f"{title} [{unit.text}]", unit.text, data.time, drawn, data.failing, data.until)
+
+
+def trace_order(trace: Trace) -> int:
+    """Return the place of a trace among others: the design's before those it is compared with."""
+    return 3 if trace.marks else ("", "reference", "as published").index(trace.suffix or "")
 
 
 def _label(panel: Panel, trace: Trace) -> str:
