@@ -12,8 +12,8 @@ from io import StringIO
 import numpy as np
 
 from benchmarks.measure import best, heading, number, table
-from paminsa_viz.files.trajectory_series import analysis_series, series_csv, series_npz
-from paminsa_viz.files.trajectory_table import parse_trajectory
+from paminsa_viz.files.tables import table_csv, table_npz
+from paminsa_viz.files.trajectory_table import analysis_table, parse_trajectory
 from paminsa_viz.model import APPENDIX_4, KneeBranch, backend, inverse_dynamics, torque_regressor
 from paminsa_viz.trajectory import (
     PRESET,
@@ -124,15 +124,15 @@ def simulations() -> None:
 
 def files() -> None:
     """Time reading and writing."""
-    series = analysis_series(analyze(DESIGN, SAMPLES))
-    text = series_csv(series).decode()
+    series = analysis_table(analyze(DESIGN, SAMPLES))
+    text = table_csv(series).decode()
     heading("Files of 10,001 rows, 45 columns")
     table(
         ["what", "ms", "MB"],
         [
-            ["write CSV", milliseconds(lambda: series_csv(series)), number(len(text) / 1e6)],
-            ["write NPZ", milliseconds(lambda: series_npz(series)),
-             number(len(series_npz(series)) / 1e6)],
+            ["write CSV", milliseconds(lambda: table_csv(series)), number(len(text) / 1e6)],
+            ["write NPZ", milliseconds(lambda: table_npz(series)),
+             number(len(table_npz(series)) / 1e6)],
             ["read CSV", milliseconds(lambda: parse_trajectory(StringIO(text), "t.csv")), ""],
         ],
     )  # fmt: skip

@@ -14,13 +14,16 @@ import tyro
 from paminsa_viz.cli.arguments import parse
 from paminsa_viz.cli.designs import design_of
 from paminsa_viz.files.atomic import written_whole
-from paminsa_viz.files.pose_table import (
-    PoseRows,
-    PoseTable,
-    open_lines,
-    write_header,
-    write_rows,
+from paminsa_viz.files.columns import (
+    ACCELERATION,
+    ACTUATORS,
+    POSE,
+    POSES,
+    STATUS,
+    TORQUES,
+    VELOCITY,
 )
+from paminsa_viz.files.tables import TableBlock, TableReader, csv_rows, header_lines, open_table
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -104,28 +107,33 @@ def evaluate_table(
         FileError: If a file cannot be read or written, or holds something else than poses.
     """
     tally = Summary()
-    with open_lines(source) as lines:
-        table = PoseTable(lines, os.fspath(source))
+    with open_table(source) as lines:
+        table = TableReader(lines, POSES, os.fspath(source))
         with written_whole(target) as file:
-            write_header(file, table.columns)
-            for rows in table.pieces():
-                results, words = evaluate_rows(rows, design, assembly)
-                write_rows(file, rows.cells, results, words)
+            file.write(header_lines({}, (*table.header, *ACTUATORS, *TORQUES, STATUS)))
+            for block in table.blocks():
+                results, words = evaluate_block(block, design, assembly)
+                texts = np.array([",".join(map(str.strip, row)) for row in block.cells], object)
+                file.write(csv_rows([texts, *results.T, words]))
                 tally.rows += len(words)
-                tally.reasons.update(word for word in words if word != "ok")
+                tally.reasons.update(word for word in words.tolist() if word != "ok")
             # Some systems do not let an open file be replaced, and it may be this one.
             lines.close()
     return tally
 
 
-def evaluate_rows(
-    rows: PoseRows, design: Design, assembly: KneeBranch
-) -> tuple[np.ndarray, list[str]]:
-    """Return (n, 8) actuator positions and torques, in `RESULTS`' order, and each row's status."""
-    configuration = inverse_kinematics(design.geometry, rows.pose, assembly)
-    dynamics = inverse_dynamics(design, rows.pose, rows.velocity, rows.acceleration, assembly)
+def evaluate_block(
+    block: TableBlock, design: Design, assembly: KneeBranch
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return (n, 8) actuator positions and torques, NaN in rows without, and each row's status."""
+    pose, velocity, acceleration = (
+        block.group(names, default=0.0) for names in (POSE, VELOCITY, ACCELERATION)
+    )
+    configuration = inverse_kinematics(design.geometry, pose, assembly)
+    dynamics = inverse_dynamics(design, pose, velocity, acceleration, assembly)
     results = np.concatenate([configuration.actuators, dynamics.torque], axis=-1)
     # A finite motion can still be too large for its torque to be a finite number.
     overflow = (dynamics.status == Limit.OK) & ~np.isfinite(results).all(axis=-1)
     status = np.where(overflow, Limit.NOT_FINITE, dynamics.status)
-    return results, status_words(status, dynamics.leg).tolist()
+    results[status != Limit.OK] = np.nan
+    return results, status_words(status, dynamics.leg)

@@ -18,11 +18,12 @@ from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.map_table import map_csv, map_npz
+from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, KneeBranch, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.maps import MapData
 from paminsa_viz.units import display_unit, format_ascii
 
@@ -41,7 +42,6 @@ every cell.
 
 Exit code: 0 done; 1 no position can be reached there; 2 a wrong argument or file."""
 
-ENDINGS = (*figure_endings(), ".csv", ".npz")
 
 FEWEST, MOST = 10, 2000
 """Cells along a side that can be asked for."""
@@ -114,8 +114,9 @@ class Map:
         if self.range is not None and not self.range[0] < self.range[1]:
             raise UsageError("--range: the first end has to be below the second")
         for path in self.out:
-            if path.suffix.lower() not in ENDINGS:
-                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(ENDINGS)}")
+            endings = (*figure_endings(), *table_endings())
+            if path.suffix.lower() not in endings:
+                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(endings)}")
 
 
 class NothingReached(PaminsaError):
@@ -175,10 +176,8 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
 
 
 def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: str) -> bytes:
-    if ending == ".csv":
-        return map_csv(data)
-    if ending == ".npz":
-        return map_npz(data)
+    if ending in table_endings():
+        return table_bytes(map_table(data), ending[1:])
     from paminsa_viz.plots.paper import render  # late: matplotlib takes a second to load
 
     scales = store.scales(state, data, flags.quantities)

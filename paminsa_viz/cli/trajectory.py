@@ -13,12 +13,13 @@ from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import design_of
 from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
-from paminsa_viz.cli.trajectory_files import ENDINGS, PICTURES, write_files
+from paminsa_viz.cli.trajectory_files import output_endings, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
 from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design, KneeBranch
 from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.trajectory import (
     PRESET,
@@ -141,7 +142,7 @@ class Flags:
         limits = [name for name in vars(self) if name.startswith("max_") and self.given(name)]
         limit = f"--{(limits or ['max_speed'])[0].replace('_', '-')}"
         unplanned = self.file is not None and not self.waypoints
-        drawn = any(path.suffix.lower() in PICTURES for path in self.out)
+        drawn = any(path.suffix.lower() in figure_endings() for path in self.out)
         kind, second = self.figure_kind, self.engine or self.printed or self.reference
         pictures = "needs --out with .png, .svg or .pdf"
         plan = "needs a planned motion: a preset, or --file with --waypoints"
@@ -174,8 +175,9 @@ class Flags:
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz trajectory --help")
         for path in self.out:
-            if path.suffix.lower() not in ENDINGS:
-                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(ENDINGS)}")
+            endings = output_endings()
+            if path.suffix.lower() not in endings:
+                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(endings)}")
 
     def given(self, name: str) -> bool:
         """Whether a flag without a default is given."""

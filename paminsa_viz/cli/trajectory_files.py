@@ -10,20 +10,18 @@ from paminsa_viz.cli.arguments import print_error
 from paminsa_viz.cli.trajectory_report import Results
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.files.trajectory_series import (
-    analysis_series,
-    series_csv,
-    series_npz,
-    simulation_series,
-)
+from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import EngineTorques, FigureKind
 from paminsa_viz.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
 
-TABLES = (".csv", ".npz")
-PICTURES = figure_endings()
 PAGE = ".html"
-ENDINGS = (*TABLES, *PICTURES, PAGE)
+
+
+def output_endings() -> tuple[str, ...]:
+    """Return the endings of the files that can be written, with their dots."""
+    return (*table_endings(), *figure_endings(), PAGE)
 
 
 def write_files(
@@ -42,7 +40,7 @@ def write_files(
 
     Args:
         results: What was worked out.
-        paths: Files, whose endings are among `ENDINGS`.
+        paths: Files, whose endings are among `output_endings`.
         kind: What figures show.
         engine: ``"mujoco"`` or ``"pinocchio"``, to compare with, or None.
         width_mm: Width of figures [mm].
@@ -61,8 +59,8 @@ def write_files(
     written = []
     for path in paths:
         ending = path.suffix.lower()
-        needs_simulation = (simulated and ending in TABLES) or (
-            ending in PICTURES and kind == "tracking"
+        needs_simulation = (simulated and ending in table_endings()) or (
+            ending in figure_endings() and kind == "tracking"
         )
         if needs_simulation and results.simulation is None:
             print_error(_NotWritten(path, "there is no simulated motion"))
@@ -105,12 +103,10 @@ def _content(
     dpi: float,
 ) -> bytes:
     analysis = results.analysis
-    if ending in TABLES:
-        if results.simulation is not None:
-            series = simulation_series(results.simulation)
-        else:
-            series = analysis_series(analysis)
-        return series_csv(series) if ending == ".csv" else series_npz(series)
+    if ending in table_endings():
+        simulation = results.simulation
+        table = simulation_table(simulation) if simulation else analysis_table(analysis)
+        return table_bytes(table, ending[1:])
     if ending == PAGE:
         from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
 

@@ -1,20 +1,47 @@
-"""What a person can ask for, each as a pure function from state to state."""
+"""The actions on a document and its view, each a pure function from state to state."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.bounds import validate_limits
+from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.scene.layers import with_layers
-from paminsa_viz.explorer.state import Document, State, home_pose, with_document
+from paminsa_viz.explorer.state import Document, LastReachable, State, home_pose
 from paminsa_viz.files.design_writer import name_problem
-from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
 from paminsa_viz.model.grids import COORDINATES
+
+Action = Callable[[State], State]
+"""A change of the state; it may raise `PaminsaError`, which changes nothing."""
 
 CHANGED_NAME = f"{APPENDIX_4.name}, changed"
 """What the paper's design is called once a number of it was changed."""
+
+
+def with_document(state: State, document: Document) -> State:
+    """Return the state with another document; the robot follows it if the pose can be taken.
+
+    While the robot follows the motion, its pose is that of the instant that is shown; where the
+    motion fails, it stays.
+    """
+    if state.playback.following:
+        document = at_instant(document, state.playback.time)
+    standing = state.standing
+    if check_reach(document.design.geometry, document.pose).ok.all():
+        standing = LastReachable(document.design.geometry, document.assembly, document.pose)
+    return replace(state, document=document, standing=standing)
+
+
+def at_instant(document: Document, time: float) -> Document:
+    """Return a document with the pose of its motion at a time [s]; the same where there is none."""
+    found = planned(document.motion, document.design, document.assembly)
+    if found.trajectory is None:
+        return document
+    pose = pose_at(found.trajectory, document.design.geometry, time)
+    return document if pose is None else replace(document, pose=pose)
 
 
 def move(state: State, **coordinates: float) -> State:

@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer import commands, saving
+from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import ComparePanel
-from paminsa_viz.explorer.panels.design_panel import DesignPanel
+from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.file_panel import FilePanel
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
@@ -53,7 +54,7 @@ def build_tabs(
     motions = context.motions or MotionStore()
     maps = MapsPanel(session, bridge, motions)
     with places["Design"]:
-        design = DesignPanel(session)
+        design = Panel(session, DESIGN)
     with places["Balance"]:
         balance = BalancePanel(session, bridge)
     with places["Motion"]:
@@ -64,8 +65,8 @@ def build_tabs(
         view = ViewPanel(session)
     with places["File"]:
         files = FilePanel(session)
-    session.first.append(Clock(session))
-    session.words += [design, balance, motion, view]
+    session.immediate.append(Clock(session))
+    session.fast += [design, balance, motion, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
-    session.later += [maps, *floor, compare, files, TabStore(bridge)]
+    session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     commands.register(session)

@@ -14,6 +14,7 @@ import viser
 from paminsa_viz.explorer.browser.backdrop import before_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.model import (
     Configuration,
     Design,
@@ -23,6 +24,7 @@ from paminsa_viz.model import (
     inverse_kinematics,
 )
 from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_table import map_table
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -126,19 +128,14 @@ def table(state: State, store: MapStore, kind: str, single: bool) -> File:
     Args:
         state: What to show.
         store: Where maps come from.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
         single: One map of the chosen quantity instead of the three torques.
 
     Raises:
         InvalidInput: If there is no such kind.
     """
-    from paminsa_viz.files.map_table import map_csv, map_npz
-
-    writers = {"csv": map_csv, "npz": map_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     data = store.data(state, FULL, shown_quantities(state, single))
-    return File(file_name(state, _what(state, single), kind), writers[kind](data))
+    return File(file_name(state, _what(state, single), kind), table_bytes(map_table(data), kind))
 
 
 def robot(state: State) -> File:

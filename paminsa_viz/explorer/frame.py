@@ -42,9 +42,9 @@ def near_singularity(singularity: Singularity) -> NDArray[np.bool_]:
 
 
 class Health(Enum):
-    """The plain status of a request."""
+    """Status of the requested pose."""
 
-    FINE = "fine"
+    OK = "reachable"
     NEAR = "near a singularity"
     UNREACHABLE = "unreachable"
 
@@ -79,7 +79,7 @@ class Frame:
         """Status of the request."""
         if not self.requested.ok.all():
             return Health.UNREACHABLE
-        return Health.NEAR if near_singularity(self.singularity).all() else Health.FINE
+        return Health.NEAR if near_singularity(self.singularity).all() else Health.OK
 
     @cached_property
     def explanation(self) -> str:

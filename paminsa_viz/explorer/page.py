@@ -11,11 +11,13 @@ from dataclasses import replace
 import viser
 
 from paminsa_viz.explorer import actions, saving
+from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser import backdrop, render_on_demand
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.panels.pose_panel import PosePanel
-from paminsa_viz.explorer.panels.readout import Readout
+from paminsa_viz.explorer.panels.pose_panel import POSE
+from paminsa_viz.explorer.panels.readout import READOUT
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
@@ -34,17 +36,6 @@ SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic 
 
 LATER_TABS = ("Design", "Balance", "Motion", "Compare", "View", "File")
 """Tabs beside the first one; they are filled when the page stands."""
-
-# viser gives every tab the same margins, with which seven names take two rows of the panel. Here
-# they share one row instead.
-TAB_STYLE = """
-<style>
-[role="tablist"]:has(> [title="Pose"]) {
-  padding-right: 8px;  /* where a long tab has its scroll bar */
-  & > [role="tab"] { flex: 1 1 auto; justify-content: center; padding: 0 0.3em !important; }
-}
-</style>
-"""
 
 
 def has_graphics_card(renderer: object) -> bool:
@@ -72,20 +63,19 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
-        readout = Readout(session)
-        pose = PosePanel(session)
-        gui.add_html(TAB_STYLE)
+        gui.add_html(style_html())
+        pose = Panel(session, (*READOUT, *POSE))
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
-    session.words += [readout, pose]
+    session.fast.append(pose)
     context = SceneContext(client.scene, session.dispatch, MotionStore())
 
     def build_robot() -> None:
-        if session.first:
+        if session.immediate:
             return
         from paminsa_viz.explorer.scene.view import look
 
         look(session, "3D")
-        session.first += build_views(context, animated=True)
+        session.immediate += build_views(context, animated=True)
         session.dispatch("robot", replace)
 
     def build_rest() -> None:

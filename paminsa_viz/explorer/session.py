@@ -1,8 +1,7 @@
 """One browser tab: its state, its worker, its views.
 
-Callbacks of the page only say that something was touched. One worker a session reads what was
-touched, makes the next state, and draws the newest one; a value that has been overtaken is never
-drawn, and the last one always is.
+Callbacks of the page only dispatch actions. One worker a session applies them and draws the newest
+state: a value that was overtaken is never drawn, and the last one always is.
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from typing import Protocol
 import viser
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.history import History
 from paminsa_viz.explorer.placing import start_width
@@ -26,28 +26,25 @@ from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
 
-Intent = Callable[[State], State]
+IDLE_DELAY = 0.4
+"""Time without a change after which the page is idle [s]."""
 
-REST = 0.4
-"""Time without a change after which the hand counts as resting [s]."""
+FLUSH_DELAY = 0.01
+"""Pause between the immediate views and the others [s]: what comes together the browser draws
+together, so the robot would wait for the numbers; nor can one tab take a core for itself."""
 
-BREATH = 0.01
-"""Pause between the first views and the others [s]. The browser puts what comes together into one
-picture, and shows the robot only when it has read all the numbers; nor can one tab take a core for
-itself."""
-
-PATIENCE = 0.02
-"""How long a newer position of the hand waits for the slower views of an older one [s]."""
+DEFERRED_TIMEOUT = 0.02
+"""How long a newer state waits for the deferred views of an older one while dragging [s]."""
 
 
 class View(Protocol):
     """Something on the page that shows a frame.
 
-    ``draw`` is called on the session's worker, with ``moving`` True while the hand moves and once
-    more with False when it rests. It draws what has changed since it last drew, and nothing else.
+    ``draw`` is called on the session's worker, with ``dragging`` True for every new state and once
+    more with False when the page is idle. It draws what has changed since, and nothing else.
     """
 
-    def draw(self, frame: Frame, moving: bool) -> None: ...
+    def draw(self, frame: Frame, dragging: bool, /) -> None: ...
 
 
 class Session:
@@ -55,24 +52,24 @@ class Session:
 
     Attributes:
         client: The tab.
-        first: Views drawn at once, before anything slower: what moves in the scene.
-        words: Views drawn a moment after that: numbers and inputs.
-        later: Views drawn last, in turns if the hand is quicker: maps and other figures.
+        immediate: Views drawn at once, before anything slower: what moves in the scene.
+        fast: Views drawn a moment after that: numbers and inputs.
+        deferred: Views drawn last, in turns if new states come faster: maps and other figures.
         built: Set when all of the page is there.
         panel_width: Width of the map panel at the start [px].
     """
 
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
         self.client = client
-        self.first: list[View] = []
-        self.words: list[View] = []
-        self.later: list[View] = []
+        self.immediate: list[View] = []
+        self.fast: list[View] = []
+        self.deferred: list[View] = []
         self.built = threading.Event()
         # Asked now: later the control panel takes its part of the window.
         self.panel_width = start_width(client.camera.image_width, client.camera.image_height)
         self._state = state
         self._history = History()
-        self._intents: dict[str, tuple[Intent, bool]] = {}
+        self._actions: dict[str, tuple[Action, bool]] = {}
         self._jobs: list[Callable[[], None]] = []
         self._lock = threading.Lock()
         self._wake = threading.Event()
@@ -101,7 +98,7 @@ class Session:
         return self._closed
 
     def start(self) -> None:
-        """Draw the first frame and begin to answer."""
+        """Draw the first frame and start to respond."""
         self._thread.start()
         self._wake.set()
 
@@ -110,19 +107,19 @@ class Session:
         self._closed = True
         self._wake.set()
 
-    def dispatch(self, source: str, intent: Intent, *, step: bool = True) -> None:
-        """Ask for a change of state; a newer request of the same source replaces an older one.
+    def dispatch(self, source: str, action: Action, *, step: bool = True) -> None:
+        """Change the state; a newer action of the same source replaces one that waits.
 
         Args:
-            source: Which control asks; its unfinished earlier request is forgotten.
-            intent: Pure function from state to state. It may raise `PaminsaError`, which is shown
-                to the person and changes nothing.
+            source: Which input or job it comes from.
+            action: Pure function from state to state. It may raise `PaminsaError`, which is
+                notified and changes nothing.
             step: Whether it can be undone if it changes the document; the playing of a motion,
                 which moves the robot, is no step.
         """
         with self._lock:
-            self._intents.pop(source, None)
-            self._intents[source] = (intent, step)
+            self._actions.pop(source, None)
+            self._actions[source] = (action, step)
         self._wake.set()
 
     def submit(self, job: Callable[[], None]) -> None:
@@ -132,11 +129,11 @@ class Session:
         self._wake.set()
 
     def undo(self) -> None:
-        """Take the last step back."""
+        """Undo the last step."""
         self.submit(lambda: self._travel(self._history.undo))
 
     def redo(self) -> None:
-        """Take the last undo back."""
+        """Redo the step undone last."""
         self.submit(lambda: self._travel(self._history.redo))
 
     def notify(self, title: str, body: str, *, bad: bool = False) -> None:
@@ -151,49 +148,49 @@ class Session:
             self._state = actions.restore(self._state, document)  # type: ignore[arg-type]
 
     def _run(self) -> None:
-        resting_due: float | None = None
+        idle_due: float | None = None
         drawn: State | None = None
         while not self._closed:
-            timeout = None if resting_due is None else max(0.0, resting_due - time.monotonic())
+            timeout = None if idle_due is None else max(0.0, idle_due - time.monotonic())
             self._wake.wait(timeout)
             self._wake.clear()
             if self._closed:
                 return
             try:
-                self._take_requests()
+                self._apply_actions()
                 if self._state is not drawn:
                     drawn = self._state
-                    self._draw(drawn, moving=True)
-                    resting_due = time.monotonic() + REST
-                elif resting_due is not None and time.monotonic() >= resting_due:
-                    resting_due = None
-                    self._draw(self._state, moving=False)
+                    self._draw(drawn, dragging=True)
+                    idle_due = time.monotonic() + IDLE_DELAY
+                elif idle_due is not None and time.monotonic() >= idle_due:
+                    idle_due = None
+                    self._draw(self._state, dragging=False)
             except Exception:
                 if self._closed:
                     return
                 log.exception("a session could not draw")
                 self.notify("Something went wrong", "Details are in the program's log.", bad=True)
-                resting_due = None
+                idle_due = None
 
-    def _take_requests(self) -> None:
+    def _apply_actions(self) -> None:
         with self._lock:
-            intents, self._intents = self._intents, {}
+            pending, self._actions = self._actions, {}
             jobs, self._jobs = self._jobs, []
-        for source, (intent, step) in intents.items():
-            self._guard(partial(self._apply, source, intent, step))
+        for source, (action, step) in pending.items():
+            self._guard(partial(self._apply, source, action, step))
         for job in jobs:
             self._guard(job)
 
-    def _apply(self, source: str, intent: Intent, step: bool) -> None:
+    def _apply(self, source: str, action: Action, step: bool) -> None:
         before = self._state
-        # If the intent fails: a new object, so that the controls are set back to what holds.
+        # If the action fails: a new object, so that the inputs are set back to the state.
         self._state = replace(before)
-        self._state = intent(before)
+        self._state = action(before)
         if step:
             self._history.record(before.document, self._state.document, source, time.monotonic())
 
     def _guard(self, job: Callable[[], None]) -> None:
-        """Run one request; what goes wrong with it is told and stops no other request."""
+        """Run one request; its failure is notified and stops no other request."""
         try:
             job()
         except PaminsaError as error:
@@ -204,23 +201,23 @@ class Session:
             log.exception("a request failed")
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
-    def _draw(self, state: State, *, moving: bool) -> None:
+    def _draw(self, state: State, *, dragging: bool) -> None:
         frame = compute(state)
-        self._draw_together(self.first, frame, moving)
-        time.sleep(BREATH)
-        self._draw_together(self.words, frame, moving)
-        due = time.monotonic() + PATIENCE
-        for _ in range(len(self.later)):
-            view = self.later[self._turn % len(self.later)]
+        self._draw_together(self.immediate, frame, dragging)
+        time.sleep(FLUSH_DELAY)
+        self._draw_together(self.fast, frame, dragging)
+        due = time.monotonic() + DEFERRED_TIMEOUT
+        for _ in range(len(self.deferred)):
+            view = self.deferred[self._turn % len(self.deferred)]
             self._turn += 1
-            view.draw(frame, moving)
+            view.draw(frame, dragging)
             self.client.flush()
-            if moving and self._intents and time.monotonic() > due:
-                # The hand is already further: the robot first, then the views that are still owed.
+            if dragging and self._actions and time.monotonic() > due:
+                # A newer state waits: the robot first, then the views that are still due.
                 break
 
-    def _draw_together(self, views: list[View], frame: Frame, moving: bool) -> None:
+    def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> None:
         with self.client.atomic():
             for view in views:
-                view.draw(frame, moving)
+                view.draw(frame, dragging)
         self.client.flush()

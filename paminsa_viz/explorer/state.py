@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
 
 import numpy as np
@@ -10,7 +10,6 @@ import numpy as np
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Motion, Pose
-from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.motion.playback import Playback
 from paminsa_viz.explorer.motion.plots import PlotView
 from paminsa_viz.explorer.motion.simulating import Simulating
@@ -21,7 +20,6 @@ from paminsa_viz.model import (
     Geometry,
     KneeBranch,
     Quantity,
-    check_reach,
 )
 
 HOME_DROP = 0.5
@@ -30,7 +28,7 @@ HOME_DROP = 0.5
 
 @dataclass(frozen=True)
 class LastReachable:
-    """The last reachable configuration; it stays in the scene while a request cannot be met.
+    """The last reachable pose; the robot stays there while a requested one is out of reach.
 
     Attributes:
         geometry, assembly: The lengths and the knee's root it was solved with.
@@ -117,7 +115,7 @@ class State:
 
 
 def home_pose(geometry: Geometry, assembly: KneeBranch) -> Pose:
-    """Return a pose at the center with plenty of room to all limits."""
+    """Return a pose at the center, far from all limits."""
     reach = geometry.crank_length + geometry.coupler_length
     height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
     drop = min(HOME_DROP * reach, 0.75 * float(height))
@@ -130,26 +128,3 @@ def initial_state(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch
     pose = home_pose(design.geometry, assembly)
     document = Document(design, assembly, pose)
     return State(document, LastReachable(design.geometry, assembly, pose))
-
-
-def with_document(state: State, document: Document) -> State:
-    """Return the state with another document; the robot follows it if the pose can be taken.
-
-    While the robot follows the motion, its pose is that of the instant that is shown; where the
-    motion fails, it stays.
-    """
-    if state.playback.following:
-        document = at_instant(document, state.playback.time)
-    standing = state.standing
-    if check_reach(document.design.geometry, document.pose).ok.all():
-        standing = LastReachable(document.design.geometry, document.assembly, document.pose)
-    return replace(state, document=document, standing=standing)
-
-
-def at_instant(document: Document, time: float) -> Document:
-    """Return a document with the pose of its motion at a time [s]; the same where there is none."""
-    found = planned(document.motion, document.design, document.assembly)
-    if found.trajectory is None:
-        return document
-    pose = pose_at(found.trajectory, document.design.geometry, time)
-    return document if pose is None else replace(document, pose=pose)

@@ -15,6 +15,7 @@ from typing import BinaryIO
 
 from paminsa_viz.files.atomic import as_file_error
 from paminsa_viz.files.errors import TableFileError, printable
+from paminsa_viz.files.tables import header_lines
 
 LONGEST_LINE = 1_000_000
 """Longest line [bytes]; a file of something else must not fill the memory."""
@@ -165,9 +166,8 @@ class ResumableCsv:
     def _begin(self, head: Mapping[str, str]) -> None:
         self._file.seek(0)
         self._file.truncate()
-        lines = [*(f"# {key}: {value}" for key, value in head.items()), ",".join(self._columns)]
-        self._write("\n".join(lines) + "\n")
-        self._head_lines, self._start = len(lines), self._file.tell()
+        self._write(header_lines(head, self._columns))
+        self._head_lines, self._start = len(head) + 1, self._file.tell()
 
     def _lock(self) -> None:
         """Keep others off the file until it is closed, or this process is gone."""

@@ -11,12 +11,14 @@ import pytest
 
 from paminsa_viz.cli import main
 from paminsa_viz.cli.evaluate import evaluate_table
-from paminsa_viz.files import pose_table
+from paminsa_viz.files import tables
+from paminsa_viz.files.columns import ACTUATORS, POSE, POSES, TORQUES
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.files.pose_columns import ACTUATORS, INPUTS, POSE, RESULTS, TORQUES
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests import oracle
 from tests.samples import random_design, random_states
+
+RESULTS = (*ACTUATORS, *TORQUES)
 
 GOOD = "x_m,y_m,theta_rad,z_m\n0.05,-0.03,0.4,-0.6\n0,0,0,-0.5\n"
 
@@ -40,8 +42,8 @@ def test_numbers_are_those_of_first_principles(folder, assembly) -> None:
     rng = np.random.default_rng(7)
     design = random_design(rng)
     pose, velocity, acceleration = random_states(rng, design, assembly, 40)
-    order = rng.permutation(len(INPUTS))
-    columns = [INPUTS[i] for i in order]
+    order = rng.permutation(len(POSES.columns))
+    columns = [POSES.columns[i] for i in order]
     rows = np.concatenate([pose, velocity, acceleration], axis=-1)[:, order]
     write(folder / "in.csv", columns, rows)
     save_design(design, folder / "d.toml")
@@ -70,7 +72,7 @@ def test_without_motion_the_torques_are_static(folder) -> None:
 
 def test_an_acceleration_may_stand_without_a_velocity(folder) -> None:
     pose, _, acceleration = random_states(np.random.default_rng(2), APPENDIX_4, KneeBranch.LOWER, 5)
-    write(folder / "in.csv", [*POSE, *INPUTS[8:]], np.hstack([pose, acceleration]))
+    write(folder / "in.csv", [*POSE, *POSES.columns[8:]], np.hstack([pose, acceleration]))
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 0
     expected = oracle.inverse_dynamics(APPENDIX_4, pose, np.zeros(4), acceleration)
     np.testing.assert_allclose(numbers(read(folder / "out.csv"), TORQUES), expected, atol=1e-9)
@@ -99,7 +101,7 @@ def test_rows_that_can_not_be_computed_say_why_and_stay_empty(folder, capsys) ->
 
 
 def test_a_singular_pose_and_a_motion_beyond_all_numbers(folder) -> None:
-    head = ",".join(INPUTS)
+    head = ",".join(POSES.columns)
     (folder / "in.csv").write_text(
         f"{head}\n0.05,0.03,{math.acos(0.1 / 0.35)!r},-0.6,0,0,0,0,0,0,0,0\n"
         "0.05,-0.03,0.4,-0.6,0,0,0,0,1e308,1e308,1e308,1e308\n"
@@ -127,12 +129,15 @@ def test_the_length_of_the_pieces_changes_nothing(folder, monkeypatch) -> None:
     pose = random_states(np.random.default_rng(3), APPENDIX_4, KneeBranch.LOWER, 23)[0]
     write(folder / "in.csv", POSE, pose)
     evaluate_table(folder / "in.csv", folder / "whole.csv")
-    monkeypatch.setattr(pose_table.PoseTable.pieces, "__defaults__", (5,))
+    monkeypatch.setattr(tables.TableReader.blocks, "__defaults__", (5,))
     tally = evaluate_table(folder / "in.csv", folder / "pieces.csv")
     assert tally.rows == 23
     whole, pieces = read(folder / "whole.csv"), read(folder / "pieces.csv")
     np.testing.assert_allclose(
-        numbers(pieces, RESULTS), numbers(whole, RESULTS), rtol=1e-13, atol=1e-13
+        numbers(pieces, RESULTS),
+        numbers(whole, RESULTS),
+        rtol=1e-13,
+        atol=1e-13,
     )
 
 
@@ -155,7 +160,7 @@ def test_a_header_alone_gives_a_header(folder, capsys) -> None:
     ],
 )
 def test_a_refused_table_leaves_no_output(folder, capsys, monkeypatch, before, text, place) -> None:
-    monkeypatch.setattr(pose_table.PoseTable.pieces, "__defaults__", (1,))
+    monkeypatch.setattr(tables.TableReader.blocks, "__defaults__", (1,))
     if text is not None:
         (folder / "in.csv").write_text(text)
     if before is not None:
@@ -187,7 +192,7 @@ def test_a_full_disk_leaves_no_output(folder, capsys, monkeypatch) -> None:
     def full(*_: object) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr("paminsa_viz.cli.evaluate.write_rows", full)
+    monkeypatch.setattr("paminsa_viz.cli.evaluate.csv_rows", full)
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 2
     assert capsys.readouterr().err == (
         "paminsa-viz: out.csv: cannot be written: no space left on device\n"

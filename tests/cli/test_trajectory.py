@@ -15,8 +15,8 @@ from PIL import Image
 
 from paminsa_viz.cli import COMMANDS
 from paminsa_viz.cli.trajectory import Flags
+from paminsa_viz.files.columns import POSE, TORQUES
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.files.pose_columns import POSE, TORQUES
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
 from paminsa_viz.trajectory import PRESET, analyze, compare, home, move
 from tests.cli import running

@@ -14,8 +14,8 @@ import pytest
 from paminsa_viz.cli import main
 from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.engines.mjcf import mjcf_text
+from paminsa_viz.files.columns import TRAJECTORY
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.files.trajectory_columns import WRITTEN
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESET, paper_like
 
@@ -28,7 +28,7 @@ def motion(tmp_path, monkeypatch) -> str:
     monkeypatch.chdir(tmp_path)
     t = paper_like(APPENDIX_4.geometry).lasting(0.3).sample(100)
     rows = np.column_stack([t.t, t.pose, t.velocity, t.acceleration]).tolist()
-    lines = [",".join(WRITTEN), *(",".join(map(repr, row)) for row in rows)]
+    lines = [",".join(TRAJECTORY.columns), *(",".join(map(repr, row)) for row in rows)]
     Path("motion.csv").write_text("\n".join(lines) + "\n")
     return "motion.csv"
 

@@ -1,7 +1,7 @@
-"""Every row of the panel of the design, by the path of its number."""
+"""Every slider of the design panel, by the path of its number."""
 
 from __future__ import annotations
 
-from paminsa_viz.explorer.panels.design_layout import GROUPS
+from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
 
-ROWS = {row.path: row for group in GROUPS for row in group.rows}
+ROWS = {p.path: slider(p) for group in GROUPS for p in group.parameters}

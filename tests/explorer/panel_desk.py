@@ -31,12 +31,16 @@ class Desk:
         self.told: list[tuple[str, str]] = []
         self.session.notify = self._tell  # type: ignore[method-assign]
         self.panel: Any = make(self.session)
-        self.session.first.append(self.panel)
+        self.session.immediate.append(self.panel)
         self.session.start()
 
     def _tell(self, title: str, body: str, *, bad: bool = False) -> None:
         del bad
         self.told.append((title, body))
+
+    def handle(self, key: str) -> Any:
+        """Return the input with a key."""
+        return self.panel.handles[key]
 
     @property
     def state(self) -> State:

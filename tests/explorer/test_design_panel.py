@@ -9,13 +9,14 @@ from typing import Any
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.panels import debounced_input
+from paminsa_viz.explorer import actions, bindings
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels.design_panel import (
+    DESIGN,
     WHOLE_GROUP,
-    DesignPanel,
     balance_hint,
-    balance_html,
+    gauge_html,
 )
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
@@ -50,7 +51,7 @@ def test_the_hint_says_what_a_kilogram_does_to_the_balance(path: str) -> None:
 def test_the_balance_shows_zero_at_the_middle_and_minus_to_its_left() -> None:
     def places(m7: float) -> list[float]:
         state = actions.vary(initial_state(), {"joints.j7": m7})
-        text = balance_html(state, static_imbalance(state.document.design))
+        text = gauge_html(compute(state))
         return [float(v) for v in re.findall(r"left:([-\d.]+)%", text)]
 
     zero, printed, present = places(0.28)
@@ -72,26 +73,21 @@ def server() -> Iterator[viser.ViserServer]:
 
 @pytest.fixture
 def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, DesignPanel) as desk:
+    with desk_with(server, lambda session: Panel(session, DESIGN)) as desk:
         yield desk
 
 
 def slider(desk: Desk, path: str) -> Any:
     """Return the slider of a number."""
-    return next(r.slider for f in desk.panel.folders for r in f.rows if r.row.path == path)
-
-
-def folder(desk: Desk, path: str) -> Any:
-    """Return the folder that a number stands in."""
-    return next(f for f in desk.panel.folders if any(r.row.path == path for r in f.rows))
+    return desk.handle(f"design.{path}")
 
 
 def test_a_mass_slider_changes_the_mass_and_the_balance(desk: Desk) -> None:
-    before = desk.until(lambda: desk.panel.balance.content)
+    before = desk.until(lambda: desk.handle("design.gauge").content)
     desk.set(slider(desk, "links.b3"), 0.5)
     desk.until(lambda: desk.design.links.b3 == 0.5)
     expected = f"{static_imbalance(desk.design):.3f} N"
-    desk.until(lambda: expected in desk.panel.balance.content)
+    desk.until(lambda: expected in desk.handle("design.gauge").content)
     assert expected not in before
 
 
@@ -111,7 +107,7 @@ def test_five_hundred_values_of_a_drag_end_at_the_last_one(desk: Desk) -> None:
 
 
 def test_a_typed_number_beyond_the_slider_holds_and_the_slider_grows(desk: Desk) -> None:
-    handle, most = slider(desk, "links.b3"), ROWS["links.b3"].high
+    handle, most = slider(desk, "links.b3"), ROWS["links.b3"].range[1]
     desk.set(handle, 12.5)
     desk.until(lambda: desk.design.links.b3 == 12.5)
     desk.until(lambda: handle.max > 12.5)
@@ -132,7 +128,7 @@ def test_a_number_below_the_slider_holds_if_it_is_possible(desk: Desk) -> None:
 def test_an_impossible_number_changes_nothing_is_told_and_set_back(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(debounced_input, "PATIENCE", 0.05)
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
     cases = {
         "platform.mass": (0.0, "m_pl = 0 kg", "above 0"),
         "links.b7": (-1.0, "m_B7 = −1 kg", "at least 0"),
@@ -169,7 +165,7 @@ def test_typing_through_an_impossible_number_is_not_interrupted(desk: Desk) -> N
 def test_the_newest_of_many_impossible_numbers_is_told_once(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(debounced_input, "PATIENCE", 0.2)
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.2)
     handle = slider(desk, "geometry.magnification")
     for value in (1.25, 1.2, 1.15):  # a drag through what is impossible
         desk.set(handle, value)
@@ -180,8 +176,8 @@ def test_the_newest_of_many_impossible_numbers_is_told_once(
 
 
 def test_one_value_or_a_group_is_set_back_to_appendix_4(desk: Desk) -> None:
-    reset = folder(desk, "links.b3").reset
-    desk.until(lambda: desk.panel.balance.content)
+    reset = desk.handle("reset.links.")
+    desk.until(lambda: desk.handle("design.gauge").content)
     assert not reset.visible
     desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0, "links.b7": 1.0, "joints.j4": 1.0}))
     desk.until(lambda: tuple(reset.options) == ("m_B3", "m_B7", WHOLE_GROUP))
@@ -201,7 +197,7 @@ def test_one_value_or_a_group_is_set_back_to_appendix_4(desk: Desk) -> None:
 def test_the_guide_stroke_follows_its_guide_until_it_is_set(desk: Desk) -> None:
     guide = slider(desk, "geometry.guide_link_length")
     stroke = slider(desk, "geometry.guide_stroke")
-    reset = folder(desk, "geometry.guide_stroke").reset
+    reset = desk.handle("reset.geometry.arm")
     desk.set(guide, 400.0)
     desk.until(lambda: stroke.value == 400.0)
     desk.until(lambda: tuple(reset.options) == ("l_B10",))  # the stroke itself is not set

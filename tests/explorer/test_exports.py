@@ -25,6 +25,7 @@ from paminsa_viz.explorer.panels.export_panel import ExportPanel
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
+from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import InvalidInput, KneeBranch, Quantity, inverse_kinematics, static_torques
 
 from .panel_desk import Desk, desk_with
@@ -245,6 +246,15 @@ def started(desk: Desk) -> list[dict[str, Any]]:
 
 
 class TestPanel:
+    def test_a_registered_table_format_has_a_button(
+        self, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setitem(TABLE_FORMATS, "txt", lambda table: b"x" * len(table.columns))
+        with desk_with(server, lambda session: ExportPanel(session, MapStore())) as desk:
+            desk.set(group(desk, "data"), "TXT")
+            desk.until(lambda: any(title == "Saved" for title, _ in desk.told))
+            assert started(desk)[0]["filename"].endswith(".txt")
+
     def test_a_button_sends_the_file(self, desk: Desk) -> None:
         desk.set(group(desk, "data"), "NPZ")
         desk.until(lambda: any(title == "Saved" for title, _ in desk.told))

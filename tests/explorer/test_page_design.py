@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from paminsa_viz.explorer.panels.design_layout import GROUPS
+from paminsa_viz.explorer.panels.design_layout import label as label_of
 
 from .chromium import Tab, until
 
@@ -86,15 +87,15 @@ def test_nothing_is_cut_off(open_tab: Any) -> None:
         for group in groups:
             if not group.open:
                 tab.page.get_by_text(group.title, exact=True).last.click()
-        labels = [row.label for group in groups for row in group.rows]
+        labels = [label_of(p) for group in groups for p in group.parameters]
         uuids = [tab.handle(label)._impl.uuid for label in labels]
 
         def unfolded(uuids: list[str] = uuids) -> list[dict[str, float]] | None:
             found = tab.page.evaluate(MEASURE, uuids)
             return found if all(seen["height"] > 12 for seen in found) else None
 
-        for label, seen in zip(labels, until(unfolded, name), strict=True):
-            assert seen["height"] < 24, f"{label} takes two lines"
-            assert seen["right"] < seen["left"], f"{label} runs into its number"
-            assert seen["room"] >= 0, f"the number of {label} is cut off"
-            assert seen["end"] <= width, f"the number of {label} is off the page"
+        for text, seen in zip(labels, until(unfolded, name), strict=True):
+            assert seen["height"] < 24, f"{text} takes two lines"
+            assert seen["right"] < seen["left"], f"{text} runs into its number"
+            assert seen["room"] >= 0, f"the number of {text} is cut off"
+            assert seen["end"] <= width, f"the number of {text} is off the page"

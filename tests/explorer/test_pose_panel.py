@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.panels.pose_panel import ASSEMBLY_LABELS, PosePanel
-from paminsa_viz.explorer.panels.pose_slider import GRAIN, heights, holding, pose_limits
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding, pose_limits
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import home_pose
 from paminsa_viz.meshes.layout import layout
@@ -68,18 +68,18 @@ def server() -> Iterator[viser.ViserServer]:
 
 @pytest.fixture
 def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, PosePanel) as desk:
+    with desk_with(server, lambda session: Panel(session, POSE)) as desk:
         yield desk
 
 
 def ends(desk: Desk) -> tuple[float, float]:
     """Return what the slider of z offers [mm]."""
-    slider = desk.panel.sliders[3].slider
+    slider = desk.handle("pose.z")
     return slider.min, slider.max
 
 
 def test_a_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
-    slider = desk.panel.sliders[3].slider
+    slider = desk.handle("pose.z")
     assert ends(desk) == (-830.0, -230.0)
     desk.set(slider, -904.5)
     desk.until(lambda: desk.state.standing.pose[3] == pytest.approx(-0.9045))
@@ -93,7 +93,7 @@ def test_a_height_beyond_the_slider_can_be_typed(desk: Desk) -> None:
 
 
 def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
-    sliders = [row.slider for row in desk.panel.sliders]
+    sliders = [desk.handle(f"pose.{name}") for name in ("x", "y", "theta", "z")]
     far = replace(desk.state.document, pose=(2.0, -3.0, 4.0, 5.0))
     desk.dispatch(lambda s: actions.restore(s, far))
     desk.until(lambda: sliders[3].max >= sliders[3].value == 5000.0)
@@ -105,8 +105,8 @@ def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
 
 
 def test_the_range_follows_assembly_and_lengths(desk: Desk) -> None:
-    slider = desk.panel.sliders[3].slider
-    desk.set(desk.panel.assembly, ASSEMBLY_LABELS[KneeBranch.UPPER])
+    slider = desk.handle("pose.z")
+    desk.set(desk.handle("pose.knee"), "upper knee (mirrored)")
     mirrored = heights(APPENDIX_4.geometry, KneeBranch.UPPER)
     desk.until(lambda: ends(desk) == mirrored)
     assert mirrored[0] <= slider.value <= mirrored[1]
@@ -117,7 +117,7 @@ def test_the_range_follows_assembly_and_lengths(desk: Desk) -> None:
 
 
 def test_a_pose_that_other_lengths_put_out_of_the_range_keeps_its_place(desk: Desk) -> None:
-    slider = desk.panel.sliders[3].slider
+    slider = desk.handle("pose.z")
     desk.dispatch(lambda s: actions.move(s, z=-0.82))
     desk.dispatch(lambda s: actions.vary(s, {"geometry.shaft_length": 0.4}))
     low, high = heights(desk.design.geometry, KneeBranch.LOWER)

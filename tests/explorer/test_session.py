@@ -73,8 +73,8 @@ class Desk:
 
     session: Session
     page: Page
-    first: Watch
-    later: Watch
+    immediate: Watch
+    deferred: Watch
 
     @property
     def x(self) -> float:
@@ -85,22 +85,24 @@ class Desk:
         newest = self.session.state
 
         def drawn() -> bool:
-            return all(w.drawn and w.drawn[-1] == (newest, False) for w in (self.first, self.later))
+            return all(
+                w.drawn and w.drawn[-1] == (newest, False) for w in (self.immediate, self.deferred)
+            )
 
         eventually(drawn)
 
 
 @pytest.fixture
 def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    monkeypatch.setattr(session, "REST", 0.03)
+    monkeypatch.setattr(session, "IDLE_DELAY", 0.03)
     page = Page()
     begun = Session(cast(viser.ClientHandle, page), initial_state())
     desk = Desk(begun, page, Watch(), Watch())
-    begun.first.append(desk.first)
-    begun.later.append(desk.later)
+    begun.immediate.append(desk.immediate)
+    begun.deferred.append(desk.deferred)
     begun.start()
     yield desk
-    for watch in (desk.first, desk.later):
+    for watch in (desk.immediate, desk.deferred):
         watch.gate.set()
     begun.close()
     begun._thread.join(PATIENCE)
@@ -113,7 +115,7 @@ def to(x: float) -> Callable[[State], State]:
 
 def test_the_first_frame_is_drawn_without_being_asked_for(desk: Desk) -> None:
     desk.rest()
-    assert desk.first.drawn[0] == (initial_state(), True)
+    assert desk.immediate.drawn[0] == (initial_state(), True)
     assert desk.page.flushes
 
 
@@ -122,7 +124,7 @@ def test_five_hundred_requests_end_at_the_last_one(desk: Desk) -> None:
         desk.session.dispatch("slider", to(i / 5000))
     eventually(lambda: desk.x == 0.1)
     desk.rest()
-    for watch in (desk.first, desk.later):
+    for watch in (desk.immediate, desk.deferred):
         assert watch.drawn[-1][0].document.pose[0] == 0.1
         places = [state.document.pose[0] for state, _ in watch.drawn]
         assert places == sorted(places)  # never back to an older one
@@ -142,13 +144,13 @@ def test_of_what_came_while_drawing_only_the_newest_of_each_control_runs(desk: D
 
         return run
 
-    desk.first.hold()
+    desk.immediate.hold()
     desk.session.dispatch("x", to(0.01))
-    assert desk.first.inside.wait(PATIENCE)
+    assert desk.immediate.inside.wait(PATIENCE)
     for i in range(100):
         desk.session.dispatch("x", counted(f"x{i}", to(i / 1000)))
         desk.session.dispatch("y", counted(f"y{i}", lambda s, i=i: actions.move(s, y=i / 1000)))
-    desk.first.gate.set()
+    desk.immediate.gate.set()
     eventually(lambda: desk.session.state.document.pose[:2] == (0.099, 0.099))
     desk.rest()
     assert ran == ["x99", "y99"]
@@ -162,10 +164,10 @@ def test_a_request_that_raises_changes_nothing_is_told_and_is_set_back(
         raise error
 
     desk.rest()
-    before, drawn = desk.session.state, len(desk.first.drawn)
+    before, drawn = desk.session.state, len(desk.immediate.drawn)
     desk.session.dispatch("wrong", wrong)
     eventually(lambda: desk.page.told)
-    eventually(lambda: len(desk.first.drawn) > drawn)  # so that the input is set back
+    eventually(lambda: len(desk.immediate.drawn) > drawn)  # so that the input is set back
     assert desk.session.state == before
     assert not desk.session.can_undo
     (told,) = desk.page.told
@@ -181,14 +183,14 @@ def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
 
     done = threading.Event()
     desk.rest()
-    desk.first.hold()
+    desk.immediate.hold()
     desk.session.dispatch("start", to(0.01))
-    assert desk.first.inside.wait(PATIENCE)
+    assert desk.immediate.inside.wait(PATIENCE)
     desk.session.dispatch("wrong", wrong)
     desk.session.dispatch("x", to(0.02))
     desk.session.submit(wrong_job)
     desk.session.submit(done.set)
-    desk.first.gate.set()
+    desk.immediate.gate.set()
     assert done.wait(PATIENCE)
     desk.rest()
     assert desk.x == 0.02
@@ -197,10 +199,10 @@ def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
 
 def test_a_view_that_fails_does_not_end_the_session(desk: Desk) -> None:
     desk.rest()
-    desk.first.trouble = RuntimeError("broken")
+    desk.immediate.trouble = RuntimeError("broken")
     desk.session.dispatch("x", to(0.01))
     eventually(lambda: desk.page.told)
-    desk.first.trouble = None
+    desk.immediate.trouble = None
     desk.session.dispatch("x", to(0.02))
     eventually(lambda: desk.x == 0.02)
     desk.rest()
@@ -208,16 +210,16 @@ def test_a_view_that_fails_does_not_end_the_session(desk: Desk) -> None:
 
 def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> None:
     second = Watch()
-    desk.session.later.append(second)
+    desk.session.deferred.append(second)
     desk.rest()
-    views = (desk.later, second)  # they take turns, so that either may be the first
+    views = (desk.deferred, second)  # they take turns, so that either may be the first
     for view in views:
         view.hold()
     desk.session.dispatch("x", to(0.01))
     eventually(lambda: any(view.inside.is_set() for view in views))
     waiting = next(view for view in views if not view.inside.is_set())
     desk.session.dispatch("x", to(0.02))  # while the first of the slow views draws,
-    time.sleep(2 * session.PATIENCE)  # and draws
+    time.sleep(2 * session.DEFERRED_TIMEOUT)  # and draws
     for view in views:
         view.gate.set()
     eventually(lambda: waiting.drawn and waiting.drawn[-1][0].document.pose[0] == 0.02)
@@ -228,15 +230,15 @@ def test_the_scene_goes_first_then_the_numbers_then_what_is_slow(desk: Desk) -> 
     desk.rest()
     order: list[str] = []
     for name, views in (
-        ("later", desk.session.later),
-        ("words", desk.session.words),
-        ("first", desk.session.first),
+        ("deferred", desk.session.deferred),
+        ("fast", desk.session.fast),
+        ("immediate", desk.session.immediate),
     ):
         view = SimpleNamespace(draw=lambda frame, moving, name=name: order.append(name))
         views.append(cast(session.View, view))
     desk.session.dispatch("x", to(0.03))
     eventually(lambda: len(order) == 6)  # while the hand moves, and once more when it rests
-    assert order == 2 * ["first", "words", "later"]
+    assert order == 2 * ["immediate", "fast", "deferred"]
 
 
 def test_undo_and_redo_go_step_by_step(desk: Desk) -> None:
@@ -261,11 +263,11 @@ def test_a_closed_session_does_nothing_more(desk: Desk) -> None:
     desk.session.close()
     desk.session._thread.join(PATIENCE)
     assert not desk.session._thread.is_alive()
-    drawn = len(desk.first.drawn)
+    drawn = len(desk.immediate.drawn)
     desk.session.dispatch("x", to(0.05))
     desk.session.submit(lambda: desk.page.told.append(("", "")))
     assert desk.x == 0.0
-    assert len(desk.first.drawn) == drawn
+    assert len(desk.immediate.drawn) == drawn
     assert not desk.page.told
 
 
@@ -273,12 +275,12 @@ def test_a_tab_that_goes_while_it_is_drawn_leaves_quietly(
     desk: Desk, caplog: pytest.LogCaptureFixture
 ) -> None:
     desk.rest()
-    desk.first.hold()
-    desk.first.trouble = RuntimeError("the socket is gone")
+    desk.immediate.hold()
+    desk.immediate.trouble = RuntimeError("the socket is gone")
     desk.session.dispatch("x", to(0.01))
-    assert desk.first.inside.wait(PATIENCE)
+    assert desk.immediate.inside.wait(PATIENCE)
     desk.session.close()
-    desk.first.gate.set()
+    desk.immediate.gate.set()
     desk.session._thread.join(PATIENCE)
     assert not desk.session._thread.is_alive()
     assert not caplog.records
@@ -309,7 +311,7 @@ def test_a_value_that_was_set_while_another_frame_is_drawn_is_not_lost(desk: Des
         lambda state, value: actions.move(state, x=value),
         lambda state: state.document.pose[0],
     )
-    desk.session.first.append(control)
+    desk.session.immediate.append(control)
     handle.value = 0.07  # the callback is still on its way
     desk.session.dispatch("y", lambda state: actions.move(state, y=0.02))
     eventually(lambda: desk.session.state.document.pose[1] == 0.02)
@@ -328,9 +330,9 @@ def test_an_input_is_set_back_after_a_value_that_is_refused(desk: Desk) -> None:
     for wrong in (0.07, math.nan, math.inf):
         handle = Input(0.0)
         show = Control(desk.session, handle, "x", refuse, lambda state: state.document.pose[0])
-        desk.session.first.append(show)
+        desk.session.immediate.append(show)
         handle.value = wrong
         handle.told()
         eventually(lambda handle=handle: handle.value == 0.0)
-        desk.session.first.remove(show)
+        desk.session.immediate.remove(show)
     assert len(desk.page.told) == 3

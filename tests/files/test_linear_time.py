@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import pytest
 
+from paminsa_viz.files.columns import POSES, TRAJECTORY, TableKind
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, find_line, read_design
 from paminsa_viz.files.errors import FileError
+from paminsa_viz.files.resumable_csv import ResumableCsv
+from paminsa_viz.files.tables import LONGEST_ROW, TableReader
 
-REPEATED = ["(", "[", "{", '"', "'", "=", ".", ",", "#", " ", "\t", "\n", "a", "1", "_", "-", "\\"]
+REPEATED = ["(", "[", '"', "=", ".", ",", "#", " ", "\t", "\n", "a", "1", "_"]
 MEGABYTE = 1_000_000
 
 
@@ -23,17 +27,9 @@ def within_a_second() -> Iterator[None]:
 
 
 def contents(character: str, size: int) -> list[str]:
-    """One character over and over: alone, in long lines, in short ones, behind a good start."""
-    line = character * (LONGEST_LINE - 10) + "\n"
-    long = (line * (size // len(line) + 1))[:size]
-    short = (f"{character}\n" * size)[:size]
-    return [
-        character * size,
-        long,
-        short,
-        f"k = {character}\n{short}"[:size],
-        f"x{character}=" + long,
-    ]
+    """One character over and over: alone, one a line, in long lines behind the start of a key."""
+    line = f"x{character}=" + character * (LONGEST_LINE - 10) + "\n"
+    return [character * size, (f"{character}\n" * size)[:size], (line * (size // 900))[:size]]
 
 
 @pytest.mark.parametrize("character", REPEATED)
@@ -42,8 +38,35 @@ def test_design_files(character: str) -> None:
         with within_a_second(), pytest.raises(FileError):
             read_design(content, "a.toml")
     for content in contents(character, LARGEST_FILE - 100):
-        for text in (content, f"schema_version = 1\nx = 1\n{content}"):
-            with within_a_second(), pytest.raises(FileError):
-                read_design(text[:LARGEST_FILE], "a.toml")
-            with within_a_second():
-                find_line(content, "links.b3_kg")
+        text = f"schema_version = 1\nx = 1\n{content}"
+        with within_a_second(), pytest.raises(FileError):
+            read_design(text[:LARGEST_FILE], "a.toml")
+        with within_a_second():
+            find_line(content, "links.b3_kg")
+
+
+@pytest.mark.parametrize("kind", [POSES, TRAJECTORY], ids=lambda kind: kind.name)
+@pytest.mark.parametrize("character", REPEATED)
+def test_tables(character: str, kind: TableKind) -> None:
+    good = ",".join(kind.needed) + "\n"
+    for content in contents(character, MEGABYTE):
+        cell = content[: LONGEST_ROW - 1000]
+        for text in (content, good + content, f"x[{cell}],y\n"):
+            with within_a_second(), suppress(FileError):
+                for _ in TableReader(io.StringIO(text, newline=""), kind, "a.csv").blocks():
+                    pass
+
+
+@pytest.mark.parametrize("character", REPEATED)
+def test_resumable_tables(character: str, tmp_path) -> None:
+    path, head = tmp_path / "a.csv", {"format": "x 1", "study": "y"}
+    start = "# format: x 1\n# study: y\n"
+    for content in contents(character, MEGABYTE):
+        for text in (content, start + content, f"{start}row,value\n{content}"):
+            path.write_text(text)
+            with (
+                within_a_second(),
+                suppress(FileError),
+                ResumableCsv(path, head, ("row", "value"), identity="study") as table,
+            ):
+                list(table.read())

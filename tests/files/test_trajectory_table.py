@@ -10,17 +10,24 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.files.errors import FileError, TableFileError
-from paminsa_viz.files.pose_columns import ACCELERATION, POSE, TORQUES, VELOCITY
-from paminsa_viz.files.trajectory_columns import QUANTITIES, RESULTS, WRITTEN, match_columns
-from paminsa_viz.files.trajectory_series import (
-    analysis_series,
-    series_csv,
-    series_npz,
-    simulation_series,
-    write_series,
+from paminsa_viz.files.columns import (
+    ACCELERATION,
+    POSE,
+    RESULTS,
+    TORQUES,
+    TRAJECTORY,
+    UNITS,
+    VELOCITY,
+    match_columns,
 )
-from paminsa_viz.files.trajectory_table import parse_trajectory, read_trajectory
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.tables import table_csv, table_npz
+from paminsa_viz.files.trajectory_table import (
+    analysis_table,
+    parse_trajectory,
+    read_trajectory,
+    simulation_table,
+)
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
 from paminsa_viz.trajectory import Control, Controller, Trajectory, analyze, move, simulate
 
@@ -56,11 +63,14 @@ def tables(draw):
     names = draw(st.permutations(names))
     header, factors = [], []
     for name in names:
-        unit = draw(st.sampled_from(sorted(QUANTITIES[name][1])))
+        si = {"t": "s", "theta": "rad", "omega": "rad", "alpha": "rad"}.get(name, "m")
+        per = {"v": "_s", "o": "_s", "a": "_s2"}.get(name[0], "")
+        base = draw(st.sampled_from(sorted(UNITS[si])))
+        unit = base + per
         pretty = unit.replace("_", "/").replace("s2", "s^2")
         pretty = draw(st.sampled_from([pretty, pretty.replace("deg", "°").replace("^2", "²")]))
         header.append(draw(st.sampled_from([f"{name}_{unit}", f" {name} [{pretty}] "])))
-        factors.append(QUANTITIES[name][1][unit])
+        factors.append(UNITS[si][base])
     count = draw(st.integers(2, 9))
     numbers = np.random.default_rng(draw(st.integers(0, 99))).uniform(-1, 1, (count, len(names)))
     numbers[:, names.index("t")] = np.arange(count) / 7
@@ -89,7 +99,7 @@ def test_every_cell_arrives_in_its_unit(table, comment, end) -> None:
     [
         ("", None, "", f"is empty; a header row with {HEAD}"),
         ("# only\n# notes\n", None, "", "is empty"),
-        ("0,0,0,0,-0.5\n", 1, "0", "a row has to name the columns first"),
+        ("0,0,0,0,-0.5\n", 1, "0", "the first row has to name the columns"),
         ("x_m,y_m,theta_rad,z_m\n", 1, "t_s", "the column is missing"),
         ("t_s,x_m,y_m,z_m\n", 1, "theta_rad", "a trajectory needs"),
         ("t_s;x_m\n", 1, "t_s;x_m", "separated by commas"),
@@ -165,7 +175,7 @@ def test_names_rest_and_files(tmp_path) -> None:
 def test_a_written_trajectory_comes_back(samples, assembly, tmp_path) -> None:
     found = analyze(APPENDIX_4, samples, assembly)
     path = tmp_path / "out.csv"
-    write_series(path, analysis_series(found))
+    path.write_bytes(table_csv(analysis_table(found)))
     back = read_trajectory(path)
     for name in ("t", "pose", "velocity", "acceleration"):
         np.testing.assert_array_equal(getattr(back, name), getattr(samples, name))
@@ -174,9 +184,9 @@ def test_a_written_trajectory_comes_back(samples, assembly, tmp_path) -> None:
 
 def test_what_a_written_table_holds() -> None:
     found = analyze(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
-    series = analysis_series(found)
-    assert set(series.columns) == {*WRITTEN, *RESULTS} - {"status"}
-    text = series_csv(series).decode()
+    table = analysis_table(found)
+    assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS}
+    text = table_csv(table).decode()
     comments = [line for line in text.splitlines() if line.startswith("# ")]
     head, *rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
     assert len(rows) == LEAVING.size
@@ -192,34 +202,32 @@ def test_what_a_written_table_holds() -> None:
             assert [float(cell) for cell in cells] == torque.tolist()
         else:
             assert cells == [""] * 4
-    assert match_columns(tuple(head), "out.csv")[0].name == "t_s"
+    assert match_columns(tuple(head), TRAJECTORY, "out.csv")[0].name == "t_s"
 
 
 def test_npz_holds_the_same() -> None:
     found = analyze(APPENDIX_4, SAMPLES)
-    series = analysis_series(found)
-    data = np.load(io.BytesIO(series_npz(series)))
-    for name, column in series.columns.items():
+    table = analysis_table(found)
+    data = np.load(io.BytesIO(table_npz(table)))
+    for name, column in table.columns.items():
         np.testing.assert_array_equal(data[name], column)
     np.testing.assert_array_equal(
         np.stack([data[name] for name in (*POSE, *VELOCITY, *ACCELERATION)], axis=1),
         np.hstack([SAMPLES.pose, SAMPLES.velocity, SAMPLES.acceleration]),
     )
     assert data["status"].tolist() == ["ok"] * SAMPLES.size
-    assert json.loads(str(data["provenance"])) == dict(series.provenance)
+    assert json.loads(str(data["provenance"])) == dict(table.provenance)
 
 
 def test_a_simulation_as_a_table() -> None:
     found = simulate(APPENDIX_4, SAMPLES, controller=Controller(Control.FEED_FORWARD))
-    series = simulation_series(found)
-    np.testing.assert_array_equal(series.columns["wanted_x_m"], SAMPLES.pose[:, 0])
-    np.testing.assert_array_equal(series.columns["f4_N"], found.torque[:, 3])
-    assert series.provenance["controller"] == "feed-forward"
-    assert series.provenance["stopped"] == "at the end"
-    assert (
-        len(series_csv(series).decode().splitlines()) == len(series.provenance) + 1 + SAMPLES.size
-    )
-    assert "status" not in np.load(io.BytesIO(series_npz(series)))
+    table = simulation_table(found)
+    np.testing.assert_array_equal(table.columns["wanted_x_m"], SAMPLES.pose[:, 0])
+    np.testing.assert_array_equal(table.columns["f4_N"], found.torque[:, 3])
+    assert table.provenance["controller"] == "feed-forward"
+    assert table.provenance["stopped"] == "at the end"
+    assert len(table_csv(table).decode().splitlines()) == len(table.provenance) + 1 + SAMPLES.size
+    assert "status" not in np.load(io.BytesIO(table_npz(table)))
 
 
 def test_hostile_names_stay_on_one_line() -> None:
@@ -227,7 +235,5 @@ def test_hostile_names_stay_on_one_line() -> None:
         SAMPLES.t, SAMPLES.pose, SAMPLES.velocity, SAMPLES.acceleration, "a\nt_s,b"
     )
     found = analyze(APPENDIX_4.vary({}), samples)
-    text = series_csv(analysis_series(found)).decode()
+    text = table_csv(analysis_table(found)).decode()
     assert parse(text).size == samples.size
-    with pytest.raises(FileError):
-        write_series("/nowhere/at/all.csv", analysis_series(found))

@@ -6,13 +6,13 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.balancing import OUTPUTS
-from paminsa_viz.explorer.actions import renamed_if_changed
+from paminsa_viz.explorer.actions import renamed_if_changed, with_document
 from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
 from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal, require_possible
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.motion import requests as motions
-from paminsa_viz.explorer.state import State, with_document
+from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.model.counterweight import Counterweight
 
@@ -72,9 +72,9 @@ def balance_now(state: State) -> State:
     Raises:
         InvalidInput: If another task runs.
     """
-    begun = begin(state, Task.PAPER)
-    job = begun.balancing.running
-    return begun if job is None else taken(begun, run(job))
+    started = begin(state, Task.PAPER)
+    job = started.balancing.running
+    return started if job is None else receive_result(started, run(job))
 
 
 def begin(state: State, task: Task) -> State:
@@ -101,7 +101,7 @@ def progressed(state: State, job: Job, done: float) -> State:
     return replace(state, balancing=replace(state.balancing, done=done))
 
 
-def taken(state: State, outcome: Outcome) -> State:
+def receive_result(state: State, outcome: Outcome) -> State:
     """Take over the outcome of the task that runs; that of an older one is dropped.
 
     A better design is worked on from now on, the one before pinned to compare with, if that one was

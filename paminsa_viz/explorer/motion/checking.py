@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import logging
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,11 +14,6 @@ from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
-
-if TYPE_CHECKING:
-    from paminsa_viz.explorer.state import State
-
-log = logging.getLogger(__name__)
 
 MOST_SAMPLES = 250
 """Samples of a motion that the engine computes, in equal distance; it takes a tenth of a second."""
@@ -87,7 +80,7 @@ class Answer:
 
 
 def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
-    """Ask the engine for the torques of a design on a motion; raises nothing."""
+    """Ask the engine for the torques of a design on a motion."""
     # Late: what engines need takes half a second to load.
     from paminsa_viz.engines.verification import TOLERANCE
     from paminsa_viz.plots.verified import engine_torques
@@ -103,9 +96,6 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:
         return Answer(analysis, None, str(error))
-    except Exception:
-        log.exception("an engine's computation failed")
-        return Answer(analysis, None, "it failed; details are in the program's log")
 
 
 def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
@@ -120,8 +110,3 @@ def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
         acceleration=trajectory.acceleration[kept],
     )
     return kept, motion
-
-
-def taken(state: State, answer: Answer) -> State:
-    """Take over what came of the last question."""
-    return replace(state, engine_answer=answer)

@@ -7,13 +7,8 @@ from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.plots import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.trajectory_series import (
-    Series,
-    analysis_series,
-    series_csv,
-    series_npz,
-    simulation_series,
-)
+from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
@@ -65,24 +60,16 @@ def table(state: State, kind: str) -> File:
 
     Args:
         state: What to save.
-        kind: ``"csv"`` or ``"npz"``.
+        kind: One of `TABLE_FORMATS`.
 
     Raises:
         InvalidInput: If there is no motion, or no such kind.
     """
-    writers = {"csv": series_csv, "npz": series_npz}
-    if kind not in writers:
-        raise InvalidInput("kind", "csv or npz is needed")
     found = _results(state)
     simulation = found.sources.simulation if state.plots.plot in SIMULATED else None
-    series: Series
-    if simulation is not None:
-        series = simulation_series(simulation)
-    else:
-        series = analysis_series(found.present)
-    return File(
-        _name(state, found, "simulation" if simulation else "", kind), writers[kind](series)
-    )
+    what = "" if simulation is None else "simulation"
+    series = analysis_table(found.present) if simulation is None else simulation_table(simulation)
+    return File(_name(state, found, what, kind), table_bytes(series, kind))
 
 
 def page(state: State) -> File:

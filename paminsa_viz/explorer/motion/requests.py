@@ -6,7 +6,9 @@ import math
 from dataclasses import replace
 from typing import Any
 
+from paminsa_viz.explorer.actions import with_document
 from paminsa_viz.explorer.motion import planning
+from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Kind, Pose, Timing
 from paminsa_viz.explorer.motion.planning import Planned
 from paminsa_viz.explorer.motion.playback import SPEEDS, advanced, begun
@@ -17,9 +19,10 @@ from paminsa_viz.explorer.motion.simulating import (
     DAMPINGS,
     EXTRA_LOADS,
     Job,
+    Outcome,
     make_job,
 )
-from paminsa_viz.explorer.state import State, with_document
+from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import PRESET, Trajectory
 
@@ -263,3 +266,15 @@ def simulated_as_it_is(state: State) -> bool:
         return outcome is not None and outcome.job.same(wanted_job(state))
     except InvalidInput:
         return False
+
+
+def receive_simulation(state: State, outcome: Outcome) -> State:
+    """Take over the outcome of the job that runs; that of an older one is dropped."""
+    if state.simulating.running is not outcome.job:
+        return state
+    return replace(state, simulating=replace(state.simulating, running=None, outcome=outcome))
+
+
+def receive_engine_answer(state: State, answer: Answer) -> State:
+    """Take over the torques of an engine, or why there are none."""
+    return replace(state, engine_answer=answer)

@@ -2,20 +2,10 @@
 
 from __future__ import annotations
 
-import logging
-import threading
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 from paminsa_viz.model import Design, Friction, InvalidInput, KneeBranch, PaminsaError
 from paminsa_viz.trajectory import Control, Controller, Simulation, Trajectory, simulate
-
-if TYPE_CHECKING:
-    from paminsa_viz.explorer.frame import Frame
-    from paminsa_viz.explorer.session import Session
-    from paminsa_viz.explorer.state import State
-
-log = logging.getLogger(__name__)
 
 BANDWIDTHS = (0.0, 50.0)
 """Lowest and highest bandwidth of the controller [Hz]."""
@@ -127,35 +117,3 @@ def run(job: Job) -> Outcome:
         return Outcome(job, simulation)
     except PaminsaError as error:
         return Outcome(job, None, str(error))
-
-
-class Simulator:
-    """Runs the job that a session asks for on a thread of its own, and hands back its outcome."""
-
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._begun: Job | None = None
-
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Begin the job that is asked for."""
-        del moving
-        job = frame.state.simulating.running
-        if job is not None and job is not self._begun:
-            self._begun = job
-            work = threading.Thread(target=self._work, args=(job,), daemon=True)
-            work.start()
-
-    def _work(self, job: Job) -> None:
-        try:
-            outcome = run(job)
-        except Exception:
-            log.exception("a simulation failed")
-            outcome = Outcome(job, None, "it failed; details are in the program's log")
-        self._session.dispatch("simulation.outcome", lambda state: taken(state, outcome))
-
-
-def taken(state: State, outcome: Outcome) -> State:
-    """Take over the outcome of the job that runs; that of an older one is dropped."""
-    if state.simulating.running is not outcome.job:
-        return state
-    return replace(state, simulating=replace(state.simulating, running=None, outcome=outcome))

@@ -5,9 +5,11 @@ from __future__ import annotations
 from viser import Icon
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.actions import Action
+from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.balancing import requests
-from paminsa_viz.explorer.balancing.jobs import Outcome
-from paminsa_viz.explorer.balancing.worker import Balancer
+from paminsa_viz.explorer.balancing.jobs import Job, Outcome
+from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
@@ -16,10 +18,11 @@ from paminsa_viz.explorer.panels.balance_inputs import BalanceInputs
 from paminsa_viz.explorer.panels.balance_tornado import TornadoPlot
 from paminsa_viz.explorer.panels.balance_weights import WeightList
 from paminsa_viz.explorer.panels.balance_words import details_html, status_html
-from paminsa_viz.explorer.panels.design_panel import balance_html
-from paminsa_viz.explorer.session import Intent, Session
+from paminsa_viz.explorer.panels.design_panel import gauge_html
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.model import InvalidInput
 
-MAPS: dict[str, Intent] = {
+MAPS: dict[str, Action] = {
     "one scale": hold_range,
     "difference": toggle_difference,
     "swap": actions.swap_reference,
@@ -35,7 +38,10 @@ class BalancePanel:
 
     def __init__(self, session: Session, bridge: Bridge) -> None:
         gui = session.client.gui
-        self._balancer = Balancer(session)
+        self._job: BackgroundJob[Job, Outcome] = BackgroundJob(
+            session, "balance", run, requests.receive_result, progress=requests.progressed,
+            failed=lambda job, problem: Outcome(job, problem=InvalidInput("balance", problem)),
+        )  # fmt: skip
         self._gauge = gui.add_html("")
         self.button = gui.add_button(
             "Balance as in the paper", icon=Icon.SCALE,
@@ -62,7 +68,7 @@ class BalancePanel:
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state, and begin what is asked for."""
-        self._balancer.draw(frame, moving)
+        self._job.request(frame.state.balancing.running)
         for part in (self.inputs, self.weights, self.front, self.tornado):
             part.draw(frame, moving)
         outcome = frame.state.balancing.outcome
@@ -70,7 +76,7 @@ class BalancePanel:
             self._detailed = outcome
             self._details.content = details_html(outcome)
         for handle, html in (
-            (self._gauge, balance_html(frame.state, frame.balance)),
+            (self._gauge, gauge_html(frame)),
             (self._status, status_html(frame.state)),
         ):
             if handle.content != html:

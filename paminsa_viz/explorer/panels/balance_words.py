@@ -11,8 +11,7 @@ import numpy as np
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds, Optimum
 from paminsa_viz.explorer.balancing.jobs import Outcome, Task
 from paminsa_viz.explorer.balancing.settings import Goal
-from paminsa_viz.explorer.panels.readout import dot
-from paminsa_viz.explorer.panels.tables import FONT, note, table
+from paminsa_viz.explorer.panels.tables import FONT, dot, note, table
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS

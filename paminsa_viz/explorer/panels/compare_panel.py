@@ -9,9 +9,8 @@ import numpy as np
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.number_row import is_changed
-from paminsa_viz.explorer.panels.readout import dot
-from paminsa_viz.explorer.panels.tables import note, table
+from paminsa_viz.explorer.panels.design_layout import is_changed
+from paminsa_viz.explorer.panels.tables import dot, note, table
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.model import (
     APPENDIX_4,

@@ -1,148 +1,217 @@
-"""Which numbers of the design stand where on the page, as a person would look for them."""
+"""Sliders of the design's numbers, made from the registry of parameters, in groups.
+
+A new parameter appears by itself in the group of its path; a short name, a range or a step of its
+own is one entry below.
+"""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from functools import partial
 
-from paminsa_viz.explorer.panels.number_row import Row, round_up
-from paminsa_viz.model import PARAMETER
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.bounds import largest
+from paminsa_viz.explorer.entries import Slider
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    PARAMETERS,
+    Design,
+    InvalidDesign,
+    InvalidInput,
+    Parameter,
+)
+from paminsa_viz.units import number, symbol_text
+
+STROKE = "geometry.guide_stroke"
+
+DIGITS = 6
+"""Significant digits of the design's numbers."""
 
 
 @dataclass(frozen=True)
 class Group:
-    """A folder of the panel.
+    """A folder of sliders.
 
     Attributes:
         tab: Tab that it stands on.
         title: Its heading, with the unit of its rows.
-        rows: What it holds.
+        prefixes: Starts of the paths that it holds.
         open: Whether it is open at first.
     """
 
     tab: str
     title: str
-    rows: tuple[Row, ...]
+    prefixes: tuple[str, ...]
     open: bool = True
 
-
-def _row(path: str, name: str, high: float, step: float, *, low: float = 0.0) -> Row:
-    lowest = max(low, step) if PARAMETER[path].positive else low
-    return Row(path, name, lowest, high, step)
-
-
-def _mass(path: str, name: str) -> Row:
-    high = round_up(3 * PARAMETER[path].default) or 10.0
-    return _row(path, name, high, 0.0005)
-
-
-def _inertia(path: str, name: str) -> Row:
-    high = round_up(3 * PARAMETER[path].default) or 0.1
-    return _row(path, name, high, 0.00005)
+    @property
+    def parameters(self) -> list[Parameter]:
+        """What it holds, in the order of the prefixes and of the registry."""
+        return [
+            parameter
+            for prefix in self.prefixes
+            for parameter in PARAMETERS
+            if parameter.path.startswith(prefix)
+        ]
 
 
-def _length(path: str, name: str, high: float | None = None) -> Row:
-    # Twice Appendix 4's length: with the other lengths unchanged, the pantograph can still close.
-    parameter = PARAMETER[path]
-    if high is None:
-        high = round_up(2 * parameter.display.from_si(parameter.default))
-    return _row(path, name, high, 0.25)
-
-
-def _friction(path: str, high: float, step: float) -> Row:
-    return _row(path, f"[{PARAMETER[path].display.text}]", high, step)
-
-
-_INERTIA_ROWS = (
-    *(
-        _inertia(f"inertias.{bar}_{axis}", word)
-        for bar in ("b3", "b4", "b7", "b8")
-        for axis, word in (("axial", "along"), ("transverse", "across"))
-    ),
-    _inertia("inertias.b2_vertical", "shaft"),
-    _inertia("inertias.b10_vertical", "guide link"),
-)
-
-GROUPS: tuple[Group, ...] = (
+GROUPS = (
+    Group("Masses", "Platform and payload [kg]", ("platform.mass", "payload.mass")),
+    Group("Masses", "Links of each leg [kg]", ("links.",)),
+    Group("Masses", "Joints of each leg [kg]", ("joints.",)),
     Group(
-        "Masses",
-        "Platform and payload [kg]",
-        (_mass("platform.mass", "platform"), _mass("payload.mass", "payload")),
+        "Geometry", "Pantograph [mm]",
+        ("geometry.magnification", "geometry.crank", "geometry.coupler"),
     ),
     Group(
-        "Masses",
-        "Links of each leg [kg]",
-        (
-            _mass("links.b1", "arm"),
-            _mass("links.b2", "shaft"),
-            _mass("links.b3", "bar 4–3–7"),
-            _mass("links.b4", "bar 9–4–5"),
-            _mass("links.b7", "bar 7–8"),
-            _mass("links.b8", "bar 8–9"),
-            _mass("links.b10", "guide link"),
-        ),
+        "Geometry", "Base and platform [mm]",
+        ("geometry.base_radius", "geometry.platform_radius", "geometry.platform_joint_height"),
     ),
     Group(
-        "Masses",
-        "Joints of each leg [kg]",
-        (
-            _mass("joints.j2", "shaft, arm"),
-            _mass("joints.j3", "B3, shaft"),
-            _mass("joints.j4", "B3, B4"),
-            _mass("joints.j5", "B4, platform"),
-            _mass("joints.j7", "B3, B7"),
-            _mass("joints.j8", "slider"),
-            _mass("joints.j9", "knee B8, B4"),
-        ),
+        "Geometry", "Arms, shafts and guides [mm]",
+        ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
     ),
     Group(
-        "Geometry",
-        "Pantograph [mm]",
-        (
-            _row("geometry.magnification", "[no unit]", 6.0, 0.025, low=1.35),
-            _length("geometry.crank_length", ""),
-            _length("geometry.coupler_length", ""),
-        ),
+        "Inertia, friction, g", "Platform and payload [kg·m²]",
+        ("platform.inertia", "payload.inertia"),
     ),
-    Group(
-        "Geometry",
-        "Base and platform [mm]",
-        (
-            _length("geometry.base_radius", "leg axes"),
-            _length("geometry.platform_radius", "joints 5"),
-            _length("geometry.platform_joint_height", "joint 5 up"),
-        ),
-    ),
-    Group(
-        "Geometry",
-        "Arms, shafts and guides [mm]",
-        (
-            _length("geometry.arm_length", "arm"),
-            _length("geometry.shaft_length", "shaft"),
-            _length("geometry.guide_link_length", "guide link"),
-            _length("geometry.guide_stroke", ""),
-            _length("geometry.axis_clearance", "", 100.0),
-        ),
-    ),
-    Group(
-        "Inertia, friction, g",
-        "Platform and payload [kg·m²]",
-        (_inertia("platform.inertia", "platform"), _inertia("payload.inertia", "payload")),
-    ),
-    Group("Inertia, friction, g", "Inertias of the links [kg·m²]", _INERTIA_ROWS, open=False),
-    Group("Inertia, friction, g", "Gravity", (_row("gravity", "[m/s²]", 20.0, 0.005),)),
-    Group(
-        "Inertia, friction, g",
-        "Friction of the actuators",
-        (
-            _friction("friction.viscous_rotary", 2.0, 0.005),
-            _friction("friction.coulomb_rotary", 2.0, 0.005),
-            _friction("friction.viscous_linear", 100.0, 0.5),
-            _friction("friction.coulomb_linear", 50.0, 0.5),
-            _friction("friction.transition_speed", 0.1, 0.0005),
-        ),
-        open=False,
-    ),
-)
+    Group("Inertia, friction, g", "Inertias of the links [kg·m²]", ("inertias.",), open=False),
+    Group("Inertia, friction, g", "Gravity", ("gravity",)),
+    Group("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
+)  # fmt: skip
 """Every number of a design, once."""
 
 TABS: tuple[str, ...] = tuple(dict.fromkeys(group.tab for group in GROUPS))
+
+NAMES = {
+    "platform.mass": "platform",
+    "payload.mass": "payload",
+    "links.b1": "arm",
+    "links.b2": "shaft",
+    "links.b3": "bar 4–3–7",
+    "links.b4": "bar 9–4–5",
+    "links.b7": "bar 7–8",
+    "links.b8": "bar 8–9",
+    "links.b10": "guide link",
+    "joints.j2": "shaft, arm",
+    "joints.j3": "B3, shaft",
+    "joints.j4": "B3, B4",
+    "joints.j5": "B4, platform",
+    "joints.j7": "B3, B7",
+    "joints.j8": "slider",
+    "joints.j9": "knee B8, B4",
+    "geometry.magnification": "[no unit]",
+    "geometry.base_radius": "leg axes",
+    "geometry.platform_radius": "joints 5",
+    "geometry.platform_joint_height": "joint 5 up",
+    "geometry.arm_length": "arm",
+    "geometry.shaft_length": "shaft",
+    "geometry.guide_link_length": "guide link",
+    "platform.inertia": "platform",
+    "payload.inertia": "payload",
+    "inertias.b2_vertical": "shaft",
+    "inertias.b10_vertical": "guide link",
+}
+"""A word or two next to the symbol; of what is not here, the unit or the direction."""
+
+RANGES = {
+    "geometry.magnification": (1.35, 6.0, 0.025),
+    "geometry.axis_clearance": (0.0, 100.0, 0.25),
+    "gravity": (0.0, 20.0, 0.005),
+    "friction.viscous_rotary": (0.0, 2.0, 0.005),
+    "friction.coulomb_rotary": (0.0, 2.0, 0.005),
+    "friction.viscous_linear": (0.0, 100.0, 0.5),
+    "friction.coulomb_linear": (0.0, 50.0, 0.5),
+    "friction.transition_speed": (0.0005, 0.1, 0.0005),
+}
+"""Ends and step of a slider in the unit shown, where they do not follow from Appendix 4's value."""
+
+_BY_UNIT = {"kg": (3.0, 10.0, 0.0005), "kg m^2": (3.0, 0.1, 0.00005), "m": (2.0, 100.0, 0.25)}
+"""The range in times of Appendix 4's value, the range if that is zero, and the step.
+
+With twice a length, the other lengths unchanged, the pantograph can still close."""
+
+
+def base_range(parameter: Parameter) -> tuple[float, float, float]:
+    """Return ends and step of a parameter's slider, in the unit shown.
+
+    A larger or smaller number can be typed, and the slider grows to it.
+    """
+    if parameter.path in RANGES:
+        return RANGES[parameter.path]
+    times, otherwise, step = _BY_UNIT[parameter.unit]
+    high = round_up(times * parameter.display.from_si(parameter.default)) or otherwise
+    return (step if parameter.positive else 0.0), high, step
+
+
+def round_up(value: float) -> float:
+    """Return the next number with two significant figures, the second one 0 or 5."""
+    if value <= 0:
+        return 0.0
+    unit = 10.0 ** (math.floor(math.log10(value)) - 1) * 5
+    return float(f"{math.ceil(value / unit - 1e-9) * unit:.12g}")
+
+
+def fitted_range(path: str, ends: tuple[float, float], value: float) -> tuple[float, float]:
+    """Return a slider's range, grown if it has to be to hold ``value`` with room above it."""
+    low, high = ends
+    if value > high:
+        most = PARAMETER[path].display.from_si(largest(path))
+        high = min(round_up(1.5 * value), max(most, value))
+    return min(low, value), high
+
+
+def label(parameter: Parameter) -> str:
+    """Return the text next to a parameter's slider."""
+    name = NAMES.get(parameter.path)
+    if name is None and parameter.path.startswith("inertias."):
+        name = "along" if parameter.path.endswith("axial") else "across"
+    if name is None and not parameter.path.startswith("geometry."):
+        name = f"[{parameter.display.text}]"
+    return f"{symbol_text(parameter.symbol)} {name or ''}".strip()
+
+
+def hint(parameter: Parameter) -> str:
+    """Return what a parameter is, and Appendix 4's value."""
+    default = parameter.display.format(parameter.default, DIGITS)
+    if parameter.path == STROKE:
+        default = "as long as l_B10, and it follows l_B10 until it is set"
+    name = parameter.label[:1].upper() + parameter.label[1:]
+    return f"{name}. Appendix 4: {default}."
+
+
+def slider(parameter: Parameter) -> Slider:
+    """Return the slider of a parameter."""
+    path = parameter.path
+    low, high, step = base_range(parameter)
+    default = parameter.display.from_si(parameter.default)
+    return Slider(
+        f"design.{path}", label(parameter), range=(low, high), step=step, unit=parameter.display,
+        fit=partial(fitted_range, path), marks=((default, number(default, DIGITS)),),
+        hint=hint(parameter),
+        read=lambda state: state.document.design.value(path),
+        apply=partial(_set, path),
+    )  # fmt: skip
+
+
+def _set(path: str, state: State, value: float) -> State:
+    try:
+        return actions.vary(state, {path: value})
+    except InvalidDesign as error:
+        # The model names the value that it misses; the person has to know which one was set.
+        parameter = PARAMETER[path]
+        shown = f"{symbol_text(parameter.symbol)} = {parameter.display.format(value, DIGITS)}"
+        raise InvalidInput(shown, error.allowed) from error
+
+
+def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:
+    """Whether two designs differ in the number at ``path``.
+
+    The guide stroke differs as well where it is set in one and follows l_B10 in the other.
+    """
+    if path == STROKE:
+        return design.geometry.guide_stroke != reference.geometry.guide_stroke
+    return design.value(path) != reference.value(path)

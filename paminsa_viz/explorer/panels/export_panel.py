@@ -15,6 +15,7 @@ from paminsa_viz.explorer.motion import exporting
 from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -88,7 +89,9 @@ class ExportPanel:
             hint="Title, units, design and pose are in it",
         )
         tables = gui.add_button_group(
-            "data", ("CSV", "NPZ"), hint="SI units, with every number of the design"
+            "data",
+            tuple(map(str.upper, TABLE_FORMATS)),
+            hint="SI units, with every number of the design",
         )
         gui.add_html(heading("Robot", "as it stands now"))
         self._size = gui.add_dropdown(
@@ -113,7 +116,7 @@ class ExportPanel:
             hint="The curves of “Motion plots”, width as above",
         )
         series = gui.add_button_group(
-            "data", ("CSV", "NPZ", "HTML page"),
+            "data", (*map(str.upper, TABLE_FORMATS), "HTML page"),
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
         )  # fmt: skip
         curves.on_click(self._curves)

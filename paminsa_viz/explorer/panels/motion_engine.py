@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import threading
 import time
-from functools import partial
 from html import escape
 
 from paminsa_viz.engines.comparison import Comparison
-from paminsa_viz.explorer.motion.checking import Answer, ask_engine, taken
+from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion.checking import Answer, ask_engine
 from paminsa_viz.explorer.motion.store import MotionResults
 from paminsa_viz.explorer.panels.motion_numbers import verdict
-from paminsa_viz.explorer.session import REST, Session
+from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import number
@@ -24,56 +24,32 @@ MARK = (
 
 
 class EngineChecker:
-    """Asks the engine on a thread of its own, as soon as a design and motion have held for a while.
-
-    One question runs at a time, and of those that wait only the newest; its answer comes back as a
-    request.
-    """
+    """Asks the engine as soon as a design and motion have not changed for a while."""
 
     def __init__(self, session: Session) -> None:
-        self._session = session
-        self._lock = threading.Lock()
+        self._job: BackgroundJob[TrajectoryAnalysis, Answer] = BackgroundJob(
+            session, "plots.engine_answer", lambda analysis, _: ask_engine(analysis),
+            requests.receive_engine_answer,
+            failed=lambda analysis, problem: Answer(analysis, None, problem), undo=False,
+        )  # fmt: skip
         self._seen: TrajectoryAnalysis | None = None
         self._since = 0.0
-        self._asked: TrajectoryAnalysis | None = None
-        self._next: TrajectoryAnalysis | None = None
-        self._busy = False
 
-    def draw(self, found: MotionResults | None, moving: bool) -> None:
-        """Ask about what is shown, unless the hand still changes it or it is known.
+    def draw(self, found: MotionResults | None, dragging: bool) -> None:
+        """Ask about what is shown, unless it still changes or the answer is known.
 
         Args:
             found: The motion that an engine's torques are wanted for, or None.
-            moving: Whether the hand moves; it may move something else, or the motion may play.
+            dragging: Whether the state changes; perhaps something else, or the motion plays.
         """
         now = time.monotonic()
         wanted = None if found is None else found.present
         if wanted is not self._seen:
             self._seen, self._since = wanted, now
-        if found is None or found.answer is not None or wanted is self._asked:
+        if found is None or found.answer is not None:
             return
-        if not moving or now - self._since >= REST:
-            self._ask(found.present)
-
-    def _ask(self, analysis: TrajectoryAnalysis) -> None:
-        with self._lock:
-            self._asked = self._next = analysis
-            if self._busy:
-                return
-            self._busy = True
-        threading.Thread(target=self._work, name="paminsa-engine", daemon=True).start()
-
-    def _work(self) -> None:
-        while True:
-            with self._lock:
-                analysis, self._next = self._next, None
-                if analysis is None or self._session.closed:
-                    self._busy = False
-                    return
-            answer = ask_engine(analysis)
-            if self._next is None:
-                intent = partial(taken, answer=answer)
-                self._session.dispatch("plots.engine_answer", intent, step=False)
+        if not dragging or now - self._since >= IDLE_DELAY:
+            self._job.request(wanted)
 
 
 def verdict_html(answer: Answer | None, found: MotionResults) -> str:

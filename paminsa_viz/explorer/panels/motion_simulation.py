@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from viser import Icon
 
+from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.simulating import Simulator
+from paminsa_viz.explorer.motion.simulating import Job, Outcome, run
 from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
@@ -37,7 +38,10 @@ class SimulationInputs:
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
         self._session = session
-        self._simulator = Simulator(session)
+        self._job: BackgroundJob[Job, Outcome] = BackgroundJob(
+            session, "simulation", lambda job, _: run(job), requests.receive_simulation,
+            failed=lambda job, problem: Outcome(job, None, problem),
+        )  # fmt: skip
         settings = session.state.simulating.settings
         control = gui.add_dropdown(
             "Control", tuple(CONTROLS), initial_value=_label(settings.control),
@@ -92,7 +96,7 @@ class SimulationInputs:
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state, and begin what is asked for."""
         state = frame.state
-        self._simulator.draw(frame, moving)
+        self._job.request(state.simulating.running)
         for control in self._controls:
             control.draw(frame, moving)
         feedback = state.simulating.settings.control is not Controlled.FEED_FORWARD

@@ -1,57 +1,92 @@
-"""Sliders for the platform pose, the assembly mode, and the steps back and forth."""
+"""The pose: a slider for each coordinate, the knee's branch, and the steps back and forth."""
 
 from __future__ import annotations
 
+from functools import lru_cache
+from math import ceil, floor
+
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.controls import Control
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.pose_slider import PoseSlider
-from paminsa_viz.explorer.session import Session
-from paminsa_viz.model import KneeBranch
+from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Run, Slider
+from paminsa_viz.explorer.state import State, home_pose
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model import Geometry, KneeBranch
+from paminsa_viz.model.grids import COORDINATES
+from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.units import display_unit
 
-ASSEMBLY_LABELS = {
-    KneeBranch.LOWER: "lower knee (as printed)",
-    KneeBranch.UPPER: "upper knee (mirror)",
-}
+GRAIN = 10
+"""Ends of ranges are multiples of this [mm or degrees]."""
 
-
-class PosePanel:
-    """Four sliders with number entry, assembly mode, home, undo and redo."""
-
-    def __init__(self, session: Session) -> None:
-        gui = session.client.gui
-        self.sliders = [PoseSlider(session, index) for index in range(4)]
-        self.assembly = gui.add_dropdown(
-            "KneeBranch",
-            tuple(ASSEMBLY_LABELS.values()),
-            initial_value=ASSEMBLY_LABELS[session.state.document.assembly],
-            hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
-        )
-        self._assembly = Control(
-            session,
-            self.assembly,
-            "pose.assembly",
-            lambda s, label: actions.assemble(s, _assembly(label)),
-            lambda s: ASSEMBLY_LABELS[s.document.assembly],
-        )
-        steps = gui.add_button_group("Steps", ("Home", "Undo", "Redo"))
-
-        @steps.on_click
-        def _(event) -> None:  # type: ignore[no-untyped-def]
-            {
-                "Home": lambda: session.dispatch("home", actions.go_home),
-                "Undo": session.undo,
-                "Redo": session.redo,
-            }.get(event.target.value, lambda: None)()
-
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Follow the state."""
-        for view in (*self.sliders, self._assembly):
-            view.draw(frame, moving)
+Range = tuple[float, float]
 
 
-def _assembly(label: str) -> KneeBranch:
-    for assembly, name in ASSEMBLY_LABELS.items():
-        if name == label:
-            return assembly
-    return KneeBranch.LOWER
+@lru_cache(maxsize=64)
+def pose_limits(geometry: Geometry, assembly: KneeBranch) -> tuple[Range, Range, Range, Range]:
+    """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
+    radius = float(ceil(1e3 * workspace_radius(geometry) / GRAIN) * GRAIN)
+    return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry, assembly)
+
+
+def heights(geometry: Geometry, assembly: KneeBranch) -> Range:
+    """Return the platform heights that the slider offers, which are clear of the frame [mm].
+
+    Home is always among them. The frame is drawn for machines like the paper's; to others it may
+    leave less room, or none.
+    """
+    place = layout(geometry, assembly)
+    low = ceil(1e3 * place.platform_low / GRAIN) * GRAIN
+    high = floor(1e3 * place.platform_high / GRAIN) * GRAIN
+    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry, assembly)[3])
+
+
+def holding(ends: Range, value: float) -> Range:
+    """Return a range, grown if it has to be to hold a value."""
+    low, high = ends
+    return (
+        float(min(low, floor(value / GRAIN) * GRAIN)),
+        float(max(high, ceil(value / GRAIN) * GRAIN)),
+    )
+
+
+def _slider(index: int, label: str, unit: str, step: float, hint: str) -> Slider:
+    coordinate = COORDINATES[index]
+
+    def limits(state: State) -> Range:
+        document = state.document
+        return pose_limits(document.design.geometry, document.assembly)[index]
+
+    return Slider(
+        f"pose.{coordinate}", label, unit=display_unit(unit), step=step, hint=hint,
+        range=limits, fit=holding,
+        read=lambda state: state.document.pose[index],
+        apply=lambda state, value: actions.move(state, **{coordinate: value}),
+    )  # fmt: skip
+
+
+POSE = (
+    _slider(0, "x  [mm]", "m", 1.0, "Platform position along x"),
+    _slider(1, "y  [mm]", "m", 1.0, "Platform position along y"),
+    _slider(2, "θ  [°]", "rad", 0.5, "Rotation of the platform about the vertical"),
+    _slider(
+        3, "z  [mm]", "m", 1.0,
+        "Height of the platform; 0 is the plane of the guides. The slider keeps the robot clear "
+        "of its frame as it is drawn; any other height can be typed.",
+    ),
+    Dropdown(
+        "pose.knee", "Knee branch",
+        options={
+            "lower knee (as published)": KneeBranch.LOWER,
+            "upper knee (mirrored)": KneeBranch.UPPER,
+        },
+        hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
+        read=lambda state: state.document.assembly, apply=actions.assemble,
+    ),
+    ButtonGroup(
+        "pose.steps", "Steps",
+        choices={
+            "Home": actions.go_home,
+            "Undo": Run(lambda session: session.undo()),
+            "Redo": Run(lambda session: session.redo()),
+        },
+    ),
+)  # fmt: skip

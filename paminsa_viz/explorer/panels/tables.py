@@ -26,6 +26,14 @@ def _row(cells: Sequence[str], tag: str, style: str) -> str:
     return "<tr>" + "".join(parts) + "</tr>"
 
 
+def dot(color: str) -> str:
+    """Return a colored dot for a table."""
+    return (
+        f'<span style="display:inline-block;width:9px;height:9px;border-radius:5px;'
+        f'background:{color};margin-right:5px"></span>'
+    )
+
+
 def note(text: str, name: str = "", *, muted: bool = False) -> str:
     """Return a block of text with a panel's margins; ``name`` is for tests to find it by."""
     mark = f' data-testid="{name}"' if name else ""

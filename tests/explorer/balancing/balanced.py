@@ -17,7 +17,7 @@ def solved(state: State, task: Task = Task.BEST) -> State:
     """Return the state after a task, done at once."""
     begun = requests.begin(state, task)
     assert begun.balancing.running is not None
-    return requests.taken(begun, run(begun.balancing.running))
+    return requests.receive_result(begun, run(begun.balancing.running))
 
 
 def with_design(state: State, design: Design) -> State:

@@ -24,7 +24,7 @@ def test_the_front_is_gone_along_point_by_point(start: State) -> None:
     outcome = run(job, lambda done: bool(steps.append(done)))
     assert steps == sorted(steps)
     assert steps[-1] == 1
-    after = requests.taken(begun, outcome)
+    after = requests.receive_result(begun, outcome)
     assert after.document == start.document
     front = outcome.front
     assert front is not None

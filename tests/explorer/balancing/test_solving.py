@@ -123,12 +123,12 @@ def test_a_design_changed_in_the_meantime_is_not_overwritten(start: State) -> No
     with pytest.raises(InvalidInput, match="still runs"):
         requests.begin(begun, Task.FRONT)
     changed = actions.vary(begun, {"links.b4": 0.9})
-    after = requests.taken(changed, run(job))
+    after = requests.receive_result(changed, run(job))
     assert after.document == changed.document
     assert "changed in the meantime" in status_html(after)
     # And one that was stopped is dropped.
     stopped = requests.stop(begun)
-    assert requests.taken(stopped, run(job)) is stopped
+    assert requests.receive_result(stopped, run(job)) is stopped
 
 
 def test_one_scale_suits_both_designs(start: State) -> None:

@@ -13,7 +13,7 @@ from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import exporting, requests
-from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine, taken
+from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_engine
@@ -22,7 +22,6 @@ from paminsa_viz.explorer.panels.motion_numbers import difference_html
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
-from paminsa_viz.plots import verified
 from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
 from paminsa_viz.units import power_of_ten
 
@@ -49,7 +48,7 @@ def analyzed(state: State) -> MotionResults:
 
 def answered(state: State) -> State:
     """Return a state after the engine was asked about it."""
-    return taken(state, ask_engine(analyzed(state).present))
+    return requests.receive_engine_answer(state, ask_engine(analyzed(state).present))
 
 
 @needs_mujoco
@@ -200,17 +199,6 @@ def test_a_missing_engine_is_told_once_for_all_designs(
         exporting.figure(requests.set_plots(state, plot="differences"), "png", 120.0, 100.0)
 
 
-def test_a_fault_is_told_and_logged(
-    state: State, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    def broken(analysis: object) -> None:
-        raise ZeroDivisionError
-
-    monkeypatch.setattr(verified, "engine_torques", broken)
-    assert "program's log" in ask_engine(analyzed(state).present).problem
-    assert "engine's computation failed" in caplog.text
-
-
 class Asked:
     """A session that takes requests at once, and an engine that answers when it is let."""
 
@@ -272,7 +260,7 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = Asked(state, monkeypatch)
-    monkeypatch.setattr(motion_engine, "REST", 0.0)
+    monkeypatch.setattr(motion_engine, "IDLE_DELAY", 0.0)
     asked.draw(0.5, moving=True)
     asked.wait()
     asked.may.release()

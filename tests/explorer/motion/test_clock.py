@@ -39,7 +39,7 @@ def played() -> Iterator[tuple[Session, Watch]]:
     page: Any = SimpleNamespace(atomic=contextlib.nullcontext, flush=lambda: None, camera=camera)
     state = requests.change(initial_state(), timing=Timing.GIVEN, duration=0.3)
     session, watch = Session(cast(Any, page), state), Watch()
-    session.first += [Clock(session), watch]
+    session.immediate += [Clock(session), watch]
     session.start()
     yield session, watch
     session.close()

@@ -12,7 +12,7 @@ from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.plots import PLOTS, SIMULATED, PlotView
-from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run, taken
+from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
@@ -153,11 +153,11 @@ def test_simulations_say_what_came_of_them() -> None:
     assert job is not None
     outcome = run(job)
     assert outcome.simulation is not None
-    done = taken(state, outcome)
+    done = requests.receive_simulation(state, outcome)
     assert done.simulating.running is None
     assert requests.simulated_as_it_is(done)
     assert not requests.simulated_as_it_is(actions.vary(done, {"links.b4": 3.0}))
-    assert taken(done, run(job)) is done
+    assert requests.receive_simulation(done, run(job)) is done
     found = MotionStore().all(done)
     assert found is not None
     place, turn = drawn_charts(done, found)

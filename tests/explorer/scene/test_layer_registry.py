@@ -49,7 +49,8 @@ def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) 
     with desk_with(guarded, ViewPanel) as desk:
         scene = desk.session.client.scene
         context = SceneContext(scene, desk.session.dispatch)
-        desk.session.submit(lambda: desk.session.first.extend(build_views(context, animated=True)))
+        views = desk.session.immediate
+        desk.session.submit(lambda: views.extend(build_views(context, animated=True)))
         boxes = desk.session.client.gui._gui_input_handle_from_uuid.values()
         box = next(handle for handle in boxes if getattr(handle, "label", "") == "Grid")
         desk.set(box, True)

@@ -9,23 +9,29 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.cli import main
+from paminsa_viz.explorer import exports
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.pose_columns import ACCELERATION, INPUTS, POSE, RESULTS, VELOCITY
-from paminsa_viz.files.pose_table import (
+from paminsa_viz.files.tables import (
     LONGEST_ROW,
-    PoseRows,
-    PoseTable,
-    open_lines,
-    write_header,
-    write_rows,
+    TABLE_FORMATS,
+    DataTable,
+    TableBlock,
+    TableReader,
+    csv_rows,
+    open_table,
 )
 
+ALL = POSES.columns
 HEAD = ",".join(POSE)
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)
 
 
-def read(text: str, rows_at_once: int = 1000) -> list[PoseRows]:
-    return list(PoseTable(io.StringIO(text, newline=""), "in.csv").pieces(rows_at_once))
+def read(text: str, rows_at_once: int = 1000) -> list[TableBlock]:
+    return list(TableReader(io.StringIO(text, newline=""), POSES, "in.csv").blocks(rows_at_once))
 
 
 def refusal(text: str, rows_at_once: int = 1000) -> TableFileError:
@@ -37,7 +43,7 @@ def refusal(text: str, rows_at_once: int = 1000) -> TableFileError:
 
 
 @given(
-    st.sampled_from([POSE, POSE + VELOCITY, POSE + ACCELERATION, INPUTS]).flatmap(st.permutations),
+    st.sampled_from([POSE, POSE + VELOCITY, POSE + ACCELERATION, ALL]).flatmap(st.permutations),
     st.lists(st.lists(FLOATS, min_size=12, max_size=12), max_size=7),
     st.sampled_from(["\n", "\r\n", "\r"]),
     st.sampled_from(["{!r}", '"{!r}"', " {!r} "]),
@@ -53,8 +59,8 @@ def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once
         return
     wanted = {name: [row[i] for row in rows] for i, name in enumerate(columns)}
     zeros = [0.0] * len(rows)
-    for group, names in (("pose", POSE), ("velocity", VELOCITY), ("acceleration", ACCELERATION)):
-        got = np.concatenate([getattr(piece, group) for piece in pieces])
+    for names in (POSE, VELOCITY, ACCELERATION):
+        got = np.concatenate([piece.group(names) for piece in pieces])
         assert got.shape == (len(rows), 4)
         for column, name in enumerate(names):
             assert got[:, column].tolist() == wanted.get(name, zeros)
@@ -142,8 +148,8 @@ def test_a_header_alone_has_no_rows() -> None:
 def test_bytes_that_are_no_text(tmp_path, data, row, words) -> None:
     path = tmp_path / "in.csv"
     path.write_bytes(data)
-    with pytest.raises(TableFileError, match=words) as caught, open_lines(path) as lines:
-        list(PoseTable(lines, "in.csv").pieces())
+    with pytest.raises(TableFileError, match=words) as caught, open_table(path) as lines:
+        list(TableReader(lines, POSES, "in.csv").blocks())
     assert caught.value.row == row
     assert str(caught.value).isprintable()
 
@@ -151,29 +157,36 @@ def test_bytes_that_are_no_text(tmp_path, data, row, words) -> None:
 def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path) -> None:
     path = tmp_path / "in.csv"
     path.write_bytes(b"\xef\xbb\xbf" + HEAD.encode())
-    with open_lines(path) as lines:
-        assert PoseTable(lines, "in.csv").columns == POSE
+    with open_table(path) as lines:
+        assert TableReader(lines, POSES, "in.csv").header == POSE
 
 
 def test_files_that_can_not_be_opened(tmp_path) -> None:
     with pytest.raises(TableFileError, match="no such file"):
-        open_lines(tmp_path / "none.csv")
+        open_table(tmp_path / "none.csv")
     with pytest.raises(TableFileError, match="is a directory"):
-        open_lines(tmp_path)
+        open_table(tmp_path)
 
 
-@given(st.lists(st.lists(FLOATS, min_size=8, max_size=8), min_size=1, max_size=4))
-def test_results_are_written_with_all_their_digits(rows) -> None:
-    file = io.StringIO()
-    write_header(file, POSE)
-    words = ["ok"] * len(rows) + ["stretched:leg2"]
-    cells = [[" 0.10", "2", "3", "4 "]] * len(words)
-    results = np.vstack([rows, np.full(8, 7.0)])
-    write_rows(file, cells, results, words)
-    head, *lines = [line.split(",") for line in file.getvalue().splitlines()]
-    assert head == [*POSE, *RESULTS, "status"]
-    for line, row in zip(lines, rows, strict=False):
-        assert line[:4] == ["0.10", "2", "3", "4"]
-        assert [float(cell) for cell in line[4:-1]] == row
-        assert line[-1] == "ok"
-    assert lines[-1][4:] == [""] * 8 + ["stretched:leg2"]
+@given(st.lists(st.lists(FLOATS, min_size=2, max_size=2), min_size=1, max_size=4))
+def test_numbers_are_written_with_all_their_digits_and_nan_as_nothing(rows) -> None:
+    numbers = np.array([*rows, [np.nan, 7.0]])
+    words = np.array(["ok"] * len(rows) + ["stretched:leg2"])
+    lines = [line.split(",") for line in csv_rows([*numbers.T, words]).splitlines()]
+    assert [[float(cell) for cell in line[:2]] for line in lines[:-1]] == rows
+    assert [line[2] for line in lines] == words.tolist()
+    assert lines[-1] == ["", "7.0", "stretched:leg2"]
+
+
+def test_a_format_is_one_entry_that_commands_and_exports_offer(monkeypatch, tmp_path) -> None:
+    def names(table: DataTable) -> bytes:
+        return ",".join(table.columns).encode()
+
+    monkeypatch.setitem(TABLE_FORMATS, "names", names)
+    monkeypatch.chdir(tmp_path)
+    assert main(["map", "--cells", "10", "--out", "map.names"]) == 0
+    assert (tmp_path / "map.names").read_text().startswith("x_m,y_m,theta_rad,z_m,tau1_Nm")
+    assert main(["trajectory", "--preset", "line", "--out", "motion.names"]) == 0
+    assert (tmp_path / "motion.names").read_text().startswith("t_s,x_m")
+    state = initial_state()
+    assert exports.table(state, MapStore(), "names", single=True).name.endswith(".names")

@@ -13,8 +13,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.files.map_table import map_columns, map_csv, map_npz
+from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.model import APPENDIX_4, Quantity
+from paminsa_viz.plots.map_table import map_table, value_columns
 from paminsa_viz.plots.maps import MapData, difference
 from tests.plots.samples import SOURCE, made_up, real
 
@@ -37,8 +38,8 @@ def column(rows: list[list[str]], index: int) -> np.ndarray:
 
 def check(data: MapData) -> None:
     """Assert that CSV and NPZ hold the bits of a map."""
-    _, names, rows = read(map_csv(data))
-    assert names[4:-1] == list(map_columns(data))
+    _, names, rows = read(table_csv(map_table(data)))
+    assert names[4:-1] == list(value_columns(data))
     shape = data.status.shape
     assert np.array_equal(column(rows, 0).reshape(shape)[0], data.x)
     assert np.array_equal(column(rows, 1).reshape(shape)[:, 0], data.y)
@@ -49,8 +50,8 @@ def check(data: MapData) -> None:
         assert np.array_equal(back.view(np.int64)[~np.isnan(back)],
                               values.copy().view(np.int64)[~np.isnan(values)])  # fmt: skip
         assert np.array_equal(np.isnan(back), np.isnan(values))
-    with np.load(BytesIO(map_npz(data))) as saved:
-        for name, values in zip(map_columns(data), data.values, strict=True):
+    with np.load(BytesIO(table_npz(map_table(data)))) as saved:
+        for name, values in zip(value_columns(data), data.values, strict=True):
             assert saved[name].tobytes() == values.tobytes()
         assert np.array_equal(saved["status"], data.status)
         assert np.array_equal(saved["pose"], data.pose)
@@ -70,13 +71,13 @@ def test_the_real_maps_come_back() -> None:
 
 def test_columns_carry_units_and_rows_carry_reasons() -> None:
     data = real(15)
-    _, names, rows = read(map_csv(data))
+    _, names, rows = read(table_csv(map_table(data)))
     assert names == COLUMNS
     words = np.array([row[-1] for row in rows]).reshape(data.status.shape)
     assert ((words == "ok") == (data.status == 0)).all()
     assert set(np.unique(words)) >= {"ok", "stretched:leg1", "stretched:leg2", "stretched:leg3"}
     assert all(row[4] == "" for row in rows if row[-1] != "ok")
-    without = read(map_csv(replace(data, leg=None)))[2]
+    without = read(table_csv(map_table(replace(data, leg=None))))[2]
     assert {row[-1] for row in without} == {"ok", "stretched"}
 
 
@@ -90,19 +91,19 @@ def test_columns_carry_units_and_rows_carry_reasons() -> None:
     ],
 )
 def test_names_are_plain(quantity: Quantity, name: str) -> None:
-    assert map_columns(real(5, quantities=(quantity,))) == (name,)
+    assert value_columns(real(5, quantities=(quantity,))) == (name,)
 
 
 def test_equal_names_are_told_apart() -> None:
-    assert map_columns(made_up(names=("a", "a", "!"), unit="")) == ("a_1", "a_2", "value")
+    assert value_columns(made_up(names=("a", "a", "!"), unit="")) == ("a_1", "a_2", "value")
 
 
 def test_provenance_of_both_files_is_the_same() -> None:
     heavier = replace(APPENDIX_4.vary({"links.b8": 1.2}), name="Heavier")
     data = difference(real(5, design=heavier), real(5))
-    said, names, _ = read(map_csv(data))
+    said, names, _ = read(table_csv(map_table(data)))
     assert names[4] == "delta_tau1_Nm"
-    with np.load(BytesIO(map_npz(data))) as saved:
+    with np.load(BytesIO(table_npz(map_table(data)))) as saved:
         assert json.loads(str(saved["provenance"])) == said
         assert saved["status_words"][2] == "stretched"
     assert said["design"] == "Heavier"
@@ -116,12 +117,12 @@ def test_provenance_of_both_files_is_the_same() -> None:
 @pytest.mark.parametrize("name", ["two\nlines", "tab\t, comma", "\u2028", "日本", "\x00\x1b[31m"])
 def test_a_hostile_name_stays_on_its_line(name: str) -> None:
     data: Any = made_up(provenance=replace(SOURCE, design=name))
-    said, names, rows = read(map_csv(data))
+    said, names, rows = read(table_csv(map_table(data)))
     assert names == COLUMNS
     assert len(rows) == 27 * 31
     assert "design" in said
 
 
 def test_equal_maps_give_equal_bytes() -> None:
-    assert map_csv(made_up()) == map_csv(made_up())
-    assert map_npz(made_up()) == map_npz(made_up())
+    assert table_csv(map_table(made_up())) == table_csv(map_table(made_up()))
+    assert table_npz(map_table(made_up())) == table_npz(map_table(made_up()))

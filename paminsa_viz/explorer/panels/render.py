@@ -1,0 +1,30 @@
+"""Renders the templates of the panels; all that stands in them is escaped unless it is `Markup`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from paminsa_viz import units
+
+_ENVIRONMENT = Environment(
+    loader=PackageLoader("paminsa_viz.explorer.panels"),
+    autoescape=True,
+    undefined=StrictUndefined,
+    auto_reload=False,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+_ENVIRONMENT.filters |= {
+    "fixed": units.fixed,
+    "number": units.number,
+    "symbol": lambda text: Markup(units.symbol_html(text)),
+    "unit": units.unit_text,
+}
+
+
+def render(template: str, **context: Any) -> str:
+    """Return a template of `paminsa_viz.explorer.panels.templates` filled in, as HTML."""
+    return _ENVIRONMENT.get_template(template).render(context)

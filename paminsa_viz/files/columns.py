@@ -1,0 +1,179 @@
+"""Columns of tables: their names, with units, and which of them a kind of table has to have."""
+
+from __future__ import annotations
+
+import difflib
+import math
+from dataclasses import dataclass
+
+from paminsa_viz.files.errors import TableFileError, printable, shown
+
+TIME = "t_s"
+POSE = ("x_m", "y_m", "theta_rad", "z_m")
+VELOCITY = ("vx_m_s", "vy_m_s", "omega_rad_s", "vz_m_s")
+ACCELERATION = ("ax_m_s2", "ay_m_s2", "alpha_rad_s2", "az_m_s2")
+ACTUATORS = ("theta1_rad", "theta2_rad", "theta3_rad", "Z_m")
+SPEEDS = ("theta1_rate_rad_s", "theta2_rate_rad_s", "theta3_rate_rad_s", "Z_rate_m_s")
+TORQUES = ("tau1_Nm", "tau2_Nm", "tau3_Nm", "f4_N")
+POWERS = ("power1_W", "power2_W", "power3_W", "power4_W")
+PARTS = ("gravity", "inertial", "velocity", "friction")
+STATUS = "status"
+
+
+def part_columns(part: str) -> tuple[str, ...]:
+    """Return the columns of one part of the torques: ``tau1_gravity_Nm`` and so on."""
+    return tuple(f"_{part}_".join(name.rsplit("_", 1)) for name in TORQUES)
+
+
+RESULTS = frozenset(
+    [*ACTUATORS, *SPEEDS, *TORQUES, *POWERS, STATUS, *(c for p in PARTS for c in part_columns(p))]
+)
+"""Columns that are computed; tables hold them next to those that are read."""
+
+UNITS: dict[str, dict[str, float]] = {
+    "s": {"s": 1.0, "ms": 1e-3},
+    "m": {"m": 1.0, "mm": 1e-3},
+    "rad": {"rad": 1.0, "deg": math.pi / 180},
+}
+"""Units that may be written for an SI unit, each with its factor."""
+
+
+@dataclass(frozen=True)
+class TableKind:
+    """What a table has to hold to be read.
+
+    Attributes:
+        name: What one row is or all of them are, in words.
+        needed: Columns that have to be there.
+        groups: Columns that come together: name of the group, its columns, and those that have to
+            be there if any of them is.
+        any_unit: Whether names may carry other units than SI. Columns of results are then left out
+            instead of refused, so that a written table can be read again.
+    """
+
+    name: str
+    needed: tuple[str, ...]
+    groups: tuple[tuple[str, tuple[str, ...], tuple[str, ...]], ...]
+    any_unit: bool
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Every column that is read, in SI units."""
+        return self.needed + tuple(name for _, names, _ in self.groups for name in names)
+
+
+POSES = TableKind(
+    "a pose",
+    POSE,
+    (("velocity", VELOCITY, VELOCITY), ("acceleration", ACCELERATION, ACCELERATION)),
+    any_unit=False,
+)
+TRAJECTORY = TableKind(
+    "a trajectory",
+    (TIME, *POSE),
+    (("velocity", VELOCITY, VELOCITY), ("acceleration", ACCELERATION, VELOCITY + ACCELERATION)),
+    any_unit=True,
+)
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column that is read.
+
+    Attributes:
+        place: Its place in the row, from 0.
+        header: Its name as the file has it.
+        name: Its name in SI units, one of `TableKind.columns`.
+        factor: What its numbers are multiplied by.
+    """
+
+    place: int
+    header: str
+    name: str
+    factor: float = 1.0
+
+
+def match_columns(
+    header: tuple[str, ...], kind: TableKind, source: str, row: int = 1
+) -> tuple[Column, ...]:
+    """Return the columns of a header that are read.
+
+    Where other units than SI are allowed, a name is written ``x_mm``, ``x [mm]``, ``vx [mm/s]``.
+
+    Raises:
+        TableFileError: If a column is unknown, without a name or unit, there twice, or missing.
+    """
+
+    def refused(problem: str, column: str = "") -> TableFileError:
+        return TableFileError(source, problem, row=row, column=column)
+
+    if len(header) == 1 and (";" in header[0] or "\t" in header[0]):
+        problem = "columns are separated by commas (and decimals written with a point)"
+        raise refused(problem, header[0])
+    found: dict[str, Column] = {}
+    for place, text in enumerate(header):
+        if not text:
+            raise refused(f"column {place + 1} has no name")
+        if text in RESULTS and kind.any_unit:
+            continue
+        column = _column(place, text, kind)
+        if isinstance(column, str):
+            raise refused(column or f"there is no such column; {_hint(text, header, kind)}", text)
+        if column.name in found:
+            raise refused("the column is there twice", text)
+        found[column.name] = column
+    groups = [(f"{kind.name} needs", kind.needed, kind.needed)]
+    groups += [(f"with {group} columns come", *names) for group, *names in kind.groups]
+    for words, names, needed in groups:
+        absent = [name for name in needed if name not in found]
+        if absent and (names is kind.needed or any(name in found for name in names)):
+            raise refused(f"the column is missing; {words} {','.join(needed)}", absent[0])
+    return tuple(found.values())
+
+
+def _column(place: int, text: str, kind: TableKind) -> Column | str:
+    """Return the column of a header cell, or what is wrong with its unit, empty if unknown."""
+    if not kind.any_unit:
+        return Column(place, text, text) if text in kind.columns else ""
+    name, unit = _split(text)
+    for column in kind.columns:
+        start, _, si = column.partition("_")
+        if start == name:
+            base, slash, per = si.partition("_")
+            units = {known + slash + per: factor for known, factor in UNITS[base].items()}
+            if unit in units:
+                return Column(place, text, column, units[unit])
+            names = " or ".join(f"{name}_{known}" for known in units)
+            wrong = f"{shown(unit)} is no unit of it" if unit else "its unit is missing"
+            return f"{wrong}; write {names}"
+    return ""
+
+
+def _split(text: str) -> tuple[str, str]:
+    """Return the name and the unit of a header cell, the latter in the spelling of a column."""
+    name, unit = text.partition("_")[::2]
+    opening = min((place for place in map(text.find, "[(") if place > 0), default=0)
+    if opening and text[-1] in ")]":
+        name, unit = text[:opening].rstrip(), text[opening + 1 : -1]
+        for old, new in (("°", "deg"), ("²", "2"), ("^", ""), ("/", "_"), (" ", "")):
+            unit = unit.replace(old, new)
+    return {"time": "t", "θ": "theta"}.get(name, name), unit
+
+
+def _hint(name: str, header: tuple[str, ...], kind: TableKind) -> str:
+    """Return advice for an unknown column."""
+    if _is_number(name):
+        return f"the first row has to name the columns: {','.join(kind.needed)}"
+    near = [known for known in kind.columns if known.lower() == name.lower()]
+    if name in RESULTS and not (near and near[0] not in header):
+        return "it is a result, which is computed and not read; remove it"
+    near = near or difflib.get_close_matches(printable(name[:50]), kind.columns, 1, 0.6)
+    return f"did you mean {near[0]}?" if near else f"there are {','.join(kind.columns)}"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
