@@ -1,9 +1,9 @@
 """The paper's balance: masses redistributed so that gravity asks nothing of M1..M3 (Eqs. 7-8).
 
 The static torques of M1..M3 are M_p2 times a map of the geometry, so that the whole workspace is
-balanced, in both assembly modes, by the one equation M_p2 = 0. It leaves a choice, which the paper
-does not settle. Here it is the least added mass, or the least mass moved, as asked for: a linear
-programme with one equation.
+balanced, on both branches of the knee, by the one equation M_p2 = 0. It leaves a choice, which the
+paper does not settle. Here it is the least added mass, or the least mass moved, as asked for: a
+linear programme with one equation.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def balance(
     *,
     exact: bool = False,
 ) -> Optimum:
-    """Balance a design statically over its whole workspace, in both assembly modes.
+    """Balance a design statically over its whole workspace, on both branches of the knee.
 
     M_p2 becomes zero where the bounds allow it, to rounding; otherwise it comes as near to zero as
     they allow. Of all such distributions the one with the least ``criterion`` is returned.

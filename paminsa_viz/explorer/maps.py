@@ -20,7 +20,6 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
-    KneeBranch,
     Quantity,
     solve_field,
     xy_grid,
@@ -44,7 +43,7 @@ KEPT = 8
 LARGEST_END = 1e9
 """Largest size of a manual range, in its SI unit."""
 
-_Key = tuple[Geometry, KneeBranch, float, float, float, int]
+_Key = tuple[Geometry, float, float, float, int]
 
 
 class MapStore:
@@ -58,7 +57,6 @@ class MapStore:
     def field(
         self,
         geometry: Geometry,
-        assembly: KneeBranch,
         theta: float,
         z: float,
         cells: int,
@@ -68,14 +66,14 @@ class MapStore:
         """Return a field over the square of side ``2 * half`` [m], solved or kept.
 
         Args:
-            geometry, assembly: What to solve.
+            geometry: What to solve.
             theta: Angle of the platform [rad].
             z: Its height [m].
             cells: Cells along each side.
             half: Half the side [m].
             dexterity: Whether determinant and condition number are needed.
         """
-        key = (geometry, assembly, theta, z, half, cells)
+        key = (geometry, theta, z, half, cells)
         with self._lock:
             found = self._fields.get(key)
             if found is not None:
@@ -83,9 +81,7 @@ class MapStore:
         if found is not None and (found.condition is not None or not dexterity):
             return found
         centers = cell_centers(half, cells)
-        made = solve_field(
-            geometry, xy_grid(centers, centers, theta, z), assembly, dexterity=dexterity
-        )
+        made = solve_field(geometry, xy_grid(centers, centers, theta, z), dexterity=dexterity)
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)
@@ -125,7 +121,6 @@ class MapStore:
         theta, z = document.pose[2:]
         field = self.field(
             design.geometry,
-            document.assembly,
             theta,
             z,
             cells,

@@ -87,7 +87,7 @@ def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
 
 
 def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
-    """Say for each pose whether the robot can take it, in either assembly mode.
+    """Say for each pose whether the robot can take it, with either branch of the knee.
 
     Args:
         geometry: Lengths and limits.

@@ -40,7 +40,7 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
 def robot(source: Provenance) -> str:
     """Return which robot numbers are of, as the start of a sentence."""
     numbers = "".join(f", {equals(s, v, u)}" for s, v, u in source.numbers)
-    words = f"PAMINSA, design {shown(source.design)}, {source.assembly} assembly{numbers}"
+    words = f"PAMINSA, design {shown(source.design)}, {source.knee.label}{numbers}"
     return f"{words}, minus design {shown(source.reference)}" if source.reference else words
 
 
@@ -49,8 +49,8 @@ def summary(data: MapData) -> str:
     source = data.provenance
     x, y, theta, z = data.pose
     return (
-        f"{data.title or 'Map'} of PAMINSA, design {shown(source.design)}, {source.assembly} "
-        f"assembly, pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
+        f"{data.title or 'Map'} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
+        f"pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 import paminsa_viz
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field, Quantity
 from paminsa_viz.model.parameters import PARAMETERS
@@ -52,14 +52,14 @@ LEGENDS: dict[Quantity, Legend] = {
 }
 
 
-def provenance(design: Design, assembly: KneeBranch) -> Provenance:
+def provenance(design: Design) -> Provenance:
     """Return what captions and file headers say of a design."""
     numbers = [("Mₚ₂", static_imbalance(design), "N")]
     if design.payload.mass:
         numbers.append(("payload", design.payload.mass, "kg"))
     return Provenance(
         design=design.name,
-        assembly=assembly.value,
+        knee=design.geometry.knee,
         version=paminsa_viz.__version__,
         numbers=tuple(numbers),
         parameters=tuple(
@@ -106,7 +106,7 @@ def map_data(
         colors=tuple(legend.color for legend in legends),
         pose=present,
         singular_radius=float(singular_radius(design.geometry, present[2])),
-        provenance=provenance(design, field.assembly),
+        provenance=provenance(design),
         title=legends[0].title if len(legends) == 1 else "Static torques of the rotary actuators",
         signed=any(legend.signed for legend in legends),
         margin=field.margin,

@@ -55,7 +55,7 @@ def _facts(data: MapData) -> dict[str, str]:
         "title": data.title,
         "unit": data.unit,
         "design": source.design,
-        "assembly": source.assembly,
+        "assembly": source.knee.value,
     }
     names = ("pose x [m]", "pose y [m]", "pose theta [rad]", "pose z [m]")
     facts |= dict(zip(names, map(repr, data.pose.tolist()), strict=True))

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.units import DisplayUnit, display_unit
@@ -24,7 +25,7 @@ class Provenance:
 
     Attributes:
         design: Name of the design.
-        assembly: KneeBranch mode, ``"printed"`` or ``"mirror"``.
+        knee: Branch of its knees.
         version: Version of this package.
         numbers: Key numbers for the caption: (symbol, value, unit), SI.
         parameters: Every number of the design for files: (dotted path and unit, value), SI.
@@ -33,7 +34,7 @@ class Provenance:
     """
 
     design: str
-    assembly: str
+    knee: KneeBranch
     version: str
     numbers: tuple[tuple[str, float, str], ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()

@@ -104,14 +104,14 @@ def summary(data: SeriesData) -> str:
     """Return one line about a figure for a file's metadata."""
     source, t = _provenance(data), data.sources.analysis.trajectory
     return (
-        f"{data.title} of PAMINSA, design {shown(source.design)}, {source.assembly} assembly, "
+        f"{data.title} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
         f"motion {shown(t.name)}, {t.duration:.6g} s"
     )
 
 
 def _provenance(data: SeriesData) -> Provenance:
     analysis = data.sources.analysis
-    return provenance(analysis.design, analysis.solved.assembly)
+    return provenance(analysis.design)
 
 
 def _about(data: SeriesData) -> list[str]:
@@ -161,7 +161,7 @@ def _tracking_sentences(sources: SeriesSources) -> list[str]:
         f"energy drifts by {format_value(drift, 'J', 2)}.",
     ]
     if simulation.design != sources.analysis.design:
-        simulated = robot(provenance(simulation.design, simulation.assembly))
+        simulated = robot(provenance(simulation.design))
         sentences.insert(0, f"The simulated robot: {simulated}.")
     return sentences
 

@@ -26,7 +26,7 @@ def maps_section(request: ReportRequest) -> Section:
     centers = cell_centers(half_width(geometry), CELLS)
     _, _, theta, z = request.pose
     grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid, request.assembly, dexterity=True)
+    field = solve_field(geometry, grid, dexterity=True)
 
     def maps(*quantities: Quantity) -> MapData:
         return map_data(field, request.design, request.pose, quantities)

@@ -169,7 +169,7 @@ def test_the_caption_tells_where_the_figure_comes_from() -> None:
     text = caption(data, choose_scales(data)).replace("\u00a0", " ")
     for part in (
         "“Appendix 4”",
-        "printed assembly",
+        "lower knee",
         "θ = 60°",
         "z = −500 mm",
         "x = 50 mm",

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from matplotlib.transforms import Bbox
 from PIL import Image
 
-from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, KneeBranch, Misprint
+from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, Misprint
 from paminsa_viz.plots import series_builders, series_text
 from paminsa_viz.plots.formats import drawing
 from paminsa_viz.plots.series import FIGURES, EngineTorques, Panel, SeriesSources, Trace, thinned
@@ -37,7 +37,7 @@ ACROSS = (0.45, 0.05, 0.3, 0.02)
 
 @pytest.fixture(scope="module")
 def motion():
-    return PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200)
+    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(200)
 
 
 @pytest.fixture(scope="module")
@@ -120,7 +120,7 @@ def test_differences_are_against_the_engine_first(analysis, everything) -> None:
 
 
 def test_a_stopped_simulation_ends_where_it_stopped() -> None:
-    circle = PRESET["circle"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(100)
+    circle = PRESET["circle"].build(APPENDIX_4.geometry).sample(100)
     blind = Controller(Control.FEED_FORWARD)
     run = simulate(APPENDIX_4, circle, controller=blind, offset=(0.01, 0.0, 0.02, 0.0))
     assert run.stopped is not None

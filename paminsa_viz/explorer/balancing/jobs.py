@@ -7,7 +7,7 @@ from enum import Enum
 
 from paminsa_viz.balancing import Front, Optimum, Tornado
 from paminsa_viz.explorer.balancing.settings import BalanceSettings
-from paminsa_viz.model import Design, KneeBranch, PaminsaError
+from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.trajectory import Trajectory
 
 
@@ -27,7 +27,6 @@ class Job:
     Attributes:
         task: What is to be worked out.
         design: The robot as it is.
-        assembly: Root of the knee.
         theta, z: The plane of poses in which standing still is looked at, that of the maps
             [rad, m].
         trajectory: The present motion, or None.
@@ -37,7 +36,6 @@ class Job:
 
     task: Task
     design: Design
-    assembly: KneeBranch
     theta: float
     z: float
     trajectory: Trajectory | None

@@ -82,7 +82,7 @@ def page(state: State) -> File:
 
     found = _results(state)
     document = state.document
-    content = motion_html(document.design, document.assembly, found.present.trajectory)
+    content = motion_html(document.design, found.present.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 

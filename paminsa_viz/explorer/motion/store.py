@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import Design, KneeBranch, Misprint
+from paminsa_viz.model import Design, Misprint
 from paminsa_viz.plots.series import EngineTorques, SeriesSources
 from paminsa_viz.trajectory import (
     SolvedTrajectory,
@@ -50,10 +50,10 @@ class MotionStore:
     def present(self, state: State) -> TrajectoryAnalysis | None:
         """Return the present design on the present motion, or None without a motion."""
         document = state.document
-        found = planned(document.motion, document.design, document.assembly)
+        found = planned(document.motion, document.design)
         if found.trajectory is None:
             return None
-        return self._analysis("present", document.design, found.trajectory, document.assembly)
+        return self._analysis("present", document.design, found.trajectory)
 
     def all(self, state: State) -> MotionResults | None:
         """Return everything that is plotted, or None without a motion; the same while it holds."""
@@ -63,11 +63,9 @@ class MotionStore:
         document, motion = state.document, present.trajectory
         reference = published = None
         if document.reference is not None:
-            reference = self._analysis("reference", document.reference, motion, document.assembly)
+            reference = self._analysis("reference", document.reference, motion)
         if state.plots.published:
-            published = self._analysis(
-                "published", document.design, motion, document.assembly, Misprint.ALL
-            )
+            published = self._analysis("published", document.design, motion, Misprint.ALL)
         outcome, answer = state.simulating.outcome, state.engine_answer
         simulation = outcome.simulation if outcome else None
         if answer is not None and not answer.serves(present):
@@ -89,16 +87,13 @@ class MotionStore:
         role: str,
         design: Design,
         trajectory: Trajectory,
-        assembly: KneeBranch,
         misprints: Misprint = Misprint.NONE,
     ) -> TrajectoryAnalysis:
-        key = (design, trajectory, assembly, misprints)
+        key = (design, trajectory, misprints)
         known = self._last.get(role)
         if known is not None and known[0] == key:
             return known[1]
-        found = analyze(
-            design, trajectory, assembly, misprints=misprints, keep=self._solved.get(role)
-        )
+        found = analyze(design, trajectory, misprints=misprints, keep=self._solved.get(role))
         self._solved[role] = found.solved
         self._last[role] = (key, found)
         return found

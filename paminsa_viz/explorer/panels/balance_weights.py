@@ -124,7 +124,7 @@ def _words(state: State) -> str:
         return note("The design has no counterweights.", muted=True)
     said = ["Distance past the joint [mm], mass on each leg [kg]"]
     for number, weight in enumerate(weights, 1):
-        words = room_words(document.design.geometry, weight, document.assembly)
+        words = room_words(document.design.geometry, weight)
         said.append(f"<b>{number}</b> {escape(words)}")
     return note("<br>".join(said), "weights-room", muted=True)
 

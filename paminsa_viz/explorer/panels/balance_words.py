@@ -111,7 +111,7 @@ def _headline(state: State, outcome: Outcome, after: Design) -> str:
     color = OK
     if abs(left) <= BALANCED:
         head = "Balanced: gravity asks nothing of M1–M3"
-        rest = "in every pose, in both assembly modes (<i>M</i><sub>p2</sub> = 0)"
+        rest = "in every pose, on both branches of the knee (<i>M</i><sub>p2</sub> = 0)"
     elif goal.static:
         color = WARN
         head = f"As near to balance as the bounds allow: {number(left, 4)} N"

@@ -143,11 +143,11 @@ class ComparePanel:
         options = (PIN,) if document.reference is None else (PIN, SWAP, UNPIN)
         if tuple(self.buttons.options) != options:
             self.buttons.options = options
-        reference = document.reference or APPENDIX_4
+        reference = document.reference or APPENDIX_4.with_knee(document.design.geometry.knee)
         title = "App. 4" if document.reference is None else "reference"
         standing = frame.state.standing
         # The frame's own torques are None both without a reference and where it cannot stand.
-        held = static_torques(reference, standing.pose, standing.assembly)
+        held = static_torques(reference, standing.pose)
         texts = (
             names_html(document.design, document.reference),
             torques_html(frame.torques, held, document.design, reference, title),

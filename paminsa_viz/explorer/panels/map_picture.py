@@ -140,7 +140,7 @@ class MapPicture:
         motion = self._motions.present(state) if "path" in state.layers else None
         # Where the robot stands is not part of it: the mark lies over the picture.
         shown = (
-            document.design, document.assembly, document.pose[2:], reference, view, quantities,
+            document.design, document.pose[2:], reference, view, quantities,
             width, self._slots.ratio, motion and motion.trajectory,
         )  # fmt: skip
         if self._drawn and self._drawn[0] == shown and (moving or self._drawn[1]):

@@ -89,7 +89,7 @@ class FloorMap:
         """Draw what has changed; nothing is computed for layers that are hidden."""
         state = frame.state
         layers, standing = state.layers, state.standing
-        self._stand(layout(standing.geometry, standing.assembly).ground)
+        self._stand(layout(standing.geometry).ground)
         x, y = standing.pose[:2]
         _put(self._ring, x, y, self._height + ABOVE["ring"])
         if not moving or time.monotonic() >= self._due:
@@ -118,7 +118,7 @@ class FloorMap:
         document, view, opacity = state.document, state.map_view, state.floor_opacity
         reference = document.reference if shows_difference(state) else None
         theta, z = document.pose[2:]
-        shown = (document.design, document.assembly, theta, z, reference, view, opacity)
+        shown = (document.design, theta, z, reference, view, opacity)
         if self._key and self._key[0] == shown and (moving or self._key[1]):
             return
         quantities = (view.quantity,)
@@ -133,17 +133,17 @@ class FloorMap:
 
     def _draw_legend(self, data: MapData, scale: Scale, state: State) -> None:
         geometry = state.standing.geometry
-        key = (data.names, scale, geometry, state.standing.assembly)
+        key = (data.names, scale, geometry)
         if key == self._legend_key:
             return
         self._legend_key = key
         self._legend.draw(data, scale)
-        self._legend.stand(geometry, state.standing.assembly, self._height + ABOVE["legend"])
+        self._legend.stand(geometry, self._height + ABOVE["legend"])
 
     def _draw_curves(self, state: State, moving: bool) -> None:
         document = state.document
         theta, z = document.pose[2:]
-        shown = (document.design.geometry, document.assembly, theta, z)
+        shown = (document.design.geometry, theta, z)
         if self._curves_key and self._curves_key[0] == shown and (moving or self._curves_key[1]):
             return
         # Shapes of the reach alone: the same for every quantity, and without a reference.

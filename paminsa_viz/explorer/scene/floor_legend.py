@@ -13,7 +13,7 @@ import viser
 from numpy.typing import NDArray
 
 from paminsa_viz.meshes.frame import plinth_radius
-from paminsa_viz.model import Geometry, KneeBranch
+from paminsa_viz.model import Geometry
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import axes
@@ -33,12 +33,12 @@ WORDS: Final = 0.72
 
 
 def legend_place(
-    geometry: Geometry, assembly: KneeBranch
+    geometry: Geometry,
 ) -> tuple[tuple[float, float], tuple[float, float, float, float]]:
     """Return where the legend's center lies (x, y) [m] and how it is turned (wxyz)."""
     half_width, height = LEGEND_SIZE[0] / 2, LEGEND_SIZE[1]
     # Beside the map, but not so far out that its outer corners leave the plinth.
-    outer = np.sqrt(max((plinth_radius(geometry, assembly) - 0.03) ** 2 - half_width**2, 0.0))
+    outer = np.sqrt(max((plinth_radius(geometry) - 0.03) ** 2 - half_width**2, 0.0))
     beside = workspace_radius(geometry) + height / 2 + 0.03
     radius = float(max(min(beside, outer - height / 2), height))
     turn = DIRECTION + np.pi / 2
@@ -102,9 +102,9 @@ class FloorLegend:
         for name, text in words.items():
             self._words[name].text = text
 
-    def stand(self, geometry: Geometry, assembly: KneeBranch, height: float) -> None:
+    def stand(self, geometry: Geometry, height: float) -> None:
         """Lie beside the map at a height [m]."""
-        (x, y), wxyz = legend_place(geometry, assembly)
+        (x, y), wxyz = legend_place(geometry)
         self.bar.position = (x, y, height)
         self.bar.wxyz = wxyz
 

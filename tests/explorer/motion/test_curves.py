@@ -16,7 +16,7 @@ from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job,
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import KneeBranch, Misprint
+from paminsa_viz.model import Misprint
 from paminsa_viz.plots import series_uplot
 from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
 from paminsa_viz.plots.series_uplot import Chart
@@ -169,7 +169,7 @@ def test_simulations_say_what_came_of_them() -> None:
 def test_an_impossible_load_and_an_impossible_path_are_told(failing: State) -> None:
     motion = requests.planned(initial_state()).trajectory
     design = initial_state().document.design
-    lighter = make_job(design, motion, KneeBranch.LOWER, SimulationSettings(extra_load=-1.0))
+    lighter = make_job(design, motion, SimulationSettings(extra_load=-1.0))
     assert "payload" in run(lighter).problem
     job = requests.wanted_job(failing)
     assert "cannot be run" in run(job).problem
