@@ -35,6 +35,7 @@ FOLDER = Path(__file__).parent
 NOTE = "<!-- Written by docs/generate.py; change what it is made from instead. -->\n"
 
 API = {
+    "paminsa_viz": "What most scripts need, by its shortest name.",
     "paminsa_viz.model": "Mechanics: design, kinematics, singularities, statics, dynamics, grids.",
     "paminsa_viz.trajectory": "Motions: planned, timed, checked, analyzed, simulated.",
     "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",

@@ -146,10 +146,9 @@ def map_view(
         InvalidInput: If there is no such quantity.
     """
     from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
-    from paminsa_viz.plots.from_model import TORQUES, map_data
-    from paminsa_viz.plots.map_window import cell_centers, half_width
+    from paminsa_viz.plots.interactive import interactive_map
+    from paminsa_viz.plots.map_data import TORQUES, cell_centers, half_width, map_data
     from paminsa_viz.plots.ranges import choose_scales
-    from paminsa_viz.plots.screen import screen_figure
 
     if quantity != "torques" and quantity not in {item.value for item in Quantity}:
         known = ", ".join(["torques", *(item.value for item in Quantity)])
@@ -163,7 +162,7 @@ def map_view(
         dexterity=any(item.needs_dexterity for item in shown),
     )
     data = map_data(field, design, place, shown)
-    return screen_figure(data, choose_scales(data), width)
+    return interactive_map(data, choose_scales(data), width)
 
 
 def curve_view(

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.balancing.changes import Changes, MassRange, mass_space
-from paminsa_viz.balancing.pieces import Piece
+from paminsa_viz.balancing.changes import AMOUNTS, Changes, MassRange, mass_space
+from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.balancing.terms import (
     MP2,
     StaticPeak,
@@ -148,7 +148,9 @@ class _Bench:
     grid: Grid
     trajectory: Trajectory | None
 
-    def pieces(self, design: Design, field: Field, changes: Changes) -> tuple[list[Piece], Array]:
+    def pieces(
+        self, design: Design, field: Field, changes: Changes
+    ) -> tuple[list[ConvexTerm], Array]:
         """Return the four torques as functions of a state, and the state of the design."""
         space = mass_space(design, changes)
         terms: list[Term] = [StaticPeak(field), StaticRms(field)]
@@ -157,9 +159,9 @@ class _Bench:
             terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
         return [term.piece(space) for term in terms], space.before
 
-    def at(self, pieces: list[Piece], state: Array) -> Array:
+    def at(self, pieces: list[ConvexTerm], state: Array) -> Array:
         """Return the outputs, (5,), of a state."""
-        found = [state[MP2]] + [piece.value(state, np.empty(0)) for piece in pieces]
+        found = [state[MP2]] + [piece.value(state) for piece in pieces]
         return np.array(found + [np.nan] * (len(OUTPUTS) - len(found)))
 
     def outputs(self, design: Design, field: Field) -> Array:
@@ -177,8 +179,8 @@ def _mass_bars(
     pieces, state = bench.pieces(design, field, Changes())
     base = bench.at(pieces, state)
     bars = []
-    for path, carrier in zip(paths, space.carriers, strict=True):
-        value, column = design.value(path), carrier.effect[0]
+    for path, variable in zip(paths, space.variables, strict=True):
+        value, column = design.value(path), variable.effect[0, :AMOUNTS]
         ends = [bench.at(pieces, state + sign * change * value * column) for sign in (-1, 1)]
         step = 1e-6 * max(value, 1e-3)
         lower, upper = (bench.at(pieces, state + sign * step * column) for sign in (-1, 1))

@@ -5,7 +5,7 @@ length L stores K (d - L)^2 / 2 at a length d, so that an actuator has to hold
 
     Q_j = K d dd/dq_j - K L dd/dq_j:
 
-linear in K and K L together. So stiffnesses and free lengths come out of one convex programme, with
+linear in K and K L together. So stiffnesses and free lengths come out of one convex program, with
 a global optimum; a free length of zero is the special case that L is held there. The springs'
 own mass is left out.
 
@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.balancing.anchors import Anchor
-from paminsa_viz.balancing.pieces import Largest, Norm
+from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.model.arrays import Array, as_vectors
@@ -40,7 +40,7 @@ class SpringPlace:
 
     Attributes:
         first, second: Its two points.
-        stiffest: Largest stiffness on each leg [N/m].
+        stiffest: MaxAbs stiffness on each leg [N/m].
         shortest, longest: Range of its free length [m]; both zero for a zero-free-length spring.
     """
 
@@ -200,7 +200,7 @@ def fit_springs(
     offset = gravity[good].ravel()
     rows = np.ascontiguousarray(matrix[:, good].reshape(2 * len(places), offset.size).T)
     if measure == "peak":
-        piece = Largest(rows, offset)
+        piece = MaxAbs(rows, offset)
     else:
         triangle = np.linalg.qr(np.column_stack([rows, offset]), mode="r") / np.sqrt(len(offset))
         piece = Norm(triangle[:, :-1], triangle[:, -1])
@@ -215,7 +215,7 @@ def fit_springs(
     lengths = [_lengths(design.geometry, legs, p.first, p.second)[0] for p in places]
     return SpringFit(
         springs=tuple(springs),
-        before=piece.value(np.zeros(2 * len(places)), found.amounts),
+        before=piece.value(np.zeros(2 * len(places))),
         after=found.value,
         lower_bound=found.bound,
         reach=tuple((float(d.min()), float(d.max())) for d in lengths),
@@ -223,13 +223,13 @@ def fit_springs(
     )
 
 
-def _program(places: Sequence[SpringPlace], piece: Largest | Norm, scale: float) -> Program:
-    """Return the programme in (K, K L) of each spring: the free length is the carrier's lever."""
-    carriers = []
+def _program(places: Sequence[SpringPlace], piece: MaxAbs | Norm, scale: float) -> Program:
+    """Return the program in (K, K L) of each spring: the free length is the lever."""
+    variables = []
     for number, place in enumerate(places):
         effect = np.zeros((3, 2 * len(places)))
         effect[0, 2 * number] = effect[1, 2 * number + 1] = 1.0
         name = f"{place.first.name} to {place.second.name}"
         span = (place.shortest, place.longest)
-        carriers.append(Variable(name, 0.0, place.stiffest, effect, span))
-    return Program(np.zeros(2 * len(places)), tuple(carriers), ((1.0, piece),), scale=scale)
+        variables.append(Variable(name, 0.0, place.stiffest, effect, span))
+    return Program(np.zeros(2 * len(places)), tuple(variables), ((1.0, piece),), scale=scale)

@@ -22,9 +22,8 @@ from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_data import TORQUES, MapData
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.plots.maps import MapData
 from paminsa_viz.units import display_unit, format_ascii
 
 DESCRIPTION = """\
@@ -181,7 +180,7 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
 def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: str) -> bytes:
     if ending in table_endings():
         return table_bytes(map_table(data), ending[1:])
-    from paminsa_viz.plots.paper import render  # late: matplotlib takes a second to load
+    from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second to load
 
     scales = store.scales(state, data, flags.quantities)
     return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)

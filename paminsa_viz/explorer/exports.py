@@ -23,7 +23,7 @@ from paminsa_viz.model import (
     Quantity,
     inverse_kinematics,
 )
-from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_data import TORQUES
 from paminsa_viz.plots.map_table import map_table
 
 WIDTHS = (80.0, 400.0)
@@ -111,7 +111,7 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.paper import render
+    from paminsa_viz.plots.map_figure import render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)

@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from paminsa_viz.plots import axes
-from paminsa_viz.plots.maps import MapData, Provenance
+from paminsa_viz.plots.hover import reasons
+from paminsa_viz.plots.map_data import MapData, Provenance
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number
 
@@ -91,7 +91,5 @@ def _trouble(data: MapData) -> str:
         return " (outside the map)"
     column = int((x - left) / (right - left) * data.x.size)
     row = int((y - bottom) / (top - bottom) * data.y.size)
-    values = data.values[:, row, column]
-    if np.isnan(values).any():
-        return f" ({axes.reasons(data)[row, column]})"
-    return ""
+    found = [str(reasons(data, panel)[row, column]) for panel in range(data.panels)]
+    return next((f" ({text})" for text in found if text), "")

@@ -23,9 +23,8 @@ from matplotlib.ticker import MaxNLocator
 from paminsa_viz import __version__
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.palette import BAD, INK, MUTED
-from paminsa_viz.plots import axes, series_text
+from paminsa_viz.plots import series_text
 from paminsa_viz.plots.formats import INCH, Credits, check_size, drawing, figure_file
-from paminsa_viz.plots.lettering import TextMetrics
 from paminsa_viz.plots.series import (
     EngineTorques,
     FigureKind,
@@ -38,6 +37,7 @@ from paminsa_viz.plots.series import (
     thinned,
 )
 from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.text import printable, text_width, wrapped
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import Simulation
 from paminsa_viz.units import DisplayUnit
@@ -61,6 +61,7 @@ _AXIS = 8.6  # mm; below the lowest panels: numbers and axis label
 _SCALE = 15.0  # mm; about what the numbers and the label of a value axis take
 _POINT = INCH / 72  # mm
 
+_CAPTION = "#3b4754"
 FAILED = "#f6dcd9"
 """Shading of times at which the motion fails."""
 _GRID: dict[str, Any] = {"color": "#e4e8ec", "lw": 0.5}
@@ -141,8 +142,8 @@ def render_series(
 
 def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption: str) -> Figure:
     """Return the figure, ``width`` mm wide, inside `formats.drawing`."""
-    body = TextMetrics(7.0 if width < TWO_COLUMNS else 8.0)
-    large, small = TextMetrics(body.size + 1.5, "bold"), TextMetrics(body.size - 1.5)
+    body = 7.0 if width < TWO_COLUMNS else 8.0
+    large, small = body + 1.5, body - 1.5
     columns = 2 if width >= TWO_COLUMNS else 1
     rows = math.ceil(len(data.panels) / columns)
     panel_width = width / columns - _SCALE
@@ -151,7 +152,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
         max(1, *(len(panel.notes) for panel in data.panels[row * columns : (row + 1) * columns]))
         for row in range(rows)
     ]
-    headings = sum(3.0 + body.line + (count - 1) * small.line for count in lines)
+    headings = sum(3.0 + _line(body) + (count - 1) * _line(small) for count in lines)
 
     figure, layout = Figure(dpi=dpi), ConstrainedLayoutEngine()
     figure.set_layout_engine(layout)
@@ -159,10 +160,10 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     figure.set_figwidth((round(width / INCH * dpi) + 0.01) / dpi)
     legend = _legend(figure, data, width, body)
     legend_height = legend.get_window_extent().height / dpi * INCH + 3.0 if legend else 0.0
-    heading = large.wrapped(title, 0.96 * width - 2.0)
-    below = small.wrapped(caption, 0.98 * width - 4.0)
-    top = 1.0 + len(heading) * large.line
-    bottom = legend_height + len(below) * small.line + (3.0 if below else 1.0)
+    heading = wrapped(title, large * _POINT, 0.96 * width - 2.0, "bold")
+    below = wrapped(caption, small * _POINT, 0.98 * width - 4.0)
+    top = 1.0 + len(heading) * _line(large)
+    bottom = legend_height + len(below) * _line(small) + (3.0 if below else 1.0)
     height = top + headings + rows * tall + _AXIS + bottom
     height = (round(height / INCH * dpi) + 0.01) / dpi * INCH
     figure.set_figheight(height / INCH)
@@ -175,19 +176,24 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     for panel, area in zip(data.panels, grid.flat, strict=False):
         _draw_panel(area, data, panel, body, small)
     for area in grid[-1]:
-        area.set_xlabel("t [s]", size=body.size, color=INK, labelpad=2)
+        area.set_xlabel("t [s]", size=body, color=INK, labelpad=2)
     ticks = max(int(panel_width / 11.0), 2)
     grid[0, 0].xaxis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
     grid[0, 0].set_xlim(data.time[0], data.time[-1])
-    figure.text(0.5, 1 - 1.0 / height, "\n".join(heading), size=large.size, weight="bold",
+    figure.text(0.5, 1 - 1.0 / height, "\n".join(heading), size=large, weight="bold",
                 color=INK, ha="center", va="top")  # fmt: skip
     if legend is not None:
         legend.set_bbox_to_anchor((0.5, (bottom - 1.0) / height))
     figure.text(2.0 / width, (bottom - legend_height - 1.0) / height, "\n".join(below),
-                size=small.size, linespacing=1.1, color=axes.GRID_TEXT, va="top")  # fmt: skip
+                size=small, linespacing=1.1, color=_CAPTION, va="top")  # fmt: skip
     layout.execute(figure)
-    _shrink_notes(figure, small.size)
+    _shrink_notes(figure, small)
     return figure
+
+
+def _line(size: float) -> float:
+    """Return the distance of two lines of text [mm] of a size [points]."""
+    return 1.25 * size * _POINT
 
 
 def value_range(panel: Panel) -> tuple[DisplayUnit, float, float]:
@@ -210,9 +216,7 @@ def value_range(panel: Panel) -> tuple[DisplayUnit, float, float]:
     return unit, low - padding, high + padding
 
 
-def _draw_panel(
-    area: Axes, data: SeriesData, panel: Panel, body: TextMetrics, small: TextMetrics
-) -> None:
+def _draw_panel(area: Axes, data: SeriesData, panel: Panel, body: float, small: float) -> None:
     unit, low, high = value_range(panel)
     area.set_axisbelow(True)
     area.grid(**_GRID)
@@ -227,24 +231,24 @@ def _draw_panel(
     empty = not any(np.isfinite(trace.values).any() for trace in panel.traces)
     if empty:
         area.text(0.5, 0.5, "no value: the motion fails from its start", ha="center", va="center",
-                  transform=area.transAxes, size=small.size, color=INK)  # fmt: skip
+                  transform=area.transAxes, size=small, color=INK)  # fmt: skip
     area.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
     area.set_ylim(low, high)
     if empty:
         area.set_yticks([])
     area.ticklabel_format(style="plain", useOffset=False)
-    area.tick_params(labelsize=body.size, labelcolor=INK, color=INK, length=2.0, width=0.5, pad=1.5)
-    area.set_ylabel(f"{panel.symbol} [{unit.text}]", size=body.size, color=INK, labelpad=2)
+    area.tick_params(labelsize=body, labelcolor=INK, color=INK, length=2.0, width=0.5, pad=1.5)
+    area.set_ylabel(f"{panel.symbol} [{unit.text}]", size=body, color=INK, labelpad=2)
     for spine in area.spines.values():
         spine.set(color=INK, linewidth=0.5)
-    line = small.line / _POINT
+    line = _line(small) / _POINT
     first = 3.0 + (len(panel.notes) - 1) * line
-    area.set_title(panel.name, loc="left", size=body.size + 0.5, weight="bold",
+    area.set_title(panel.name, loc="left", size=body + 0.5, weight="bold",
                    color=panel.color, pad=max(first, 3.0))  # fmt: skip
     for row, (text, color) in enumerate(panel.notes):
         note = area.annotate(
-            small.plain(text), (1, 1), (0, first - row * line), xycoords="axes fraction",
-            textcoords="offset points", ha="right", va="baseline", size=small.size, color=color,
+            printable(text), (1, 1), (0, first - row * line), xycoords="axes fraction",
+            textcoords="offset points", ha="right", va="baseline", size=small, color=color,
         )  # fmt: skip
         note.set_in_layout(False)
 
@@ -279,20 +283,21 @@ def _shrink_notes(figure: Figure, size: float) -> None:
                 note.set_fontsize(size * shrink)
 
 
-def _legend(figure: Figure, data: SeriesData, width: float, body: TextMetrics) -> Legend | None:
+def _legend(figure: Figure, data: SeriesData, width: float, body: float) -> Legend | None:
     """Return the legend; None if a single curve in every panel needs none."""
     entries = _entries(data)
     if not entries:
         return None
-    labels = ["\n".join(body.wrapped(text, width - 16.0)) for text in entries]
-    widths = [15.5 + max(map(body.width, label.split("\n"))) for label in labels]
+    em = body * _POINT
+    rows = [wrapped(text, em, width - 16.0) for text in entries]
+    labels = ["\n".join(row) for row in rows]
+    widths = [15.5 + max(text_width(line, em) for line in row) for row in rows]
     columns = len(labels)
     while columns > 1 and sum(max(part) for part in _columns(widths, columns)) > width + 2.0:
         columns -= 1
-    em = body.size * _POINT
     legend = figure.legend(
         list(entries.values()), labels, loc="upper center", bbox_to_anchor=(0.5, 0.5),
-        ncols=columns, frameon=False, fontsize=body.size,
+        ncols=columns, frameon=False, fontsize=body,
         labelcolor=INK, handlelength=8.0 / em, handletextpad=1.5 / em, columnspacing=6.0 / em,
         labelspacing=0.3, borderpad=0.0, borderaxespad=0.0,
     )  # fmt: skip

@@ -11,10 +11,8 @@ import numpy as np
 
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots import axes
 from paminsa_viz.plots.caption import equals, robot, shown
-from paminsa_viz.plots.from_model import provenance
-from paminsa_viz.plots.maps import Provenance
+from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.plots.series import SeriesData, SeriesSources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import Control
@@ -74,7 +72,7 @@ def _failures_of(analysis: TrajectoryAnalysis) -> tuple[Failure, ...]:
 
 def _reason(limit: Limit, leg: int) -> str:
     # A motion already fails at a clearance from what is singular.
-    return "too close to a singular pose" if limit is Limit.SINGULAR else axes.reason(limit, leg)
+    return "too close to a singular pose" if limit is Limit.SINGULAR else limit.reason(leg)
 
 
 def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:

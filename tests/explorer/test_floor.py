@@ -25,7 +25,7 @@ from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity
 from paminsa_viz.model.reach import workspace_radius
-from paminsa_viz.plots.raster import lut
+from paminsa_viz.plots.scale import color_table
 from tests.samples import with_knee
 
 from .panel_desk import Desk, desk_with
@@ -67,7 +67,7 @@ class TestPicture:
         inside = reached & (np.abs(data.values[0]) < 0.9 * scale.high)
         row, column = (int(v) for v in np.argwhere(inside)[40])
         fraction = float(scale.position(data.values[0, row, column]))
-        expected = lut(scale)[1 + int(fraction * 256), :3]
+        expected = color_table(scale)[1 + int(fraction * 256), :3]
         np.testing.assert_array_equal(pixels[row, column, :3], expected)
 
     @pytest.mark.parametrize(("opacity", "alpha"), [(0.0, 0), (1.0, 255), (7.0, 255), (-1.0, 0)])

@@ -11,8 +11,7 @@ from paminsa_viz.model import APPENDIX_4, Design, Quantity, solve_field, xy_grid
 from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.from_model import TORQUES, map_data
-from paminsa_viz.plots.maps import MapData, Provenance
+from paminsa_viz.plots.map_data import TORQUES, MapData, Provenance, map_data
 from paminsa_viz.plots.scale import Scale
 
 SOURCE = Provenance(

@@ -42,7 +42,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.plots.map_window import cell_centers, half_width
+from paminsa_viz.plots.map_data import cell_centers, half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 
 FRONT_POINTS = 12

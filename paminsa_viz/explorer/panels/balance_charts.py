@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from paminsa_viz.palette import INK, MUTED
-from paminsa_viz.plots.screen import FONT
+from paminsa_viz.plots.hover import FONT
 
 AXIS: dict[str, Any] = {
     "fixedrange": True, "gridcolor": "#e4e8ec", "zerolinecolor": "#b9c1c9", "linecolor": MUTED,

@@ -21,10 +21,9 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.plots import colors, lines
-from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.raster import map_image
-from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots import contours
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import Scale, map_pixels
 
 ABOVE: Final = {
     "map": 0.0024,
@@ -149,9 +148,10 @@ class FloorMap:
         # Shapes of the reach alone: the same for every quantity, and without a reference.
         cells = COARSE if moving else FULL
         data = self._store.present(state, cells, (Quantity.REACH_MARGIN,))
-        outline = [thinned(line, OUTLINE) for line in lines.boundary(data)]
+        outline = [thinned(line, OUTLINE) for line in contours.pieces(contours.boundary(data))]
         self._boundary.draw(outline, self._height + ABOVE["boundary"])
-        self._circle.draw(lines.singular_circle(data), self._height + ABOVE["circle"])
+        circle = contours.pieces(contours.singular_circle(data))
+        self._circle.draw(circle, self._height + ABOVE["circle"])
         self._curves_key = (shown, not moving)
 
     def _click(self, event: Any) -> None:
@@ -162,11 +162,8 @@ class FloorMap:
 
 def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:
     """Return one map as RGBA with row 0 at the smallest y, clear where nothing is reached."""
-    pixels = map_image(data.values[0], data.status, scale)
-    clear = pixels[..., 3] == 0
-    # Pixels are blended with their neighbors on the screen, clear ones too.
-    pixels[clear, :3] = rgb(colors.REACHLESS)
-    pixels[~clear, 3] = round(255 * min(max(opacity, 0.0), 1.0))
+    pixels = map_pixels(data.values[0], data.status, scale)
+    pixels[pixels[..., 3] > 0, 3] = round(255 * min(max(opacity, 0.0), 1.0))
     return pixels
 
 

@@ -16,10 +16,8 @@ from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.model import Geometry
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.plots import axes
-from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.raster import OVER, UNDER, lut
-from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import OVER, UNDER, Scale, color_table
 from paminsa_viz.units import number
 
 LEGEND_SIZE: Final = (0.44, 0.04)
@@ -53,7 +51,7 @@ def legend_image(scale: Scale) -> NDArray[np.uint8]:
     """
     rows = round(PIXELS * LEGEND_SIZE[1] / LEGEND_SIZE[0])
     arrow = round(0.8 * rows)
-    table = lut(scale)[:, :3]
+    table = color_table(scale)[:, :3]
     length = PIXELS - 2 * arrow
     image = np.zeros((rows, PIXELS, 4), dtype=np.uint8)
     image[..., :3] = rgb(INK)
@@ -97,7 +95,7 @@ class FloorLegend:
         words = {
             "low": number(scale.low * factor),
             "high": number(scale.high * factor),
-            "name": f"{data.names[0]}  {axes.unit_label(unit)}".rstrip(),
+            "name": f"{data.names[0]}  {f'[{unit}]' if unit else ''}".rstrip(),
         }
         for name, text in words.items():
             self._words[name].text = text
