@@ -27,15 +27,15 @@ from paminsa_viz.trajectory import (
     Controller,
     ImpossibleTrajectory,
     InfeasibleMotion,
+    MinimumTime,
     MotionLimits,
-    Shortest,
     Simulation,
     SimulationFailed,
     Trajectory,
     analyze,
-    shortest,
+    minimum_time,
     simulate,
-    through,
+    via_points,
 )
 from paminsa_viz.trajectory.sampled import RATE
 
@@ -268,7 +268,7 @@ def _worked_out(flags: Flags, design: Design, reference: Design | None) -> Resul
     return replace(results, problems=(SimulationStopped(simulation.stopped),))
 
 
-def _motion(flags: Flags, design: Design) -> tuple[Trajectory, Shortest | None]:
+def _motion(flags: Flags, design: Design) -> tuple[Trajectory, MinimumTime | None]:
     """Return the motion as samples, and what its duration follows from if that was asked."""
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
@@ -276,13 +276,13 @@ def _motion(flags: Flags, design: Design) -> tuple[Trajectory, Shortest | None]:
         read = read_trajectory(flags.file)
         if not flags.waypoints:
             return (read if flags.rate is None else read.resampled(flags.rate)), None
-        way = through(read.pose, times=read.t, name=read.name)
+        way = via_points(read.pose, times=read.t, name=read.name)
         plan = replace(way, notes=read.notes)
     quickest = None
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)
     elif flags.shortest:
-        quickest = shortest(plan, flags.limits, design)
+        quickest = minimum_time(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest
 

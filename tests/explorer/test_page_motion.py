@@ -48,7 +48,7 @@ def cursor_times(tab: Tab) -> list[float]:
     """Return the times at which the line through each chart stands."""
     return tab.page.evaluate(
         """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => {
-          const line = chart.over.querySelector(".paminsa-moment");
+          const line = chart.over.querySelector(".paminsa-time-cursor");
           if (!line || line.style.display === "none") return null;
           const x = line.getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
           return chart.posToVal(x, "x");

@@ -25,7 +25,7 @@ from paminsa_viz.trajectory import (
     Controller,
     analyze,
     home,
-    move,
+    point_to_point,
     round_trip,
     simulate,
 )
@@ -59,7 +59,7 @@ def everything(analysis, motion):
 @pytest.fixture(scope="module")
 def failing():
     start = home(APPENDIX_4.geometry)
-    beyond = round_trip(move(start, np.add(start, ACROSS), 1.0))
+    beyond = round_trip(point_to_point(start, np.add(start, ACROSS), 1.0))
     return analyze(APPENDIX_4, beyond.sample(200))
 
 
@@ -146,7 +146,7 @@ def test_failures_are_shaded_exactly_where_there_are_no_torques(failing) -> None
 
 def test_a_failure_between_two_samples_is_an_instant() -> None:
     start = home(APPENDIX_4.geometry)
-    quick = round_trip(move(start, np.add(start, ACROSS), 1.0)).sample(1.0)
+    quick = round_trip(point_to_point(start, np.add(start, ACROSS), 1.0)).sample(1.0)
     poses = quick.pose.copy()
     poses[1] = poses[0]
     analysis = analyze(APPENDIX_4, replace(quick, pose=poses, velocity=poses * 0 + [3, 0, 0, 0]))
@@ -204,7 +204,9 @@ def test_words_are_on_the_page_and_clear_of_each_other(
 @pytest.mark.parametrize("kind", [k for k in FIGURES if k not in ("tracking", "comparison")])
 def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
     start = np.add(home(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
-    analysis = analyze(APPENDIX_4, move(start, np.add(start, (0.0, 0.1, 0.0, 0.0))).sample(20))
+    analysis = analyze(
+        APPENDIX_4, point_to_point(start, np.add(start, (0.0, 0.1, 0.0, 0.0))).sample(20)
+    )
     assert not analysis.summary
     assert figure_bytes(kind, analysis, dpi=40).startswith(b"\x89PNG")
 

@@ -12,13 +12,13 @@ from paminsa_viz.explorer.controls import check_value
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import exporting
-from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.quantities import QUANTITIES
 
 log = logging.getLogger(__name__)
 
@@ -32,23 +32,6 @@ VIEW_SIZES: dict[str, tuple[int, int] | None] = {
     "2560 × 1440": (2560, 1440),
     "3840 × 2160": (3840, 2160),
 }
-
-_STYLE = """
-<style>
-div:has(> div > .paminsa-export) {
-  display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); align-items: center;
-  padding: 8px 0 8px 0;
-  & > div { grid-column: span 6; padding: 0 8px 5px 8px; }
-  & > div:has(> .paminsa-export) { display: none; }
-  & > div:has(> .paminsa-heading) { grid-column: 1 / -1; }
-  & > div:nth-child(4), & > div:nth-child(5) { grid-column: span 3; }
-  & > div > .mantine-Flex-root > div:first-child { width: 5.2em !important; }
-  & > div:nth-child(4) > .mantine-Flex-root > div:first-child,
-  & > div:nth-child(5) > .mantine-Flex-root > div:first-child { width: auto !important; }
-}
-</style>
-<span class="paminsa-export"></span>
-"""
 
 
 def heading(title: str, note: str) -> str:
@@ -70,7 +53,7 @@ class ExportPanel:
         gui = session.client.gui
         self._session, self._store = session, store
         self._busy = threading.Lock()
-        gui.add_html(_STYLE)
+        gui.add_html('<span class="paminsa-export"></span>')
         self._about = gui.add_html(heading("Maps", self._what(session.state)))
         self._maps = gui.add_dropdown(
             "maps", (THREE, ONE), hint="What to save, as its tab shows it"
@@ -138,7 +121,7 @@ class ExportPanel:
 
     @staticmethod
     def _what(state: State) -> str:
-        quantity = QUANTITY_LABELS[state.map_view.quantity]
+        quantity = QUANTITIES[state.map_view.quantity].label
         minus = ", minus the reference" if shows_difference(state) else ""
         return f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
 

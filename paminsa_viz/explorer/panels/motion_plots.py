@@ -12,7 +12,12 @@ from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.plots import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE, TimeCursor
+<<<<<<< HEAD
 from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
+=======
+from paminsa_viz.explorer.motion.traces import Chart, charts
+from paminsa_viz.explorer.panels.motion_chart import MotionChart
+>>>>>>> main
 from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html, numbers_html
 from paminsa_viz.explorer.panels.motion_words import status_line
@@ -27,29 +32,6 @@ from paminsa_viz.units import number
 
 ACTUATORS = ("M1", "M2", "M3", "M4")
 _LABELS = {plot: label for label, plot in PLOTS.items()}
-
-_STYLE = """
-<style>
-div:has(> div > [data-paminsa-slot="motion"]) {
-  display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); align-items: start;
-  padding: 4px 0 4px 0;
-  & > div { min-width: 0; padding: 0 6px 2px 6px; grid-column: span 4; }
-  & > div:has(> [data-paminsa-slot]) { display: none; }
-  & > div:has(> .uplot-container) { grid-column: span 6; padding: 0 2px; }
-  & > div:nth-child(2):has(> .uplot-container):not(:has(+ div > .uplot-container)) {
-    grid-column: 1 / -1; }
-  & > div:has(> .paminsa-whole) { grid-column: 1 / -1; }
-  & .uplot-container { margin: 0 !important; border: 0 !important; min-height: __HEIGHT__px; }
-  & .u-title { font-size: 12px; padding: 0; line-height: 15px; }
-  & > div:has(> .paminsa-numbers) { grid-column: 1 / span 8; grid-row: 3 / span 4; }
-  & > div:has(> .mantine-Flex-root), & > div:has(> .mantine-Box-root) { grid-column: span 4; }
-  & > div > .mantine-Flex-root > div:first-child { width: 5em !important; }
-  & > div > .mantine-Flex-root:has([type="checkbox"]) > div:first-child {
-    width: 8em !important; white-space: nowrap; }
-  & .u-over { cursor: pointer; }
-}
-</style>
-"""
 
 
 class MotionPlots:
@@ -66,7 +48,7 @@ class MotionPlots:
         gui = session.client.gui
         self._slots, self.store = slots, store
         self._moment = TimeCursor(bridge, lambda time: _scrub(session, time))
-        gui.add_html(marker(PLACE) + _STYLE.replace("__HEIGHT__", str(HEIGHT)), order=0)
+        gui.add_html(marker(PLACE), order=0)
         self.charts = tuple(MotionChart(gui, container, order) for order in (1.0, 2.0))
         self._caption = gui.add_html("", order=3)
         self._numbers = gui.add_html("", order=4)
