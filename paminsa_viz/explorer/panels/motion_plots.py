@@ -12,12 +12,7 @@ from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.plots import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE, TimeCursor
-<<<<<<< HEAD
-from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
-=======
-from paminsa_viz.explorer.motion.traces import Chart, charts
 from paminsa_viz.explorer.panels.motion_chart import MotionChart
->>>>>>> main
 from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html, numbers_html
 from paminsa_viz.explorer.panels.motion_words import status_line
