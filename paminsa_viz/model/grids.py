@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -233,12 +234,7 @@ def _evaluate(
             part[:] = filled
 
     count = threads or (os.cpu_count() or 1 if len(pieces) >= WORTH_THREADS else 1)
-    if count > 1:
-        with ThreadPoolExecutor(count) as pool:
-            list(pool.map(work, pieces))
-    else:
-        for piece in pieces:
-            work(piece)
+    _share(work, pieces, count)
     # back to the order of the grid's axes, the results of the formula first
     shape = (*outer_shape, *(() if last_theta else (columns,)))
     return np.moveaxis(
@@ -246,6 +242,28 @@ def _evaluate(
         1 + np.arange(len(order)),
         1 + np.array(order, dtype=int),
     )
+
+
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="paminsa-grid")
+
+
+def _share(
+    work: Callable[[tuple[slice, slice]], None], pieces: list[tuple[slice, slice]], threads: int
+) -> None:
+    """Do all pieces; the calling thread begins at once, others of the pool help as they come."""
+    pending = iter(pieces)
+
+    def drain() -> None:
+        for piece in pending:
+            work(piece)
+
+    helpers = [_pool().submit(drain) for _ in range(threads - 1)]
+    drain()
+    for helper in helpers:
+        if not helper.cancel():
+            helper.result()
 
 
 def _parts(axes: list[tuple[str, Array]], base: Array) -> Array:
