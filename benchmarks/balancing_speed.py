@@ -35,7 +35,7 @@ from paminsa_viz.balancing import (
     search_geometry,
     tornado,
 )
-from paminsa_viz.model import APPENDIX_4, Grid, KneeBranch, backend, solve_field
+from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
 from paminsa_viz.trajectory import PRESET, Trajectory, solve_trajectory
 
 DESIGN = APPENDIX_4
@@ -68,7 +68,7 @@ def changes() -> Changes:
 
 def motion() -> Trajectory:
     """Return a motion of all four coordinates at 1000 samples a second."""
-    return PRESET["paper-like"].build(DESIGN.geometry, KneeBranch.LOWER).sample()
+    return PRESET["paper-like"].build(DESIGN.geometry).sample()
 
 
 def optima() -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from benchmarks.measure import best, heading, number, table
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.files.trajectory_table import analysis_table, parse_trajectory
-from paminsa_viz.model import APPENDIX_4, KneeBranch, backend, inverse_dynamics, torque_regressor
+from paminsa_viz.model import APPENDIX_4, backend, inverse_dynamics, torque_regressor
 from paminsa_viz.trajectory import (
     PRESET,
     Control,
@@ -28,7 +28,7 @@ from paminsa_viz.trajectory import (
 )
 
 DESIGN = APPENDIX_4
-PLAN = PRESET["waypoints"].build(DESIGN.geometry, KneeBranch.LOWER).lasting(10.0)
+PLAN = PRESET["waypoints"].build(DESIGN.geometry).lasting(10.0)
 SAMPLES = PLAN.sample(1000.0)
 """The trajectory of the targets: 10 s at 1 kHz."""
 
@@ -86,7 +86,7 @@ def durations() -> None:
     }
     rows = []
     for key in ("quintic", "s-curve", "waypoints", "arch"):
-        plan = PRESET[key].build(DESIGN.geometry, KneeBranch.LOWER)
+        plan = PRESET[key].build(DESIGN.geometry)
         for name, limit in limits.items():
             found = shortest(plan, limit, DESIGN)
             run: Callable[[], object] = lambda p=plan, l=limit: shortest(p, l, DESIGN)  # noqa: E731, E741

@@ -25,9 +25,9 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli.arguments import PROGRAM
-from paminsa_viz.files.design_schema import SCHEMA_VERSION, TABLES, DesignKey
+from paminsa_viz.files.design_schema import KNEE, SCHEMA_VERSION, TABLES, DesignKey
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.counterweight import BAR_ENDS
 
 FOLDER = Path(__file__).parent
@@ -35,6 +35,7 @@ FOLDER = Path(__file__).parent
 NOTE = "<!-- Written by docs/generate.py; change what it is made from instead. -->\n"
 
 API = {
+    "paminsa_viz": "What most scripts need, by its shortest name.",
     "paminsa_viz.model": "Mechanics: design, kinematics, singularities, statics, dynamics, grids.",
     "paminsa_viz.trajectory": "Motions: planned, timed, checked, analyzed, simulated.",
     "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",
@@ -76,12 +77,13 @@ def design_file() -> str:
     for table, keys in TABLES.items():
         if table:
             group = type(getattr(APPENDIX_4, table))
+            knee = [KNEE_ROW] if table == "geometry" else []
             parts += [
                 f"## [{table}]",
                 _paragraphs(inspect.getdoc(group) or ""),
                 _table(
                     ("key", "symbol", "meaning", "Appendix 4", "allowed"),
-                    [_key_row(key) for key in keys.values()],
+                    [*(_key_row(key) for key in keys.values()), *knee],
                 ),
             ]
     ends = ", ".join(f"{bar.upper()} ({a}, {b})" for bar, (a, b) in BAR_ENDS.items())
@@ -96,6 +98,15 @@ def design_file() -> str:
         f"```toml\n{write_design(APPENDIX_4).strip()}\n```",
     ]
     return _page(parts)
+
+
+KNEE_ROW = (
+    f"`{KNEE}`",
+    "sign of F's root",
+    "branch of the knee 9, as Appendix 1 prints it or its mirror image",
+    f'`"{KneeBranch.LOWER.value}"`',
+    " or ".join(f'`"{branch.value}"`' for branch in KneeBranch),
+)
 
 
 def _meaning(key: DesignKey) -> str:

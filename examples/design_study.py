@@ -8,7 +8,7 @@ import csv
 
 import numpy as np
 
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz import APPENDIX_4
 from paminsa_viz.studies import DesignRange, RandomDesigns, Study, default_region, run_study
 
 PATHS = ("geometry.base_radius", "geometry.crank_length", "geometry.coupler_length", "links.b4")

@@ -10,7 +10,6 @@ import numpy as np
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    KneeBranch,
     inverse_dynamics,
     lumped_coefficients,
     torque_regressor,
@@ -18,7 +17,7 @@ from paminsa_viz.model import (
 from paminsa_viz.plots.curves import figure_bytes
 from paminsa_viz.trajectory import PRESET, analyze
 
-motion = PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(500)
+motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(500)
 analysis = analyze(APPENDIX_4, motion)
 for name, actuator in zip(("M1", "M2", "M3", "M4"), analysis.summary, strict=True):
     unit = "N" if name == "M4" else "N m"

@@ -6,10 +6,10 @@ as printed do not. `docs/model.md` has the table of misprints.
 
 import numpy as np
 
-from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
+from paminsa_viz.model import APPENDIX_4, Misprint
 from paminsa_viz.trajectory import PRESET, analyze
 
-motion = PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(500)
+motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(500)
 correct = analyze(APPENDIX_4, motion).torque
 
 print("largest change of          M1 [N m]  M2 [N m]  M3 [N m]    M4 [N]")

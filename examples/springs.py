@@ -7,6 +7,7 @@ spring that has a length of its own does as the stiffness and length found for i
 
 import numpy as np
 
+from paminsa_viz import APPENDIX_4, static_torques, xy_grid
 from paminsa_viz.balancing import (
     SpringPlace,
     at_joint,
@@ -16,7 +17,6 @@ from paminsa_viz.balancing import (
     on_slider,
     spring_torques,
 )
-from paminsa_viz.model import APPENDIX_4, static_torques, xy_grid
 
 side = np.linspace(-0.15, 0.15, 41)
 poses = xy_grid(side, side, 0.2, -0.5).poses()

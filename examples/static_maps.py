@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from paminsa_viz.model import APPENDIX_4, Limit, solve_field, static_imbalance, xy_grid
-from paminsa_viz.plots.from_model import map_data
-from paminsa_viz.plots.paper import render
+from paminsa_viz.plots.map_data import map_data
+from paminsa_viz.plots.map_figure import render
 from paminsa_viz.plots.ranges import choose_scales
 
 THETA, Z = np.pi / 3, -0.5  # the paper does not say the height of its figure

@@ -7,11 +7,11 @@ as printed, a simulation, figures and a verdict.
 import numpy as np
 
 from paminsa_viz.engines.mujoco_model import MujocoRobot
-from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint, inverse_dynamics
+from paminsa_viz.model import APPENDIX_4, Misprint, inverse_dynamics
 from paminsa_viz.trajectory import PRESET
 
 robot = MujocoRobot(APPENDIX_4)
-motion = PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200)
+motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(200)
 states = motion.pose, motion.velocity, motion.acceleration
 measured = robot.inverse_dynamics(*states)
 

@@ -1,3 +1,71 @@
-"""Design explorer for the PAMINSA, a 4-DoF parallel manipulator with three pantograph legs."""
+"""Model and design explorer of the PAMINSA, a 4-DoF parallel manipulator with pantograph legs.
+
+The names below are what most scripts need; `paminsa_viz.model`, `trajectory`, `balancing`,
+`studies` and `notebook` hold the rest. Functions take the design or its geometry first, then the
+pose (..., 4) = (x, y, theta, z) [m, m, rad, m], then its rates; results are (..., n), in SI units.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from paminsa_viz.balancing import balance
+    from paminsa_viz.files.design_file import load_design, save_design
+    from paminsa_viz.model import (
+        APPENDIX_4,
+        Design,
+        KneeBranch,
+        check_reach,
+        forward_dynamics,
+        forward_kinematics,
+        inverse_dynamics,
+        inverse_kinematics,
+        solve_field,
+        static_torques,
+        xy_grid,
+    )
+    from paminsa_viz.trajectory import analyze
 
 __version__ = "0.1.0"
+
+__all__ = [
+    "APPENDIX_4",
+    "Design",
+    "KneeBranch",
+    "analyze",
+    "balance",
+    "check_reach",
+    "forward_dynamics",
+    "forward_kinematics",
+    "inverse_dynamics",
+    "inverse_kinematics",
+    "load_design",
+    "save_design",
+    "solve_field",
+    "static_torques",
+    "xy_grid",
+]
+
+_HOMES = {
+    "analyze": "trajectory",
+    "balance": "balancing",
+    "load_design": "files.design_file",
+    "save_design": "files.design_file",
+}
+"""Modules of the names that are not the model's."""
+
+
+def __getattr__(name: str) -> object:
+    # Late (PEP 562): NumPy and SciPy take longer to load than the command line's --help.
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = getattr(import_module(f"{__name__}.{_HOMES.get(name, 'model')}"), name)
+    # A module of the same name may have been bound here by the import.
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, home
 
@@ -86,7 +86,6 @@ class InlinePicture:
 def robot_view(
     design: Design = APPENDIX_4,
     pose: ArrayLike | None = None,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     height: int = 480,
 ) -> InlinePage:
@@ -95,7 +94,6 @@ def robot_view(
     Args:
         design: The robot.
         pose: (4,) [m, m, rad, m]; in the middle of the workspace if left out.
-        assembly: How its pantographs are put together.
         height: Of the frame [pixels].
 
     Raises:
@@ -103,13 +101,12 @@ def robot_view(
     """
     from paminsa_viz.explorer.robot_page import robot_html  # late: the page's libraries
 
-    return InlinePage(robot_html(design, _pose(design, pose, assembly), assembly), height)
+    return InlinePage(robot_html(design, _pose(design, pose)), height)
 
 
 def motion_view(
     trajectory: Trajectory,
     design: Design = APPENDIX_4,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     height: int = 560,
 ) -> InlinePage:
@@ -118,7 +115,6 @@ def motion_view(
     Args:
         trajectory: The motion; one that fails is played up to there.
         design: The robot.
-        assembly: How its pantographs are put together.
         height: Of the frame [pixels].
 
     Raises:
@@ -126,13 +122,12 @@ def motion_view(
     """
     from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
 
-    return InlinePage(motion_html(design, assembly, trajectory), height)
+    return InlinePage(motion_html(design, trajectory), height)
 
 
 def map_view(
     design: Design = APPENDIX_4,
     pose: ArrayLike | None = None,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     quantity: str = "torques",
     cells: int = 100,
@@ -143,7 +138,6 @@ def map_view(
     Args:
         design: The robot.
         pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.
-        assembly: How its pantographs are put together.
         quantity: ``"torques"`` for those of M1, M2 and M3, or the value of a `Quantity`.
         cells: Cells along each side.
         width: Of the figure [pixels].
@@ -152,25 +146,23 @@ def map_view(
         InvalidInput: If there is no such quantity.
     """
     from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
-    from paminsa_viz.plots.from_model import TORQUES, map_data
-    from paminsa_viz.plots.map_window import cell_centers, half_width
+    from paminsa_viz.plots.interactive import interactive_map
+    from paminsa_viz.plots.map_data import TORQUES, cell_centers, half_width, map_data
     from paminsa_viz.plots.ranges import choose_scales
-    from paminsa_viz.plots.screen import screen_figure
 
     if quantity != "torques" and quantity not in {item.value for item in Quantity}:
         known = ", ".join(["torques", *(item.value for item in Quantity)])
         raise InvalidInput("quantity", f"there are {known}")
     shown = TORQUES if quantity == "torques" else (Quantity(quantity),)
-    place = _pose(design, pose, assembly)
+    place = _pose(design, pose)
     centers = cell_centers(half_width(design.geometry), cells)
     field = solve_field(
         design.geometry,
         xy_grid(centers, centers, *place[2:].tolist()),
-        assembly,
         dexterity=any(item.needs_dexterity for item in shown),
     )
     data = map_data(field, design, place, shown)
-    return screen_figure(data, choose_scales(data), width)
+    return interactive_map(data, choose_scales(data), width)
 
 
 def curve_view(
@@ -191,6 +183,6 @@ def curve_view(
     return InlinePicture(figure_bytes(kind, analysis, format="svg", **more))
 
 
-def _pose(design: Design, pose: ArrayLike | None, assembly: KneeBranch) -> Array:
+def _pose(design: Design, pose: ArrayLike | None) -> Array:
     """Return the pose asked for, or the one in the middle of the workspace."""
-    return home(design.geometry, assembly) if pose is None else as_vectors(pose, "pose")
+    return home(design.geometry) if pose is None else as_vectors(pose, "pose")

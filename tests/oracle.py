@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from tests.jets import Jet, cos, sin, sqrt
 
 Vector = tuple[Any, Any, Any]
@@ -74,7 +74,7 @@ class Leg:
     normal: Vector
 
 
-def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int, assembly: KneeBranch) -> Leg:
+def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int) -> Leg:
     """Place the joints of one leg at the pose coordinates q (numbers, arrays or jets)."""
     g = design.geometry
     x, y, theta, z = q
@@ -99,7 +99,7 @@ def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int, assembly: Knee
     above = cross(along, normal)
     foot = (length * length + g.crank_length**2 - g.coupler_length**2) / (2.0 * length)
     height = sqrt(g.crank_length**2 - foot * foot)
-    p9 = add(add(p8, along, foot), above, -assembly.sign * height)
+    p9 = add(add(p8, along, foot), above, -design.geometry.knee.sign * height)
     link = add(p5, p9, -1.0)
     points = {
         2: (base[0], base[1], p3[2] + g.shaft_length),
@@ -113,14 +113,12 @@ def leg(design: Design, q: tuple[Any, Any, Any, Any], index: int, assembly: Knee
     return Leg(points, heading, normal)
 
 
-def bodies(
-    design: Design, q: tuple[Any, Any, Any, Any], assembly: KneeBranch = KneeBranch.LOWER
-) -> list[Body]:
+def bodies(design: Design, q: tuple[Any, Any, Any, Any]) -> list[Body]:
     """List every body of the robot at the pose coordinates q (numbers, arrays or jets)."""
     g, links, inertias = design.geometry, design.links, design.inertias
     found: list[Body] = []
     for index in range(3):
-        solved = leg(design, q, index, assembly)
+        solved = leg(design, q, index)
         p, heading, normal = solved.points, solved.heading, solved.normal
         tag = f"leg {index + 1}: "
         for joint in (2, 3, 4, 5, 7, 8, 9):
@@ -206,18 +204,16 @@ def rotated(body: Body, w: Vector) -> Vector:
     return total
 
 
-def potential(design: Design, pose: Any, assembly: KneeBranch = KneeBranch.LOWER) -> Any:
+def potential(design: Design, pose: Any) -> Any:
     """Potential energy [J], heights above z = 0; complex poses give complex values."""
-    total = sum(body.mass * body.center[2] for body in bodies(design, split(pose), assembly))
+    total = sum(body.mass * body.center[2] for body in bodies(design, split(pose)))
     return design.gravity * total
 
 
-def kinetic(
-    design: Design, pose: Any, velocity: Any, assembly: KneeBranch = KneeBranch.LOWER
-) -> Any:
+def kinetic(design: Design, pose: Any, velocity: Any) -> Any:
     """Kinetic energy [J] at a pose and its rate (..., 4) [m/s, m/s, rad/s, m/s]."""
     total: Any = 0.0
-    for body in bodies(design, jets(pose, velocity), assembly):
+    for body in bodies(design, jets(pose, velocity)):
         v, w = rate(body.center), turning(body)
         total = total + 0.5 * body.mass * dot(v, v) + 0.5 * dot(w, rotated(body, w))
     return total
@@ -229,7 +225,7 @@ def actuators(design: Design, pose: Any) -> Any:
     columns = []
     top: Any = None
     for index in range(3):
-        solved = leg(design, q, index, KneeBranch.LOWER)
+        solved = leg(design, q, index)
         home = AXIS_ANGLES[index] + np.pi
         h = solved.heading
         ahead = h[0] * np.cos(home) + h[1] * np.sin(home)
@@ -244,7 +240,7 @@ def actuator_rates(design: Design, pose: Any, velocity: Any) -> Any:
     q = jets(pose, velocity)
     columns, top = [], None
     for index in range(3):
-        solved = leg(design, q, index, KneeBranch.LOWER)
+        solved = leg(design, q, index)
         columns.append(cross(value(solved.heading), rate(solved.heading))[2])
         top = rate(solved.points[2])[2]
     return np.stack(np.broadcast_arrays(*columns, top), axis=-1)
@@ -260,13 +256,12 @@ def pose_forces(
     pose: Any,
     velocity: Any,
     acceleration: Any,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Any:
     """Generalised forces (..., 4) on (x, y, theta, z) that cause the motion, gravity included."""
     pose, velocity, acceleration = np.broadcast_arrays(
         *(np.asarray(a, float) for a in (pose, velocity, acceleration))
     )
-    moving = bodies(design, jets(pose, velocity, acceleration), assembly)
+    moving = bodies(design, jets(pose, velocity, acceleration))
     forces = []
     for body in moving:
         linear = add(second(body.center), UP, design.gravity)
@@ -275,7 +270,7 @@ def pose_forces(
         forces.append((tuple(body.mass * c for c in linear), moment))
     columns = []
     for direction in np.eye(4):
-        virtual = bodies(design, jets(pose, direction), assembly)
+        virtual = bodies(design, jets(pose, direction))
         total: Any = np.zeros(pose.shape[:-1])
         for body, (force, moment) in zip(virtual, forces, strict=True):
             total = total + dot(rate(body.center), force) + dot(turning(body), moment)
@@ -288,14 +283,13 @@ def inverse_dynamics(
     pose: Any,
     velocity: Any,
     acceleration: Any,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Any:
     """Actuator forces (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]) without joint friction."""
-    needed = pose_forces(design, pose, velocity, acceleration, assembly)
+    needed = pose_forces(design, pose, velocity, acceleration)
     jacobian = np.broadcast_to(actuator_jacobian(design, pose), (*needed.shape, 4))
     return np.linalg.solve(np.swapaxes(jacobian, -1, -2), needed[..., None])[..., 0]
 
 
-def static_torques(design: Design, pose: Any, assembly: KneeBranch = KneeBranch.LOWER) -> Any:
+def static_torques(design: Design, pose: Any) -> Any:
     """Actuator forces (..., 4) that hold the robot at rest against gravity."""
-    return inverse_dynamics(design, pose, np.zeros(4), np.zeros(4), assembly)
+    return inverse_dynamics(design, pose, np.zeros(4), np.zeros(4))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import replace
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -104,15 +105,14 @@ def usable(design: Design, poses: Any) -> Any:
 def random_poses(
     rng: np.random.Generator,
     design: Design = APPENDIX_4,
-    assembly: KneeBranch = KneeBranch.LOWER,
     n: int = 1,
     *,
     natural: bool = True,
 ) -> Any:
     """Draw n usable poses (n, 4).
 
-    ``natural`` keeps the platform on the natural side: hanging (z < 0) in the printed assembly,
-    standing (z > 0) in the mirror one. Without it both signs occur in both.
+    ``natural`` keeps the platform on the natural side: hanging (z < 0) with the lower knee,
+    standing (z > 0) with the upper one. Without it both signs occur with both.
 
     Raises:
         RuntimeError: If the design leaves almost no such poses.
@@ -128,7 +128,7 @@ def random_poses(
         angle = rng.uniform(0, 2 * np.pi, count)
         height = rng.uniform(0.02 if natural else -1.0, 1.0, count) * longest
         if natural:
-            height = -assembly.sign * (height + g.platform_joint_height)
+            height = -g.knee.sign * (height + g.platform_joint_height)
         turn = rng.uniform(-1.2, 1.2, count)
         drawn = np.stack([radius * np.cos(angle), radius * np.sin(angle), turn, height], axis=-1)
         found = np.concatenate([found, drawn[usable(design, drawn)]])
@@ -138,7 +138,6 @@ def random_poses(
 def random_states(
     rng: np.random.Generator,
     design: Design = APPENDIX_4,
-    assembly: KneeBranch = KneeBranch.LOWER,
     n: int = 1,
 ) -> tuple[Any, Any, Any]:
     """Draw n poses with their rates and accelerations, each (n, 4).
@@ -146,8 +145,18 @@ def random_states(
     Of the size of Appendix 4's robot: up to 1 m/s, 2 rad/s, 5 m/s^2, 10 rad/s^2; lengths in
     proportion to the robot.
     """
-    poses = random_poses(rng, design, assembly, n)
+    poses = random_poses(rng, design, n)
     size = design.geometry.base_radius / APPENDIX_4.geometry.base_radius
     rates = rng.uniform(-1, 1, (n, 4)) * [size, size, 2.0, size]
     seconds = rng.uniform(-1, 1, (n, 4)) * [5.0 * size, 5.0 * size, 10.0, 5.0 * size]
     return poses, rates, seconds
+
+
+Robot = TypeVar("Robot", Design, Geometry)
+
+
+def with_knee(robot: Robot, knee: KneeBranch) -> Robot:
+    """The same robot with its knees on a branch."""
+    if isinstance(robot, Design):
+        return robot.with_knee(knee)
+    return replace(robot, knee=knee)

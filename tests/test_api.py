@@ -6,6 +6,8 @@ import ast
 import importlib
 import inspect
 import re
+import subprocess
+import sys
 import textwrap
 import types
 from collections.abc import Iterator
@@ -20,6 +22,7 @@ import pytest
 import paminsa_viz
 
 PACKAGES = (
+    "paminsa_viz",
     "paminsa_viz.model",
     "paminsa_viz.trajectory",
     "paminsa_viz.balancing",
@@ -107,6 +110,35 @@ def _below(value: type) -> set[str]:
         and isinstance(after, ast.Expr)
         and isinstance(after.value, ast.Constant)
     }
+
+
+def test_the_front_door_loads_nothing_before_it_is_asked() -> None:
+    code = "import sys, paminsa_viz; assert 'numpy' not in sys.modules; paminsa_viz.APPENDIX_4"
+    subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_the_front_door_has_the_rooms_own_names() -> None:
+    assert 10 <= len(paminsa_viz.__all__) <= 16
+    for name in paminsa_viz.__all__:
+        value = getattr(paminsa_viz, name)
+        room = importlib.import_module(f"paminsa_viz.{paminsa_viz._HOMES.get(name, 'model')}")
+        assert value is getattr(room, name)
+    with pytest.raises(AttributeError, match="nothing"):
+        paminsa_viz.nothing  # noqa: B018
+
+
+ORDER = ("design", "geometry", "pose", "actuators", "velocity", "acceleration", "torque")
+
+
+@pytest.mark.parametrize("name", ["paminsa_viz", "paminsa_viz.model"])
+def test_arguments_come_in_one_order(name) -> None:
+    """The design or its geometry first, then the pose, then what belongs to the pose."""
+    module = importlib.import_module(name)
+    for public_name in module.__all__:
+        value = getattr(module, public_name)
+        if inspect.isfunction(value):
+            known = [ORDER.index(p) for p in inspect.signature(value).parameters if p in ORDER]
+            assert known == sorted(known), public_name
 
 
 def test_the_package_is_typed_and_has_one_version() -> None:

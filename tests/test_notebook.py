@@ -20,7 +20,7 @@ POSE = (0.05, -0.03, 0.4, -0.5)
 
 @pytest.fixture(scope="module")
 def motion():
-    return PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200)
+    return PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
 
 
 def test_a_page_is_a_frame_that_holds_all_of_it(tmp_path) -> None:
@@ -42,10 +42,11 @@ def test_the_robot_stands_in_the_pose_asked_for() -> None:
     assert len(robot_html(APPENDIX_4, POSE)) == pytest.approx(len(page), rel=0.01)
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_without_a_pose_it_is_one_that_can_be_taken(assembly) -> None:
-    assert robot_view(assembly=assembly).content
-    z = map_view(assembly=assembly, cells=10)
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_without_a_pose_it_is_one_that_can_be_taken(knee) -> None:
+    design = APPENDIX_4.with_knee(knee)
+    assert robot_view(design).content
+    z = map_view(design, cells=10)
     assert z.data
 
 
@@ -58,9 +59,7 @@ def test_a_pose_out_of_reach_is_refused() -> None:
 
 def test_a_motion_is_the_page_of_the_export(motion) -> None:
     page = motion_view(motion, height=600)
-    assert len(page.content) == pytest.approx(
-        len(motion_html(APPENDIX_4, KneeBranch.LOWER, motion)), rel=0.01
-    )
+    assert len(page.content) == pytest.approx(len(motion_html(APPENDIX_4, motion)), rel=0.01)
     assert b"pick-and-place arch" in page.content
 
 

@@ -9,17 +9,18 @@ import pytest
 
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from tests import oracle, samples
+from tests.samples import with_knee
 
 DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in range(4))]
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch))
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
 
 
-def joints(design: Design, pose: Any, assembly: KneeBranch) -> list[dict[int, Any]]:
+def joints(design: Design, pose: Any) -> list[dict[int, Any]]:
     """Joint points of the three legs as arrays (n, 3)."""
     found = []
     for index in range(3):
-        solved = oracle.leg(design, oracle.split(pose), index, assembly)
+        solved = oracle.leg(design, oracle.split(pose), index)
         found.append(
             {
                 number: np.stack(np.broadcast_arrays(*point), axis=-1)
@@ -35,10 +36,11 @@ def length(a: Any, b: Any) -> Any:
 
 @BOTH
 @EACH
-def test_every_leg_is_the_mechanism_of_the_paper(design: Design, assembly: KneeBranch) -> None:
+def test_every_leg_is_the_mechanism_of_the_paper(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
     g, k = design.geometry, design.geometry.magnification
-    pose = samples.random_poses(np.random.default_rng(1), design, assembly, 50, natural=False)
-    for index, p in enumerate(joints(design, pose, assembly)):
+    pose = samples.random_poses(np.random.default_rng(1), design, 50, natural=False)
+    for index, p in enumerate(joints(design, pose)):
         angle = oracle.AXIS_ANGLES[index]
         axis = g.base_radius * np.array([np.cos(angle), np.sin(angle)])
         near = np.hypot(*(p[5] - np.append(axis, 0.0))[:, :2].T)
@@ -58,7 +60,7 @@ def test_every_leg_is_the_mechanism_of_the_paper(design: Design, assembly: KneeB
         # The knee is the lower or the upper one of the two, seen from the line 8-5.
         line = np.cross(p[5] - p[8], p[9] - p[8])
         plane = np.cross([0.0, 0.0, 1.0], p[5] - p[8])
-        assert np.all(np.einsum("ni,ni->n", line, plane) * assembly.sign > 0)
+        assert np.all(np.einsum("ni,ni->n", line, plane) * knee.sign > 0)
         # One plane through the leg axis holds the whole leg.
         heading = (p[5] - p[3])[:, :2] / near[:, None]
         for point in p.values():
@@ -70,12 +72,13 @@ def test_every_leg_is_the_mechanism_of_the_paper(design: Design, assembly: KneeB
 
 @BOTH
 @EACH
-def test_static_forces_are_the_slope_of_the_potential(design: Design, assembly: KneeBranch) -> None:
-    pose = samples.random_poses(np.random.default_rng(2), design, assembly, 30)
-    forces = oracle.pose_forces(design, pose, np.zeros(4), np.zeros(4), assembly)
+def test_static_forces_are_the_slope_of_the_potential(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    pose = samples.random_poses(np.random.default_rng(2), design, 30)
+    forces = oracle.pose_forces(design, pose, np.zeros(4), np.zeros(4))
     step = 1e-30
     slope = np.stack(
-        [oracle.potential(design, pose + 1j * step * e, assembly).imag / step for e in np.eye(4)],
+        [oracle.potential(design, pose + 1j * step * e).imag / step for e in np.eye(4)],
         axis=-1,
     )
     np.testing.assert_allclose(forces, slope, rtol=0, atol=1e-12 * np.abs(slope).max())
@@ -83,8 +86,9 @@ def test_static_forces_are_the_slope_of_the_potential(design: Design, assembly: 
 
 @BOTH
 @EACH
-def test_actuator_rates_follow_the_actuators(design: Design, assembly: KneeBranch) -> None:
-    pose, velocity, _ = samples.random_states(np.random.default_rng(3), design, assembly, 30)
+def test_actuator_rates_follow_the_actuators(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    pose, velocity, _ = samples.random_states(np.random.default_rng(3), design, 30)
     h = 1e-4
     ahead, behind, ahead2, behind2 = (
         oracle.actuators(design, pose + n * h * velocity) for n in (1, -1, 2, -2)
@@ -96,12 +100,13 @@ def test_actuator_rates_follow_the_actuators(design: Design, assembly: KneeBranc
 
 @BOTH
 @EACH
-def test_kinetic_energy_from_measured_speeds(design: Design, assembly: KneeBranch) -> None:
+def test_kinetic_energy_from_measured_speeds(design: Design, knee: KneeBranch) -> None:
     """Speeds of points from differences of places; turning from differences of the axes."""
-    pose, velocity, _ = samples.random_states(np.random.default_rng(4), design, assembly, 10)
+    design = with_knee(design, knee)
+    pose, velocity, _ = samples.random_states(np.random.default_rng(4), design, 10)
     h = 1e-3
     runs = {
-        n: oracle.bodies(design, oracle.split(pose + n * h * velocity), assembly)
+        n: oracle.bodies(design, oracle.split(pose + n * h * velocity))
         for n in (-3, -2, -1, 0, 1, 2, 3)
     }
 
@@ -123,23 +128,22 @@ def test_kinetic_energy_from_measured_speeds(design: Design, assembly: KneeBranc
             e = speed(lambda run, i=index, a=a: run[i].axes[a])
             spread = 0.5 * sum(body.inertia) - body.inertia[a]
             total = total + 0.5 * spread * np.sum(e * e, axis=-1)
-    np.testing.assert_allclose(oracle.kinetic(design, pose, velocity, assembly), total, rtol=1e-7)
+    np.testing.assert_allclose(oracle.kinetic(design, pose, velocity), total, rtol=1e-7)
 
 
 @BOTH
 @EACH
-def test_power_of_the_actuators_is_the_growth_of_energy(
-    design: Design, assembly: KneeBranch
-) -> None:
-    pose, velocity, acceleration = samples.random_states(
-        np.random.default_rng(5), design, assembly, 30
-    )
-    torque = oracle.inverse_dynamics(design, pose, velocity, acceleration, assembly)
+def test_power_of_the_actuators_is_the_growth_of_energy(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    pose, velocity, acceleration = samples.random_states(np.random.default_rng(5), design, 30)
+    torque = oracle.inverse_dynamics(design, pose, velocity, acceleration)
     power = np.sum(torque * oracle.actuator_rates(design, pose, velocity), axis=-1)
 
     def energy(t: float) -> Any:
         q, v = pose + velocity * t + acceleration * t * t / 2, velocity + acceleration * t
-        return oracle.kinetic(design, q, v, assembly) + oracle.potential(design, q, assembly)
+        return oracle.kinetic(with_knee(design, knee), q, v) + oracle.potential(
+            with_knee(design, knee), q
+        )
 
     h = 2e-4
     growth = (
@@ -151,10 +155,10 @@ def test_power_of_the_actuators_is_the_growth_of_energy(
 
 
 @BOTH
-def test_lagrange_from_the_energies_gives_the_same_forces(assembly: KneeBranch) -> None:
+def test_lagrange_from_the_energies_gives_the_same_forces(knee: KneeBranch) -> None:
     """d/dt dT/dv - dT/dq + dV/dq, differentiated numerically from T and V alone."""
     pose, velocity, acceleration = samples.random_states(
-        np.random.default_rng(6), DESIGNS[1], assembly, 10
+        np.random.default_rng(6), with_knee(DESIGNS[1], knee), 10
     )
     h = 2e-4
 
@@ -169,56 +173,60 @@ def test_lagrange_from_the_energies_gives_the_same_forces(assembly: KneeBranch) 
         def momentum(t: float, e: Any = e) -> Any:
             # T is quadratic in the rates, so one central difference of any size is exact.
             q, v = pose + velocity * t + acceleration * t * t / 2, velocity + acceleration * t
-            up, down = (oracle.kinetic(DESIGNS[1], q, v + s * e, assembly) for s in (1.0, -1.0))
+            up, down = (
+                oracle.kinetic(with_knee(DESIGNS[1], knee), q, v + s * e) for s in (1.0, -1.0)
+            )
             return 0.5 * (up - down)
 
         def action(t: float, e: Any = e) -> Any:
             q = pose + t * e
-            return oracle.kinetic(DESIGNS[1], q, velocity, assembly) - oracle.potential(
-                DESIGNS[1], q, assembly
+            return oracle.kinetic(with_knee(DESIGNS[1], knee), q, velocity) - oracle.potential(
+                with_knee(DESIGNS[1], knee), q
             )
 
         columns.append(slope(momentum) - slope(action))
-    forces = oracle.pose_forces(DESIGNS[1], pose, velocity, acceleration, assembly)
+    forces = oracle.pose_forces(with_knee(DESIGNS[1], knee), pose, velocity, acceleration)
     np.testing.assert_allclose(
         forces, np.stack(columns, axis=-1), rtol=0, atol=1e-8 * np.abs(forces).max()
     )
 
 
 @BOTH
-def test_only_the_lift_carries_the_platform(assembly: KneeBranch) -> None:
-    pose = samples.random_poses(np.random.default_rng(7), APPENDIX_4, assembly, 20)
-    light = oracle.static_torques(APPENDIX_4, pose, assembly)
-    heavy = oracle.static_torques(APPENDIX_4.vary({"payload.mass": 12.0}), pose, assembly)
+def test_only_the_lift_carries_the_platform(knee: KneeBranch) -> None:
+    pose = samples.random_poses(np.random.default_rng(7), with_knee(APPENDIX_4, knee), 20)
+    light = oracle.static_torques(with_knee(APPENDIX_4, knee), pose)
+    heavy = oracle.static_torques(with_knee(APPENDIX_4.vary({"payload.mass": 12.0}), knee), pose)
     np.testing.assert_allclose(heavy[:, :3], light[:, :3], rtol=0, atol=1e-12)
     np.testing.assert_allclose(heavy[:, 3] - light[:, 3], 12.0 * 9.81 * 3.0, rtol=1e-13)
 
 
 def test_mirror_image_has_opposite_gravity_torques() -> None:
-    pose = samples.random_poses(np.random.default_rng(8), APPENDIX_4, KneeBranch.LOWER, 20)
+    pose = samples.random_poses(np.random.default_rng(8), APPENDIX_4, 20)
     mirrored = pose.copy()
     mirrored[:, 3] = -pose[:, 3] - 2 * APPENDIX_4.geometry.platform_joint_height
-    below = oracle.static_torques(APPENDIX_4, pose, KneeBranch.LOWER)
-    above = oracle.static_torques(APPENDIX_4, mirrored, KneeBranch.UPPER)
+    below = oracle.static_torques(APPENDIX_4, pose)
+    above = oracle.static_torques(with_knee(APPENDIX_4, KneeBranch.UPPER), mirrored)
     np.testing.assert_allclose(above[:, :3], -below[:, :3], rtol=0, atol=1e-12)
 
 
 @BOTH
-def test_one_state_and_batches_of_any_shape_agree(assembly: KneeBranch) -> None:
-    states = samples.random_states(np.random.default_rng(9), APPENDIX_4, assembly, 6)
-    flat = oracle.inverse_dynamics(APPENDIX_4, *states, assembly)
-    grid = oracle.inverse_dynamics(APPENDIX_4, *(s.reshape(2, 3, 4) for s in states), assembly)
+def test_one_state_and_batches_of_any_shape_agree(knee: KneeBranch) -> None:
+    states = samples.random_states(np.random.default_rng(9), with_knee(APPENDIX_4, knee), 6)
+    flat = oracle.inverse_dynamics(with_knee(APPENDIX_4, knee), *states)
+    grid = oracle.inverse_dynamics(
+        with_knee(APPENDIX_4, knee), *(s.reshape(2, 3, 4) for s in states)
+    )
     np.testing.assert_allclose(grid.reshape(6, 4), flat, rtol=1e-13)
-    one = oracle.inverse_dynamics(APPENDIX_4, *(s[4] for s in states), assembly)
+    one = oracle.inverse_dynamics(with_knee(APPENDIX_4, knee), *(s[4] for s in states))
     np.testing.assert_allclose(one, flat[4], rtol=1e-13)
 
 
 @BOTH
-def test_random_designs_leave_room_to_move(assembly: KneeBranch) -> None:
+def test_random_designs_leave_room_to_move(knee: KneeBranch) -> None:
     rng = np.random.default_rng(10)
     for _ in range(20):
         design = samples.random_design(rng)
-        pose = samples.random_poses(rng, design, assembly, 50)
+        pose = samples.random_poses(rng, with_knee(design, knee), 50)
         assert pose.shape == (50, 4)
         assert samples.usable(design, pose).all()
-        assert np.all((pose[:, 3] + design.geometry.platform_joint_height) * assembly.sign < 0)
+        assert np.all((pose[:, 3] + design.geometry.platform_joint_height) * knee.sign < 0)

@@ -25,7 +25,10 @@ LEGS = 3
 """A mass of a leg is there three times."""
 
 MASS = len(COEFFICIENTS)
-"""Place of the robot's whole mass in the state; before it stand the lumped coefficients."""
+"""Place of the robot's whole mass in the state, after the lumped coefficients."""
+
+AMOUNTS = MASS + 1
+"""Place of the first of the amounts that may change in the state."""
 
 
 @dataclass(frozen=True)
@@ -124,28 +127,27 @@ class Changes:
 
 @dataclass(frozen=True, eq=False)
 class MassSpace:
-    """The designs that changes can make of one design, as states of a programme.
+    """The designs that changes can make of one design, as states of a program.
 
-    The state is (c, mass): the 18 lumped coefficients and the robot's whole mass [kg]. It is linear
-    in the masses; along a rail it is a parabola in the lever, as the inertia of a point mass grows
-    with the square of its lever.
+    The state is (c, mass, amounts): the 18 lumped coefficients, the robot's whole mass, and the
+    masses that may change [kg]. It is linear in the masses; along a rail it is a parabola in the
+    lever, as the inertia of a point mass grows with the square of its lever.
 
     Attributes:
         design: The design to change.
         changes: What may change.
-        start: (19,) state with all that may change taken away.
-        carriers: What may change: the masses, then the rails.
-        before: (19,) state of the design as it is.
-        amounts: (carriers,) masses as they are [kg], of one leg where they belong to a leg.
-        counts: (carriers,) how many times the robot has each.
+        start: (19 + n,) state with all that may change removed.
+        variables: (n) what may change: the masses, then the rails.
+        before: (19 + n,) state of the design as it is; its amounts are those of one leg where they
+            belong to a leg.
+        counts: (n,) how many times the robot has each.
     """
 
     design: Design
     changes: Changes
     start: Array
-    carriers: tuple[Variable, ...]
+    variables: tuple[Variable, ...]
     before: Array
-    amounts: Array
     counts: Array
 
     def design_of(self, levers: Levers) -> Design:
@@ -194,32 +196,31 @@ def mass_space(design: Design, changes: Changes) -> MassSpace:
         InvalidInput: If a path is not that of a mass.
     """
     matrix = lumped_matrix(design.geometry, design.gravity)
-    before = np.append(lumped_coefficients(design), whole_mass(design))
+    size = AMOUNTS + len(changes.masses) + len(changes.rails)
+    before = np.zeros(size)
+    before[:MASS], before[MASS] = lumped_coefficients(design), whole_mass(design)
     start = before.copy()
-    carriers: list[Variable] = []
-    amounts: list[float] = []
+    variables: list[Variable] = []
     for mass in changes.masses:
-        column = np.append(_column(design, mass, matrix), mass.per_robot)
         held = design.value(mass.path)
-        start -= held * column
-        effect = np.vstack([column, np.zeros((2, len(column)))])
-        carriers.append(Variable(mass.path, mass.low, mass.high, effect))
-        amounts.append(held)
+        effect = np.zeros((3, size))
+        effect[0, :MASS], effect[0, MASS] = _column(design, mass, matrix), mass.per_robot
+        start -= held * effect[0]
+        before[AMOUNTS + len(variables)] = held
+        effect[0, AMOUNTS + len(variables)] = 1.0
+        variables.append(Variable(mass.path, mass.low, mass.high, effect))
     for rail in changes.rails:
         # a parabola is known from three of its points
-        levers = np.array([-1.0, 0.0, 1.0])
-        point = bar_point(design.geometry, rail.bar, rail.joint, levers)
+        point = bar_point(design.geometry, rail.bar, rail.joint, np.array([-1.0, 0.0, 1.0]))
         left, middle, right = point_mass_column(point, design.gravity).T
-        effect = np.zeros((3, len(before)))
+        effect = np.zeros((3, size))
         effect[0, :MASS], effect[0, MASS] = middle, LEGS
         effect[1, :MASS], effect[2, :MASS] = 0.5 * (right - left), 0.5 * (right + left) - middle
         span = (rail.nearest, rail.farthest)
-        carriers.append(Variable(rail.name, rail.low, rail.high, effect, span))
-        amounts.append(0.0)
+        effect[0, AMOUNTS + len(variables)] = 1.0
+        variables.append(Variable(rail.name, rail.low, rail.high, effect, span))
     counts = [mass.per_robot for mass in changes.masses] + [LEGS] * len(changes.rails)
-    return MassSpace(
-        design, changes, start, tuple(carriers), before, np.array(amounts), np.array(counts, float)
-    )
+    return MassSpace(design, changes, start, tuple(variables), before, np.array(counts, float))
 
 
 def _column(design: Design, mass: MassRange, matrix: Array) -> Array:

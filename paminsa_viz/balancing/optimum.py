@@ -9,11 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.balancing.changes import Changes, MassSpace, mass_space
+from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.balancing.errors import InfeasibleBounds, Relaxation, Shortfall
-from paminsa_viz.balancing.pieces import Deviations, Piece
 from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
-from paminsa_viz.balancing.terms import Term
+from paminsa_viz.balancing.terms import Term, deviations
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 
@@ -73,7 +73,7 @@ class Optimum:
         lower_bound: No distribution within the bounds has a smaller objective: the value of the
             dual problem, worked out apart from the solver.
         active: Bounds that are reached, those that cost most first.
-        rounds: Linear programmes solved.
+        rounds: Linear or conic programs solved.
         seconds: Time it took.
     """
 
@@ -112,7 +112,7 @@ def optimize(
     Raises:
         InfeasibleBounds: If no distribution within the bounds meets the limits.
         InvalidInput: If a weight is negative, or a term does not fit the design.
-        SolverFailed: If the linear solver fails.
+        SolverFailed: If the solver fails.
     """
     began = time.perf_counter()
     weighted = list(goals) if isinstance(goals, Sequence) else [(1.0, goals)]
@@ -122,8 +122,8 @@ def optimize(
     space = mass_space(design, changes)
     pieces = [(weight, term.piece(space)) for weight, term in weighted]
     bounded = [(float(limit), term.piece(space)) for term, limit in limits]
-    now = sum(w * abs(piece.value(space.before, space.amounts)) for w, piece in pieces)
-    program = Program(space.start, space.carriers, tuple(pieces), tuple(bounded), scale=now)
+    now = sum(w * abs(piece.value(space.before)) for w, piece in pieces)
+    program = Program(space.start, space.variables, tuple(pieces), tuple(bounded), scale=now)
     try:
         found = solve(program, tolerance=tolerance)
     except Infeasible:
@@ -147,10 +147,10 @@ def optimize(
 
 
 def _value(
-    space: MassSpace, found: Solution, term: Term, piece: Piece, limit: float | None
+    space: MassSpace, found: Solution, term: Term, piece: ConvexTerm, limit: float | None
 ) -> TermValue:
-    before = piece.value(space.before, space.amounts)
-    return TermValue(term.label, term.unit, before, piece.value(found.state, found.amounts), limit)
+    before, after = piece.value(space.before), piece.value(found.state)
+    return TermValue(term.label, term.unit, before, after, limit)
 
 
 def active_bounds(
@@ -158,16 +158,18 @@ def active_bounds(
 ) -> tuple[ActiveConstraint, ...]:
     """Return the bounds that a solution touches, with their multipliers."""
     active = []
-    for number, carrier in enumerate(space.carriers):
+    for number, variable in enumerate(space.variables):
         amount, price = float(found.amounts[number]), float(found.prices[number])
-        near = ACTIVE * max(carrier.high - carrier.low, 1e-12)
-        if amount <= carrier.low + near:
-            active.append(ActiveConstraint(carrier.name, "low", carrier.low, "kg", max(0.0, price)))
-        if amount >= carrier.high - near:
+        near = ACTIVE * max(variable.high - variable.low, 1e-12)
+        if amount <= variable.low + near:
             active.append(
-                ActiveConstraint(carrier.name, "high", carrier.high, "kg", max(0.0, -price))
+                ActiveConstraint(variable.name, "low", variable.low, "kg", max(0.0, price))
             )
-        first, last = carrier.span
+        if amount >= variable.high - near:
+            active.append(
+                ActiveConstraint(variable.name, "high", variable.high, "kg", max(0.0, -price))
+            )
+        first, last = variable.span
         if last > first and amount > near:
             slope = float(found.slopes[number])
             close = ACTIVE * (last - first)
@@ -179,7 +181,7 @@ def active_bounds(
                 if mass > near:
                     gain = slope if side == "nearest" else -slope
                     active.append(
-                        ActiveConstraint(carrier.name, side, end, "m", max(0.0, mass * gain))
+                        ActiveConstraint(variable.name, side, end, "m", max(0.0, mass * gain))
                     )
     for (term, limit), price in zip(limits, found.limit_prices, strict=False):
         if price > 0:
@@ -192,11 +194,11 @@ def active_bounds(
 def infeasible(
     space: MassSpace, program: Program, labels: Sequence[tuple[str, str]]
 ) -> InfeasibleBounds:
-    """Return the error for a programme whose limits cannot be met, with what would help.
+    """Return the error for a program whose limits cannot be met, with what would help.
 
     Args:
         space: What may change.
-        program: The programme; its limits are those of ``labels``.
+        program: The program; its limits are those of ``labels``.
         labels: Name and unit of each limit.
     """
     short = []
@@ -213,23 +215,22 @@ def infeasible(
 
 
 def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]:
-    """Return the bounds whose least movement makes a programme's limits possible, if any does."""
-    low = np.array([carrier.low for carrier in space.carriers])
-    high = np.array([carrier.high for carrier in space.carriers])
-    most = float(space.counts.sum()) * (WIDER + float(high.max(initial=0.0)))
-    outside = Deviations(low, high, space.counts, most)
-    wide = tuple(replace(c, low=0.0, high=c.high + WIDER) for c in space.carriers)
+    """Return the bounds whose least movement makes a program's limits possible, if any does."""
+    low = np.array([variable.low for variable in space.variables])
+    high = np.array([variable.high for variable in space.variables])
+    outside = deviations(space, low, high)
+    wide = tuple(replace(c, low=0.0, high=c.high + WIDER) for c in space.variables)
     try:
         found = solve(
-            replace(program, carriers=wide, goals=((1.0, outside),), scale=1.0), tolerance=1e-8
+            replace(program, variables=wide, goals=((1.0, outside),), scale=1.0), tolerance=1e-8
         )
     except Infeasible:
         return ()
     moved = []
-    for number, carrier in enumerate(space.carriers):
+    for number, variable in enumerate(space.variables):
         amount = float(found.amounts[number])
-        if amount > carrier.high + 1e-9:
-            moved.append(Relaxation(carrier.name, "high", carrier.high, amount))
-        elif amount < carrier.low - 1e-9:
-            moved.append(Relaxation(carrier.name, "low", carrier.low, amount))
+        if amount > variable.high + 1e-9:
+            moved.append(Relaxation(variable.name, "high", variable.high, amount))
+        elif amount < variable.low - 1e-9:
+            moved.append(Relaxation(variable.name, "low", variable.low, amount))
     return tuple(moved)

@@ -1,9 +1,9 @@
-"""The paper's balance: masses redistributed so that gravity asks nothing of M1..M3 (Eqs. 7-8).
+"""The paper's static balance by redistribution of masses (Eqs. 7-8).
 
 The static torques of M1..M3 are M_p2 times a map of the geometry, so that the whole workspace is
-balanced, in both assembly modes, by the one equation M_p2 = 0. It leaves a choice, which the paper
-does not settle. Here it is the least added mass, or the least mass moved, as asked for: a linear
-programme with one equation.
+balanced, on both branches of the knee, by the one equation M_p2 = 0. It leaves a choice, which the
+paper does not settle. Here it is the least added mass, or the least mass moved, as asked for: a
+linear program with one equation.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from paminsa_viz.balancing.changes import Changes, MassRange, MassSpace, mass_space
+from paminsa_viz.balancing.convex import MaxAbs
 from paminsa_viz.balancing.errors import InfeasibleBounds, Shortfall
 from paminsa_viz.balancing.optimum import (
     ActiveConstraint,
@@ -61,7 +62,7 @@ def balance(
     *,
     exact: bool = False,
 ) -> Optimum:
-    """Balance a design statically over its whole workspace, in both assembly modes.
+    """Balance a design statically over its whole workspace, on both branches of the knee.
 
     M_p2 becomes zero where the bounds allow it, to rounding; otherwise it comes as near to zero as
     they allow. Of all such distributions the one with the least ``criterion`` is returned.
@@ -80,14 +81,13 @@ def balance(
     space = mass_space(design, paper_changes(design) if changes is None else changes)
     row = np.zeros(len(space.start))
     row[MP2] = 1.0
-    low, high = (float(end[MP2]) for end in Program(space.start, space.carriers, ()).box())
-    target = min(max(0.0, low), high)
+    free = Program(space.start, space.variables, ())
+    target = min(max(0.0, free.least(row)), -free.least(-row))
     piece = chosen.piece(space)
-    program = Program(
-        space.start, space.carriers, ((1.0, piece),), fixed=((row, target),), scale=1.0
-    )
+    equal = MaxAbs(row[None], np.array([-target]))
+    program = replace(free, goals=((1.0, piece),), limits=((0.0, equal),), scale=1.0)
     if target != 0.0 and exact:
-        wanted = replace(program, fixed=((row, 0.0),))
+        wanted = replace(program, limits=((0.0, MaxAbs(row[None], np.zeros(1))),))
         short = Shortfall("|M_p2|", "N", 0.0, abs(target))
         raise InfeasibleBounds((short,), movable_bounds(space, wanted))
     found = solve(program)
@@ -100,7 +100,7 @@ def balance(
             TermValue("M_p2", "N", static_imbalance(design), static_imbalance(after)),
             TermValue(
                 chosen.label, chosen.unit,
-                piece.value(space.before, space.amounts), piece.value(found.state, found.amounts),
+                piece.value(space.before), piece.value(found.state),
             ),
         ),
         objective=found.value,
@@ -115,23 +115,23 @@ def _in_the_way(space: MassSpace, found: Solution, target: float) -> tuple[Activ
     """Return the bounds that keep M_p2 from zero; their prices are in N of |M_p2| for a kg."""
     toward = -np.sign(target)
     active = []
-    for number, carrier in enumerate(space.carriers):
-        levers = [lever for lever, _ in found.levers[number]] or list(carrier.span)
-        effect = max((toward * carrier.column(lever)[MP2] for lever in levers), key=abs)
+    for number, variable in enumerate(space.variables):
+        levers = [lever for lever, _ in found.levers[number]] or list(variable.span)
+        effect = max((toward * variable.column(lever)[MP2] for lever in levers), key=abs)
         if effect != 0:
-            side, bound = ("high", carrier.high) if effect > 0 else ("low", carrier.low)
-            active.append(ActiveConstraint(carrier.name, side, bound, "kg", float(abs(effect))))
+            side, bound = ("high", variable.high) if effect > 0 else ("low", variable.low)
+            active.append(ActiveConstraint(variable.name, side, bound, "kg", float(abs(effect))))
     return tuple(sorted(active, key=lambda item: -item.price))
 
 
 def _exact(space: MassSpace, levers: Levers) -> Levers:
     """Take the linear solver's rounding out of M_p2: move the mass that is free to move."""
     free: list[tuple[float, int, int, Array]] = []
-    for number, (carrier, places) in enumerate(zip(space.carriers, levers, strict=True)):
+    for number, (variable, places) in enumerate(zip(space.variables, levers, strict=True)):
         total = sum(amount for _, amount in places)
-        if carrier.low < total < carrier.high:
+        if variable.low < total < variable.high:
             for index, (lever, amount) in enumerate(places):
-                column = carrier.column(lever)
+                column = variable.column(lever)
                 if amount > 0:
                     free.append((abs(column[MP2]), number, index, column))
     if not free:

@@ -1,17 +1,13 @@
-"""Convex programmes by linear ones: HiGHS, rows and columns added until nothing is missing.
+"""Convex programs in masses and in the places where they are put.
 
-    minimize  sum_g weight_g F_g(s, z)   with  F_l(s, z) <= limit_l,  fixed . s = value,
+    minimize  sum_g weight_g F_g(s)   with  F_l(s) <= limit_l,
     s = start + sum_i sum_(levers of i) amount * (e_i0 + e_i1 lever + e_i2 lever^2),
-    low_i <= z_i = sum of the amounts of carrier i <= high_i.
+    low_i <= sum of the amounts of variable i <= high_i.
 
-A carrier with a span of levers may put its amount at any lever of the span, or share it out: the
-programme has a column for every lever, infinitely many. Those that are missing are priced exactly,
-as the price of a column is a parabola in the lever. Convex functions F are enclosed by rows
-(see `pieces`), added where a trial solution breaks them.
-
-Every round gives a bound from below that holds whatever the solver did: for any multipliers y of
-the rows, the least of the Lagrangian over all amounts and levers is worked out in closed form. The
-gap between it and the best solution found is the certificate.
+A variable with a span of levers may put its amount at any lever of the span, or share it out. Its
+effect depends on the amount m_0 and on the first and second moments m_1, m_2 of the levers alone,
+and with levers scaled to u = -1..1 these can be exactly what satisfies m_1^2 <= m_0 m_2 and
+m_2 <= m_0: one second-order cone, so that the program stays convex.
 """
 
 from __future__ import annotations
@@ -20,16 +16,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paminsa_viz.balancing.pieces import Piece
+from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.model.arrays import Array
 
 Levers = list[list[tuple[float, float]]]
-"""For each carrier the levers in use with their amounts."""
+"""For each variable the levers in use with their amounts."""
 
 
 @dataclass(frozen=True, eq=False)
 class Variable:
-    """Something whose amount can be chosen.
+    """An amount to choose, and for some also its lever.
 
     Attributes:
         name: What it is.
@@ -44,16 +40,52 @@ class Variable:
     effect: Array
     span: tuple[float, float] = (0.0, 0.0)
 
+    @property
+    def has_lever(self) -> bool:
+        """Whether there is a lever to choose."""
+        return self.span[1] > self.span[0]
+
     def column(self, lever: float) -> Array:
         """Return what one unit at a lever adds to the state, (d,)."""
         return self.effect[0] + lever * (self.effect[1] + lever * self.effect[2])
 
+    def moment_columns(self) -> Array:
+        """Return what the moments of the scaled levers add to the state, (1 or 3, d)."""
+        if not self.has_lever:
+            return self.column(self.span[0])[None]
+        middle, half = 0.5 * (self.span[0] + self.span[1]), 0.5 * (self.span[1] - self.span[0])
+        slope = half * (self.effect[1] + 2.0 * middle * self.effect[2])
+        return np.array([self.column(middle), slope, half**2 * self.effect[2]])
+
+    def levers_of(self, moments: Array) -> list[tuple[float, float]]:
+        """Return levers with amounts that have these moments; one or two of them.
+
+        Moments that no levers have (m_1^2 > m_0 m_2) are taken as those of one lever.
+        """
+        amount = float(np.clip(moments[0], self.low, self.high))
+        if not self.has_lever:
+            return [(self.span[0], amount)]
+        if amount <= 0:
+            return []
+        mean = float(np.clip(moments[1] / amount, -1.0, 1.0))
+        variance = min(float(moments[2]) / amount, 1.0) - mean**2
+        places = [(mean, amount)]
+        if variance > 0 and mean < 1.0:
+            # the part that is at the far end; the rest is at one other lever
+            share = variance / (variance + (1.0 - mean) ** 2)
+            places = [
+                (mean - variance / (1.0 - mean), (1.0 - share) * amount),
+                (1.0, share * amount),
+            ]
+        middle, half = 0.5 * (self.span[0] + self.span[1]), 0.5 * (self.span[1] - self.span[0])
+        return [(float(np.clip(middle + half * u, *self.span)), a) for u, a in places if a > 0]
+
     def cheapest(self, prices: Array) -> tuple[float, float]:
         """Return the lever at which the parabola with coefficients (3,) is least, and its value."""
-        first, second = self.span
-        levers = [first, second] if second > first else [first]
-        if second > first and prices[2] > 0:
-            levers.append(float(np.clip(-0.5 * prices[1] / prices[2], first, second)))
+        first, last = self.span
+        levers = [first, last] if self.has_lever else [first]
+        if self.has_lever and prices[2] > 0:
+            levers.append(float(np.clip(-0.5 * prices[1] / prices[2], first, last)))
         values = [prices[0] + lever * (prices[1] + lever * prices[2]) for lever in levers]
         best = int(np.argmin(values))
         return levers[best], values[best]
@@ -61,50 +93,53 @@ class Variable:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """See the module. ``scale`` is what the gap is measured by, beside the optimum itself."""
+    """See the module. ``scale`` is what the gap is measured by where the optimum is smaller."""
 
     start: Array
-    carriers: tuple[Variable, ...]
-    goals: tuple[tuple[float, Piece], ...]
-    limits: tuple[tuple[float, Piece], ...] = ()
-    fixed: tuple[tuple[Array, float], ...] = ()
+    variables: tuple[Variable, ...]
+    goals: tuple[tuple[float, ConvexTerm], ...]
+    limits: tuple[tuple[float, ConvexTerm], ...] = ()
     scale: float = 0.0
 
-    @property
-    def pieces(self) -> list[Piece]:
-        """All pieces, goals first."""
-        return [piece for _, piece in (*self.goals, *self.limits)]
+    def state(self, levers: Levers) -> Array:
+        """Return the state (d,) for levers with amounts."""
+        state = self.start.copy()
+        for variable, places in zip(self.variables, levers, strict=True):
+            for lever, amount in places:
+                state += amount * variable.column(lever)
+        return state
 
-    def box(self) -> tuple[Array, Array]:
-        """Return a box that holds every state, (d,) each."""
-        low, high = self.start.copy(), self.start.copy()
-        for carrier in self.carriers:
-            ends = [carrier.column(lever) for lever in carrier.span]
-            with np.errstate(divide="ignore", invalid="ignore"):
-                turn = -0.5 * carrier.effect[1] / carrier.effect[2]
-            inside = (turn > carrier.span[0]) & (turn < carrier.span[1])
-            t = np.where(inside, turn, carrier.span[0])
-            ends.append(carrier.effect[0] + t * (carrier.effect[1] + t * carrier.effect[2]))
-            least, most = np.min(ends, axis=0), np.max(ends, axis=0)
-            low += np.minimum(carrier.low * least, carrier.high * least)
-            high += np.maximum(carrier.low * most, carrier.high * most)
-        return low, high
+    def prices(self, gradient: Array) -> Array:
+        """Return what a unit of a variable adds to gradient . s, by power of the lever, (n, 3)."""
+        return np.array([v.effect @ gradient for v in self.variables]).reshape(-1, 3)
+
+    def least(self, gradient: Array) -> float:
+        """Return the least value of gradient . s over all choices, in closed form."""
+        total = float(gradient @ self.start)
+        for variable, price in zip(self.variables, self.prices(gradient), strict=True):
+            _, unit = variable.cheapest(price)
+            total += min(variable.low * unit, variable.high * unit)
+        return total
+
+    def value(self, state: Array) -> float:
+        """Return the weighted sum of the goals at a state."""
+        return float(sum(weight * term.value(state) for weight, term in self.goals))
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """What a programme came to.
+    """The solution of a program.
 
     Attributes:
         state: (d,) s.
-        amounts: (carriers,) z.
-        levers: For each carrier the levers in use with their amounts.
+        amounts: (variables,) their amounts.
+        levers: For each variable the levers in use with their amounts.
         value: The weighted sum of the goals.
         bound: No feasible choice has a smaller one.
-        prices: (carriers,) change of the optimum for one more unit, at the best lever.
-        slopes: (carriers,) derivatives of that price by the lever, where it is used.
+        prices: (variables,) change of the optimum for one more unit, at the best lever.
+        slopes: (variables,) derivatives of that price by the lever, where it is used.
         limit_prices: By limit, what the optimum falls by for a limit higher by one.
-        rounds: Linear programmes solved.
+        rounds: Linear or conic programs solved.
     """
 
     state: Array
@@ -129,14 +164,3 @@ class Infeasible(Exception):
     def __init__(self, excess: float) -> None:
         self.excess = excess
         super().__init__(f"limits are broken by {excess:.3g} at least")
-
-
-def evaluate(program: Program, levers: Levers) -> tuple[Array, Array]:
-    """Return state and amounts for levers with amounts."""
-    state = program.start.copy()
-    amounts = np.zeros(len(program.carriers))
-    for number, (carrier, places) in enumerate(zip(program.carriers, levers, strict=True)):
-        for lever, amount in places:
-            state += amount * carrier.column(lever)
-            amounts[number] += amount
-    return state, amounts

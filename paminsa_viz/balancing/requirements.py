@@ -9,7 +9,7 @@ import numpy as np
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_points import bar_length
@@ -94,16 +94,14 @@ class Measures:
         return float(sum(max(0.0, lack) for lack in lacks))
 
 
-def measure(
-    design: Design, needs: Requirements, assembly: KneeBranch = KneeBranch.LOWER
-) -> Measures:
+def measure(design: Design, needs: Requirements) -> Measures:
     """Measure a robot over a box of poses.
 
     Reach, torque and condition are those of the poses that are looked at; clearances from
     singularities are those of the whole box, in closed form.
     """
     pose = needs.poses()
-    m = mechanism(design.geometry, assembly)
+    m = mechanism(design.geometry)
     x, y, theta, z = pose.T
     # Always on arrays: compiled kernels differ in the last digit, and a search has to come out the
     # same in processes that have them and in others.

@@ -14,7 +14,7 @@ import numpy as np
 
 from paminsa_viz.balancing.executors import as_mapper, in_parts
 from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 
 if TYPE_CHECKING:
@@ -66,7 +66,6 @@ class Trial:
     paths: tuple[str, ...]
     needs: Requirements
     weights: Weights
-    assembly: KneeBranch
     scale_bars: bool
 
     def robot(self, lengths: np.ndarray) -> Design:
@@ -84,7 +83,7 @@ class Trial:
             robot = self.robot(lengths)
         except InvalidDesign:
             return 1e3 * REFUSED
-        found = measure(robot, self.needs, self.assembly)
+        found = measure(robot, self.needs)
         broken = found.broken(self.needs)
         cost = REFUSED * (1.0 + broken) if broken > 0 else self.weights.of(found)
         return float(cost) if np.isfinite(cost) else 1e3 * REFUSED
@@ -135,7 +134,6 @@ def search_geometry(
     design: Design,
     needs: Requirements,
     weights: Weights | None = None,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     ranges: Mapping[str, tuple[float, float]] | None = None,
     scale_bars: bool = True,
@@ -151,7 +149,6 @@ def search_geometry(
         design: Where the other numbers come from.
         needs: The box, and what has to hold over it.
         weights: What to make small; default the peak static torque.
-        assembly: Root of the knee.
         ranges: Least and largest value of each path searched; default half to twice the design's
             own for `DEFAULT_PATHS` (k from 1.5).
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
@@ -165,7 +162,7 @@ def search_geometry(
         InvalidInput: If a range is empty or a path is no length.
     """
     chosen = _ranges(design, ranges)
-    trial = Trial(design, tuple(chosen), needs, weights or Weights(), assembly, scale_bars)
+    trial = Trial(design, tuple(chosen), needs, weights or Weights(), scale_bars)
     history: list[float] = []
     canceled = False
 
@@ -191,10 +188,10 @@ def search_geometry(
     except InvalidDesign:
         best = design
     finer = needs.finer()
-    after = measure(best, finer, assembly)
+    after = measure(best, finer)
     return SearchResult(
         design=replace(best, name=design.name),
-        before=measure(design, finer, assembly),
+        before=measure(design, finer),
         after=after,
         feasible=bool(found.fun < REFUSED) and after.broken(needs) <= 0,
         cost=float(found.fun),

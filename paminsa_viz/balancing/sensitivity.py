@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.balancing.changes import Changes, MassRange, mass_space
-from paminsa_viz.balancing.pieces import Piece
+from paminsa_viz.balancing.changes import AMOUNTS, Changes, MassRange, mass_space
+from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.balancing.terms import (
     MP2,
     StaticPeak,
@@ -19,7 +19,7 @@ from paminsa_viz.balancing.terms import (
     TrajectoryRms,
 )
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
@@ -109,7 +109,6 @@ def tornado(
     design: Design,
     grid: Grid,
     trajectory: Trajectory | None = None,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     change: float = 0.05,
     paths: Sequence[str] = MASSES + LENGTHS,
@@ -120,7 +119,6 @@ def tornado(
         design: The design.
         grid: Workspace for the static torques.
         trajectory: Motion for the dynamic ones; without it they are NaN.
-        assembly: Root of the knee.
         change: Relative change to both sides, for the ends of the bars.
         paths: Values to change; counterweights' masses are added to them.
 
@@ -134,8 +132,8 @@ def tornado(
     for path in paths:
         if path not in MASSES + LENGTHS:
             raise InvalidInput(path, "this is neither a mass nor a length of the design")
-    bench = _Bench(grid, trajectory, assembly)
-    field = solve_field(design.geometry, grid, assembly)
+    bench = _Bench(grid, trajectory)
+    field = solve_field(design.geometry, grid)
     base = bench.outputs(design, field)
     masses = [path for path in paths if path in MASSES] + list(weights)
     bars = _mass_bars(design, bench, field, change, masses)
@@ -149,22 +147,21 @@ class _Bench:
 
     grid: Grid
     trajectory: Trajectory | None
-    assembly: KneeBranch
 
-    def pieces(self, design: Design, field: Field, changes: Changes) -> tuple[list[Piece], Array]:
+    def pieces(
+        self, design: Design, field: Field, changes: Changes
+    ) -> tuple[list[ConvexTerm], Array]:
         """Return the four torques as functions of a state, and the state of the design."""
         space = mass_space(design, changes)
         terms: list[Term] = [StaticPeak(field), StaticRms(field)]
         if self.trajectory is not None:
-            solved = solve_trajectory(
-                design.geometry, self.trajectory, self.assembly, gravity=design.gravity
-            )
+            solved = solve_trajectory(design.geometry, self.trajectory, gravity=design.gravity)
             terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
         return [term.piece(space) for term in terms], space.before
 
-    def at(self, pieces: list[Piece], state: Array) -> Array:
+    def at(self, pieces: list[ConvexTerm], state: Array) -> Array:
         """Return the outputs, (5,), of a state."""
-        found = [state[MP2]] + [piece.value(state, np.empty(0)) for piece in pieces]
+        found = [state[MP2]] + [piece.value(state) for piece in pieces]
         return np.array(found + [np.nan] * (len(OUTPUTS) - len(found)))
 
     def outputs(self, design: Design, field: Field) -> Array:
@@ -182,8 +179,8 @@ def _mass_bars(
     pieces, state = bench.pieces(design, field, Changes())
     base = bench.at(pieces, state)
     bars = []
-    for path, carrier in zip(paths, space.carriers, strict=True):
-        value, column = design.value(path), carrier.effect[0]
+    for path, variable in zip(paths, space.variables, strict=True):
+        value, column = design.value(path), variable.effect[0, :AMOUNTS]
         ends = [bench.at(pieces, state + sign * change * value * column) for sign in (-1, 1)]
         step = 1e-6 * max(value, 1e-3)
         lower, upper = (bench.at(pieces, state + sign * step * column) for sign in (-1, 1))
@@ -220,7 +217,7 @@ def _length_bar(
 
 
 def _solve(geometry: Geometry, bench: _Bench) -> Field:
-    return solve_field(geometry, bench.grid, bench.assembly)
+    return solve_field(geometry, bench.grid)
 
 
 def _only(field: Field, poses: NDArray[np.bool_]) -> Field:

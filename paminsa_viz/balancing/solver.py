@@ -1,4 +1,7 @@
-"""Solves convex programmes: rows and columns added to a linear one until the gap is closed."""
+"""Solves convex programs: an enclosure is solved and cut closer until its bound is reached.
+
+The gap between the bound and the best solution found is the certificate of the optimum.
+"""
 
 from __future__ import annotations
 
@@ -6,119 +9,125 @@ from typing import NamedTuple
 
 import numpy as np
 
+from paminsa_viz.balancing.enclosure import FEASIBLE, RESOLVED, Enclosure, Trial
 from paminsa_viz.balancing.errors import SolverFailed
-from paminsa_viz.balancing.master import Master, Trial
-from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution, evaluate
+from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution
 from paminsa_viz.model.arrays import Array
 
-MOST_ROUNDS = 200
+MAX_ROUNDS = 200
 """Rounds after which a solution is returned with the gap it has."""
 
-FEASIBLE = 1e-9
-"""By how much of itself (or of 1) a limit may be broken."""
 
-RESOLVED = 2e-10
-"""What the linear solver's own tolerance leaves open in a row."""
+ACCEPTED = 1e-8
+"""The same for a solution without a better one: limits may leave a conic solver no interior."""
 
 
-class _Found(NamedTuple):
-    value: float
-    state: Array
-    amounts: Array
+class _Candidate(NamedTuple):
+    """A choice of levers, what it comes to, and by how much it breaks the limits themselves."""
+
     levers: Levers
+    state: Array
+    value: float
+    excess: float
+
+    @property
+    def rank(self) -> tuple[float, float]:
+        """Smaller for a better one."""
+        return (0.0 if self.excess <= FEASIBLE else self.excess, self.value)
 
 
 def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
-    """Solve a programme.
+    """Solve a program.
 
     Args:
         program: See `program`.
-        tolerance: Gap to reach, relative to the optimum or to the programme's ``scale``.
+        tolerance: Gap to reach, relative to the optimum or to the program's ``scale``.
 
     Raises:
         Infeasible: If no choice meets the limits.
-        SolverFailed: If the linear solver fails.
+        SolverFailed: If a solver fails.
     """
-    master = Master(program)
-    best: _Found | None = None
-    bound, prices, limit_prices = -np.inf, np.zeros((len(program.carriers), 3)), np.zeros(0)
-    rounds = 0
-    while rounds < MOST_ROUNDS:
+    enclosure = Enclosure(program)
+    best: _Candidate | None = None
+    proof: Trial | None = None
+    rounds, relaxed = 0, False
+    while rounds < MAX_ROUNDS:
         rounds += 1
-        trial = master.solve(elastic=False)
+        trial = enclosure.solve()
         if trial is None:
-            rounds += _make_feasible(master)
+            if relaxed:
+                break
+            rounds += _relax(enclosure)
+            relaxed = True
             continue
-        found = _measured(program, trial.levers)
-        if trial.bound > bound:
-            bound, prices, limit_prices = trial.bound, trial.prices, trial.limit_prices
-        if _meets(program, found) and (best is None or found.value < best.value):
+        found = _candidate(program, trial.levers(program))
+        if proof is None or trial.bound > proof.bound:
+            proof = trial
+        if best is None or found.rank < best.rank:
             best = found
-        size = max(abs(bound), program.scale)
-        if best is not None and best.value - bound <= tolerance * size:
+        size = max(abs(proof.bound), program.scale)
+        if best.excess <= FEASIBLE and best.value - proof.bound <= tolerance * size:
             break
-        if not master.extend(trial, max(0.1 * tolerance * size, RESOLVED)):
+        if not enclosure.extend(trial, max(0.1 * tolerance * size, RESOLVED)):
             break
-    if best is None:
+    if best is None or proof is None or best.excess > ACCEPTED:
         raise SolverFailed("the limits could not be met within rounding")
-    best = _tidied(program, best, bound)
-    least = [
-        carrier.cheapest(price) for carrier, price in zip(program.carriers, prices, strict=True)
+    best = _tidied(program, best, 1e-9 * max(abs(proof.bound), program.scale))
+    least = [v.cheapest(price) for v, price in zip(program.variables, proof.prices, strict=True)]
+    slopes = [
+        price[1] + 2 * at * price[2] for price, (at, _) in zip(proof.prices, least, strict=True)
     ]
-    slopes = [price[1] + 2 * at * price[2] for price, (at, _) in zip(prices, least, strict=True)]
     return Solution(
-        best.state, best.amounts, best.levers, best.value, bound,
-        np.array([value for _, value in least]), np.array(slopes), limit_prices, rounds,
-    )  # fmt: skip
-
-
-def _measured(program: Program, levers: Levers) -> _Found:
-    state, amounts = evaluate(program, levers)
-    value = sum(weight * piece.value(state, amounts) for weight, piece in program.goals)
-    return _Found(float(value), state, amounts, levers)
-
-
-def _meets(program: Program, found: _Found) -> bool:
-    """Whether limits are met themselves, not only the rows so far."""
-    return all(
-        piece.value(found.state, found.amounts) <= limit + FEASIBLE * max(1.0, abs(limit))
-        for limit, piece in program.limits
+        state=best.state,
+        amounts=np.array([sum(amount for _, amount in places) for places in best.levers]),
+        levers=best.levers,
+        value=best.value,
+        bound=proof.bound,
+        prices=np.array([unit for _, unit in least]),
+        slopes=np.array(slopes),
+        limit_prices=proof.limit_prices,
+        rounds=rounds,
     )
 
 
-def _make_feasible(master: Master) -> int:
-    """Add levers and rows until the limits can be met; return the rounds.
+def _candidate(program: Program, levers: Levers) -> _Candidate:
+    state = program.state(levers)
+    excess = [(t.value(state) - limit) / max(1.0, abs(limit)) for limit, t in program.limits]
+    return _Candidate(levers, state, program.value(state), max(excess, default=0.0))
+
+
+def _relax(enclosure: Enclosure) -> int:
+    """Raise limits that are out of reach by rounding alone; return the rounds this took.
 
     Raises:
-        Infeasible: If they cannot.
+        Infeasible: If they are out of reach by more.
     """
-    for rounds in range(1, MOST_ROUNDS + 1):
-        trial: Trial | None = master.solve(elastic=True)
+    for rounds in range(1, MAX_ROUNDS + 1):
+        trial = enclosure.solve(elastic=True)
         if trial is None:
             raise Infeasible(np.inf)
         if trial.bound > FEASIBLE:
             raise Infeasible(trial.bound)
-        if trial.excess <= RESOLVED or not master.extend(trial, RESOLVED):
+        if not enclosure.extend(trial, RESOLVED):
             if trial.excess > FEASIBLE:
                 raise Infeasible(trial.excess)
+            enclosure.relax(trial.excess + RESOLVED)
             return rounds
     raise SolverFailed("it could not be decided whether the limits can be met")
 
 
-def _tidied(program: Program, best: _Found, bound: float) -> _Found:
-    """Leave out levers without amount, and join neighbors that stand for one lever."""
-    levers: Levers = []
-    for carrier, places in zip(program.carriers, best.levers, strict=True):
-        used = sorted((v, a) for v, a in places if a > 1e-9 * carrier.high)
-        close = 1e-3 * (carrier.span[1] - carrier.span[0])
-        joined: list[tuple[float, float]] = []
-        for lever, amount in used:
-            if joined and lever - joined[-1][0] <= close:
-                old, held = joined.pop()
-                joined.append(((old * held + lever * amount) / (held + amount), held + amount))
-            else:
-                joined.append((lever, amount))
-        levers.append(joined if len(places) > 1 else places)
-    tidy = _measured(program, levers)
-    allowed = best.value + 1e-9 * max(abs(bound), program.scale)
-    return tidy if tidy.value <= allowed and _meets(program, tidy) else best
+def _tidied(program: Program, best: _Candidate, slack: float) -> _Candidate:
+    """Put amounts at the bounds they are near to, and shared amounts at one lever, if that does."""
+    for number, variable in enumerate(program.variables):
+        places = best.levers[number]
+        amount = sum(a for _, a in places)
+        near = [b for b in (variable.low, variable.high) if abs(amount - b) <= 1e-9 * variable.high]
+        target = near[0] if near else amount
+        mean = sum(v * a for v, a in places) / amount if amount > 0 else variable.span[0]
+        single = [] if variable.has_lever and target <= 0 else [(mean, target)]
+        if single != places:
+            levers = [*best.levers[:number], single, *best.levers[number + 1 :]]
+            tidy = _candidate(program, levers)
+            if tidy.value <= best.value + slack and tidy.excess <= max(best.excess, FEASIBLE):
+                best = tidy
+    return best

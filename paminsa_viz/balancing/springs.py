@@ -5,7 +5,7 @@ length L stores K (d - L)^2 / 2 at a length d, so that an actuator has to hold
 
     Q_j = K d dd/dq_j - K L dd/dq_j:
 
-linear in K and K L together. So stiffnesses and free lengths come out of one convex programme, with
+linear in K and K L together. So stiffnesses and free lengths come out of one convex program, with
 a global optimum; a free length of zero is the special case that L is held there. The springs'
 own mass is left out.
 
@@ -23,11 +23,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.balancing.anchors import Anchor
-from paminsa_viz.balancing.pieces import Largest, Norm
+from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
@@ -40,7 +40,7 @@ class SpringPlace:
 
     Attributes:
         first, second: Its two points.
-        stiffest: Largest stiffness on each leg [N/m].
+        stiffest: MaxAbs stiffness on each leg [N/m].
         shortest, longest: Range of its free length [m]; both zero for a zero-free-length spring.
     """
 
@@ -115,36 +115,33 @@ def _lengths(
     return np.hypot(across, up), by_rho, by_zeta
 
 
-def _legs(geometry: Geometry, pose: Array, assembly: KneeBranch) -> LegPosition:
+def _legs(geometry: Geometry, pose: Array) -> LegPosition:
     still = np.zeros_like(pose)
-    return leg_states(geometry, pose, still, still, assembly)[0]
+    return leg_states(geometry, pose, still, still)[0]
 
 
 def spring_lengths(
     geometry: Geometry,
     spring: Spring | SpringPlace,
     pose: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Array:
     """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
-    legs = _legs(geometry, as_vectors(pose, "pose"), assembly)
+    legs = _legs(geometry, as_vectors(pose, "pose"))
     return _lengths(geometry, legs, spring.first, spring.second)[0]
 
 
-def spring_energy(
-    geometry: Geometry, spring: Spring, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
-) -> Array:
+def spring_energy(geometry: Geometry, spring: Spring, pose: ArrayLike) -> Array:
     """Return the energy in the three springs together, (...) [J]."""
-    stretch = spring_lengths(geometry, spring, pose, assembly) - spring.free_length
+    stretch = spring_lengths(geometry, spring, pose) - spring.free_length
     return 0.5 * spring.stiffness * (stretch**2).sum(axis=-1)
 
 
 @np.errstate(all="ignore")
 def _unit_torques(
-    geometry: Geometry, place: Spring | SpringPlace, pose: Array, assembly: KneeBranch
+    geometry: Geometry, place: Spring | SpringPlace, pose: Array
 ) -> tuple[Array, Array]:
     """Return the actuators' torques for K = 1 and for K L = 1, (..., 4) each."""
-    legs = _legs(geometry, pose, assembly)
+    legs = _legs(geometry, pose)
     length, by_rho, by_zeta = _lengths(geometry, legs, place.first, place.second)
     whole = torques_of_legs(geometry, pose, legs, by_rho, by_zeta).sum(axis=-1)
     # a spring of no length has no direction, and pulls with nothing that depends on one
@@ -157,7 +154,6 @@ def spring_torques(
     geometry: Geometry,
     springs: Sequence[Spring],
     pose: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Array:
     """Return what actuators have to hold against springs, dV/dq, (..., 4) [N m, N].
 
@@ -166,7 +162,7 @@ def spring_torques(
     pose = as_vectors(pose, "pose")
     total = np.zeros_like(pose)
     for spring in springs:
-        whole, free = _unit_torques(geometry, spring, pose, assembly)
+        whole, free = _unit_torques(geometry, spring, pose)
         total += spring.stiffness * (whole + spring.free_length * free)
     return total
 
@@ -175,7 +171,6 @@ def fit_springs(
     design: Design,
     places: Sequence[SpringPlace],
     pose: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     measure: str = "peak",
 ) -> SpringFit:
@@ -185,7 +180,6 @@ def fit_springs(
         design: The robot, with its masses as they are.
         places: Where springs may be.
         pose: (..., 4) the workspace, for example ``grid.poses()``; poses out of reach do not count.
-        assembly: Root of the knee.
         measure: ``"peak"`` or ``"rms"`` of the static torques of M1..M3 over the poses.
 
     Raises:
@@ -195,8 +189,8 @@ def fit_springs(
     if measure not in ("peak", "rms"):
         raise InvalidInput("measure", f"'peak' or 'rms' is needed, not {measure!r}")
     pose = as_vectors(pose, "pose").reshape(-1, 4)
-    gravity = static_torques(design, pose, assembly)[:, :3]
-    columns = [_unit_torques(design.geometry, place, pose, assembly) for place in places]
+    gravity = static_torques(design, pose)[:, :3]
+    columns = [_unit_torques(design.geometry, place, pose) for place in places]
     matrix = np.array([part[:, :3] for pair in columns for part in pair]).reshape(
         2 * len(places), len(pose), 3
     )
@@ -206,7 +200,7 @@ def fit_springs(
     offset = gravity[good].ravel()
     rows = np.ascontiguousarray(matrix[:, good].reshape(2 * len(places), offset.size).T)
     if measure == "peak":
-        piece = Largest(rows, offset)
+        piece = MaxAbs(rows, offset)
     else:
         triangle = np.linalg.qr(np.column_stack([rows, offset]), mode="r") / np.sqrt(len(offset))
         piece = Norm(triangle[:, :-1], triangle[:, -1])
@@ -217,11 +211,11 @@ def fit_springs(
         stiffness, product = found.state[2 * number : 2 * number + 2]
         free = product / stiffness if stiffness > 0 else place.shortest
         springs.append(Spring(place.first, place.second, float(stiffness), float(free)))
-    legs = _legs(design.geometry, pose[good], assembly)
+    legs = _legs(design.geometry, pose[good])
     lengths = [_lengths(design.geometry, legs, p.first, p.second)[0] for p in places]
     return SpringFit(
         springs=tuple(springs),
-        before=piece.value(np.zeros(2 * len(places)), found.amounts),
+        before=piece.value(np.zeros(2 * len(places))),
         after=found.value,
         lower_bound=found.bound,
         reach=tuple((float(d.min()), float(d.max())) for d in lengths),
@@ -229,13 +223,13 @@ def fit_springs(
     )
 
 
-def _program(places: Sequence[SpringPlace], piece: Largest | Norm, scale: float) -> Program:
-    """Return the programme in (K, K L) of each spring: the free length is the carrier's lever."""
-    carriers = []
+def _program(places: Sequence[SpringPlace], piece: MaxAbs | Norm, scale: float) -> Program:
+    """Return the program in (K, K L) of each spring: the free length is the lever."""
+    variables = []
     for number, place in enumerate(places):
         effect = np.zeros((3, 2 * len(places)))
         effect[0, 2 * number] = effect[1, 2 * number + 1] = 1.0
         name = f"{place.first.name} to {place.second.name}"
         span = (place.shortest, place.longest)
-        carriers.append(Variable(name, 0.0, place.stiffest, effect, span))
-    return Program(np.zeros(2 * len(places)), tuple(carriers), ((1.0, piece),), scale=scale)
+        variables.append(Variable(name, 0.0, place.stiffest, effect, span))
+    return Program(np.zeros(2 * len(places)), tuple(variables), ((1.0, piece),), scale=scale)

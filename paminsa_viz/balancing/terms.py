@@ -7,12 +7,12 @@ peak is a maximum of linear functions, their RMS a norm, the energy that drives 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
-from paminsa_viz.balancing.changes import MASS, MassSpace
-from paminsa_viz.balancing.pieces import Deviations, Largest, Norm, Piece, PositivePartSum
+from paminsa_viz.balancing.changes import AMOUNTS, MASS, MassSpace
+from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.time_weights import time_weights
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.dynamics import frictionless
@@ -47,7 +47,7 @@ class Term(Protocol):
     @property
     def unit(self) -> str: ...
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """Return it as a function of the space's states.
 
         Raises:
@@ -91,7 +91,7 @@ class StaticPeak:
     label: str = "peak static torque"
     unit: str = "N m"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         _same_geometry(space, self.field.geometry, "field")
         return _balance_piece(space, float(np.abs(_reached(self.field)[:3]).max()))
@@ -105,7 +105,7 @@ class StaticRms:
     label: str = "RMS static torque"
     unit: str = "N m"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         _same_geometry(space, self.field.geometry, "field")
         return _balance_piece(space, float(np.sqrt(np.mean(_reached(self.field)[:3] ** 2))))
@@ -118,13 +118,13 @@ class Imbalance:
     label: str = "|M_p2|"
     unit: str = "N"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         return _balance_piece(space, 1.0)
 
 
-def _balance_piece(space: MassSpace, factor: float) -> Largest:
-    return Largest(_row(len(space.start), Mp2=factor)[None], np.zeros(1))
+def _balance_piece(space: MassSpace, factor: float) -> MaxAbs:
+    return MaxAbs(_row(len(space.start), Mp2=factor)[None], np.zeros(1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class StaticLift:
     label: str = "peak static force of M4"
     unit: str = "N"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         _same_geometry(space, self.field.geometry, "field")
         lift = _reached(self.field)[3]
@@ -144,13 +144,13 @@ class StaticLift:
             _row(len(space.start), Mp1=3 * k, Mp2=end, Mp3=3.0, m_pl=k * g)
             for end in (float(lift.min()), float(lift.max()))
         ]
-        return Largest(np.array(matrix), np.zeros(2))
+        return MaxAbs(np.array(matrix), np.zeros(2))
 
 
 def trajectory_rows(
     space: MassSpace, solved: SolvedTrajectory, actuators: tuple[int, ...]
 ) -> tuple[Array, Array]:
-    """Return torques on a trajectory as matrix . s + offset: (n, actuators, 19), (n, actuators).
+    """Return torques on a trajectory as matrix . s + offset: (n, actuators, d), (n, actuators).
 
     The offset is friction.
 
@@ -212,12 +212,12 @@ class TrajectoryPeak(_Effort):
 
     measure = "peak"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         # samples of one actuator stay neighbors, so that a part of the list is a part of time
         matrix = np.moveaxis(matrix, 1, 0).reshape(-1, matrix.shape[-1])
-        return Largest(np.ascontiguousarray(matrix), offset.T.ravel())
+        return MaxAbs(np.ascontiguousarray(matrix), offset.T.ravel())
 
 
 class TrajectoryRms(_Effort):
@@ -230,17 +230,19 @@ class TrajectoryRms(_Effort):
 
     measure = "RMS"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         t = self.solved.trajectory.t
         weight = np.sqrt(time_weights(t) / ((t[-1] - t[0]) * len(self.actuators)))
-        both = np.concatenate([matrix, offset[..., None]], axis=-1) * weight[:, None, None]
+        both = np.concatenate([matrix[..., :MASS], offset[..., None]], axis=-1)
+        scaled: Array = (both * weight[:, None, None]).reshape(-1, MASS + 1)
         # The norm of many rows is that of the triangle of their QR factors.
-        triangle = np.linalg.qr(both.reshape(-1, both.shape[-1]), mode="r")
+        triangle: Any = np.linalg.qr(scaled, mode="r")
         used = np.abs(triangle).max(axis=1) > 1e-15 * np.abs(triangle).max()
-        triangle = triangle[used]
-        return Norm(triangle[:, :-1], triangle[:, -1])
+        rows = np.zeros((int(used.sum()), len(space.start)))
+        rows[:, :MASS] = triangle[used, :-1]
+        return Norm(rows, triangle[used, -1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -255,7 +257,7 @@ class TrajectoryEnergy:
     label: str = "driving energy on the trajectory"
     unit: str = "J"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, (0, 1, 2, 3))
         weight = (time_weights(self.solved.trajectory.t)[:, None] * self.solved.speed).T
@@ -275,22 +277,30 @@ class AddedMass:
     label: str = "added mass"
     unit: str = "kg"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         row = np.zeros((1, len(space.start)))
         row[0, MASS] = 1.0
-        return Largest(row, -space.before[MASS:], absolute=False)
+        return MaxAbs(row, -space.before[[MASS]], absolute=False)
 
 
 @dataclass(frozen=True)
 class MassChange:
-    """All that is added and all that is taken away, all three legs together [kg]."""
+    """All that is added and all that is removed, all three legs together [kg]."""
 
     label: str = "mass moved"
     unit: str = "kg"
 
-    def piece(self, space: MassSpace) -> Piece:
+    def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        reach = [max(c.high - a, a) for c, a in zip(space.carriers, space.amounts, strict=True)]
-        most = float(space.counts @ np.array(reach)) if reach else 0.0
-        return Deviations(space.amounts, space.amounts, space.counts, most)
+        held = space.before[AMOUNTS:]
+        return deviations(space, held, held)
+
+
+def deviations(space: MassSpace, low: Array, high: Array) -> PositivePartSum:
+    """Return by how much the amounts are outside of ranges, all three legs together [kg]."""
+    count = len(space.counts)
+    rows = np.zeros((2 * count, len(space.start)))
+    rows[:count, AMOUNTS:], rows[count:, AMOUNTS:] = np.diag(space.counts), -np.diag(space.counts)
+    offset = np.concatenate([-space.counts * high, space.counts * low])
+    return PositivePartSum(rows, offset, np.arange(2 * count))

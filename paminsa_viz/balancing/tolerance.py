@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_column
@@ -65,7 +65,6 @@ def mass_tolerance(
     design: Design,
     tolerances: Tolerances,
     pose: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> MassTolerance:
     """Return the spread of M_p2 and of the static torques of M1..M3 from masses.
 
@@ -73,7 +72,6 @@ def mass_tolerance(
         design: The robot.
         tolerances: Of joint and link masses, and of ``"counterweights.0.mass"`` and so on.
         pose: (..., 4) where [m, m, rad, m].
-        assembly: Root of the knee.
 
     Raises:
         InvalidInput: If a tolerance is no part below 1, or for a path that is no mass of a leg.
@@ -90,8 +88,8 @@ def mass_tolerance(
     reach = np.array(effects) * _relative(tolerances, paths)
     deviation = float(np.linalg.norm(reach)) / np.sqrt(3.0)
     worst = float(np.abs(reach).sum())
-    torque = static_torques(design, pose, assembly)[..., :3]
-    by_leg = unit_torques_by_leg(geometry, pose, assembly)[..., :3, :]
+    torque = static_torques(design, pose)[..., :3]
+    by_leg = unit_torques_by_leg(geometry, pose)[..., :3, :]
     by_leg = np.where(np.isfinite(torque)[..., None], by_leg, np.nan)
     variance = reach**2
     total = float(variance.sum())
@@ -142,7 +140,6 @@ def length_tolerance(
     design: Design,
     tolerances: Tolerances,
     pose: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     samples: int = 200,
     seed: int = 0,
@@ -155,7 +152,6 @@ def length_tolerance(
         design: The robot; its masses are as they should be.
         tolerances: Of `LENGTH_PATHS`, and of ``"counterweights.0.beyond"`` and so on.
         pose: (..., 4) the workspace [m, m, rad, m].
-        assembly: Root of the knee.
         samples: Number of robots to draw.
         seed: The same seed gives the same robots.
 
@@ -188,13 +184,13 @@ def length_tolerance(
                     "tolerances", "they are so wide that hardly any sample is a robot"
                 ) from None
             continue
-        peak, lost = _peak(other, pose, assembly)
+        peak, lost = _peak(other, pose)
         found.append((peak, static_imbalance(other), lost))
     peaks, balances, lost = (np.array(column) for column in zip(*found, strict=True))
-    return LengthTolerance(_peak(design, pose, assembly)[0], peaks, balances, lost, impossible)
+    return LengthTolerance(_peak(design, pose)[0], peaks, balances, lost, impossible)
 
 
-def _peak(design: Design, pose: Array, assembly: KneeBranch) -> tuple[float, int]:
-    torque = np.abs(static_torques(design, pose, assembly)[:, :3])
+def _peak(design: Design, pose: Array) -> tuple[float, int]:
+    torque = np.abs(static_torques(design, pose)[:, :3])
     good = np.isfinite(torque).all(axis=1)
     return (float(torque[good].max()) if good.any() else 0.0), int((~good).sum())

@@ -27,13 +27,13 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.explorer.bounds import LARGEST
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.weights import room_words
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
@@ -88,9 +88,9 @@ class Flags:
     """The motion."""
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
     """A motion as a table, instead of a preset."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode, for goals on a motion and the room of counterweights; a static balance holds
-    in both."""
+    assembly: Assembly | None = None
+    """Branch of the knee, for goals on a motion and the room of counterweights; by default the
+    design's own. A static balance holds for both."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Write the design here."""
     json: bool = False
@@ -100,8 +100,8 @@ class Flags:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Flags, words, "balance", DESCRIPTION)
-    design = design_of(flags.design)
-    changes, assembly = _changes(flags, design), KneeBranch(flags.assembly)
+    design = design_of(flags.design, flags.assembly)
+    changes = _changes(flags, design)
     on_motion = flags.max_imbalance is not None or flags.max_added is not None
     if flags.goal == "static" and on_motion:
         raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
@@ -118,9 +118,9 @@ def main(words: list[str]) -> int:
         comment = f"Balanced by paminsa_viz {__version__}."
         save_design(replace(found.after, name=flags.out.stem[:100]), flags.out, comment=comment)
     if flags.json:
-        print_json(_report(found, assembly))
+        print_json(_report(found))
     else:
-        _print(found, assembly)
+        _print(found)
         if flags.out is not None:
             print(f"{flags.out}: written")
     return 0
@@ -170,9 +170,8 @@ def _on_motion(flags: Flags, design: Design, changes: Changes) -> Optimum:
         ImpossibleTrajectory: If the robot cannot run it.
         InfeasibleBounds: If the bounds do not allow the limits.
     """
-    assembly = KneeBranch(flags.assembly)
-    motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
-    solved = solve_trajectory(design.geometry, motion, assembly, gravity=design.gravity)
+    motion = motion_of(flags.preset, flags.file, design.geometry)
+    solved = solve_trajectory(design.geometry, motion, gravity=design.gravity)
     solved.check.require()
     goals = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
     limits: list[tuple[Term, float]] = []
@@ -194,13 +193,13 @@ def _changed(found: Optimum) -> list[tuple[str, float, float]]:
     return [item for item in pairs if item[1] != item[2]]
 
 
-def _report(found: Optimum, assembly: KneeBranch) -> dict[str, Any]:
+def _report(found: Optimum) -> dict[str, Any]:
     after = found.after
     return {
         "values": [vars(value) for value in found.values],
         "changes": {path: {"before": a, "after": b} for path, a, b in _changed(found)},
         "counterweights": [
-            vars(weight) | {"room": room_words(after.geometry, weight, assembly)}
+            vars(weight) | {"room": room_words(after.geometry, weight)}
             for weight in after.counterweights
         ],
         "active_bounds": [vars(item) for item in found.active],
@@ -211,7 +210,7 @@ def _report(found: Optimum, assembly: KneeBranch) -> dict[str, Any]:
     }
 
 
-def _print(found: Optimum, assembly: KneeBranch) -> None:
+def _print(found: Optimum) -> None:
     rows = [("", "before", "after", "unit")]
     for value in found.values:
         limit = "" if value.limit is None else f", at most {value.limit:.6g}"
@@ -236,7 +235,7 @@ def _print(found: Optimum, assembly: KneeBranch) -> None:
             indent=2,
         )
     for weight in found.after.counterweights:
-        print(f"\n{weight.place}: {room_words(found.after.geometry, weight, assembly)}")
+        print(f"\n{weight.place}: {room_words(found.after.geometry, weight)}")
     print(
         f"\nNo masses within the bounds do better than {found.lower_bound:.10g}; "
         f"these reach {found.objective:.10g}."

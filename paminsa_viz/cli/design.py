@@ -12,7 +12,7 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import KEYS, DesignKey
+from paminsa_viz.files.design_schema import KEYS, KNEE, TABLES, DesignKey
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.errors import PaminsaError
@@ -27,6 +27,8 @@ Work with design files: a robot's lengths, masses and inertias as readable TOML.
   paminsa-viz design show robot.toml            every value with the paper's symbol
 
 A file may leave values out; they are then Appendix 4's."""
+
+KNEE_MEANING = "branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image"
 
 
 @dataclass(frozen=True)
@@ -49,6 +51,7 @@ class Check:
                 code = 2
                 continue
             count = len(differences(APPENDIX_4, design)) + len(design.counterweights)
+            count += design.geometry.knee is not APPENDIX_4.geometry.knee
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
         return code
@@ -68,13 +71,18 @@ class Show:
         design = _load(self.file)
         if self.json:
             weights = [vars(weight) for weight in design.counterweights]
-            print_json({"name": design.name, "values": _values(design), "counterweights": weights})
+            knee = design.geometry.knee.value
+            values = {"name": design.name, "knee": knee, "values": _values(design)}
+            print_json(values | {"counterweights": weights})
             return 0
         print(design.name)
         rows = [
             (key.table, key.name, f"{design.value(key.parameter.path):.10g}", _meaning(key))
             for key in KEYS
         ]
+        rows.insert(
+            len(TABLES["geometry"]), ("geometry", KNEE, design.geometry.knee.value, KNEE_MEANING)
+        )
         rows += [
             ("counterweights", "mass_kg", f"{weight.mass:.10g}", weight.place)
             for weight in design.counterweights
@@ -116,16 +124,19 @@ class Diff:
         files = (None, self.file) if self.other is None else (self.file, self.other)
         first, second = map(_load, files)
         found = differences(first, second)
+        knees = [design.geometry.knee.value for design in (first, second)]
         weighted = first.counterweights != second.counterweights
         if self.json:
-            changes = {key.path: {"first": a, "second": b} for key, a, b in found}
+            changes: dict[str, Any] = {key.path: {"first": a, "second": b} for key, a, b in found}
+            if knees[0] != knees[1]:
+                changes[f"geometry.{KNEE}"] = {"first": knees[0], "second": knees[1]}
             weights = {
                 name: [vars(weight) for weight in design.counterweights]
                 for name, design in (("first", first), ("second", second))
             }
             told = {"first": first.name, "second": second.name, "differences": changes}
             print_json(told | ({"counterweights": weights} if weighted else {}))
-        elif not found and not weighted:
+        elif not found and not weighted and knees[0] == knees[1]:
             print("the designs have the same values")
         else:
             rows: list[tuple[str, ...]] = [
@@ -139,6 +150,8 @@ class Diff:
                 )
                 for key, a, b in found
             ]
+            if knees[0] != knees[1]:
+                rows.append(("geometry", KNEE, *knees, "", KNEE_MEANING))
             if weighted:
                 held = [
                     "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or "-"

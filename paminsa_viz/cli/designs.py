@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Literal, TypeAlias
 
 from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
 
+Assembly: TypeAlias = Literal["printed", "mirror"]
+"""Values of `KneeBranch`, for flags."""
 
-def design_of(file: Path | None) -> Design:
+
+def design_of(file: Path | None, assembly: Assembly | None = None) -> Design:
     """Return a file's design, or Appendix 4's without one.
+
+    Args:
+        file: Design file.
+        assembly: Branch of the knee, instead of the file's own.
 
     Raises:
         DesignFileError: If the file cannot be read, is refused, or has numbers of a size that can
             not be worked with.
     """
-    if file is None:
-        return APPENDIX_4
     try:
-        return validate_limits(load_design(file))
+        design = APPENDIX_4 if file is None else validate_limits(load_design(file))
+        return design if assembly is None else design.with_knee(KneeBranch(assembly))
     except InvalidDesign as error:
         raise DesignFileError(str(file), str(error)) from error

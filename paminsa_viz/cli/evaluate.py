@@ -6,13 +6,13 @@ import os
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.files.atomic import written_whole
 from paminsa_viz.files.columns import (
     ACCELERATION,
@@ -24,7 +24,7 @@ from paminsa_viz.files.columns import (
     VELOCITY,
 )
 from paminsa_viz.files.tables import TableBlock, TableReader, csv_rows, header_lines, open_table
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit, status_words
@@ -55,8 +55,9 @@ class Evaluate:
     """Table to write; may be IN.csv itself."""
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
 
 
 @dataclass
@@ -83,8 +84,8 @@ class Summary:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Evaluate, words, "evaluate", DESCRIPTION)
-    design = design_of(flags.design)
-    tally = evaluate_table(flags.table, flags.out, design, KneeBranch(flags.assembly))
+    design = design_of(flags.design, flags.assembly)
+    tally = evaluate_table(flags.table, flags.out, design)
     print(f"{flags.out}: {tally}")
     return 0
 
@@ -93,7 +94,6 @@ def evaluate_table(
     source: str | os.PathLike[str],
     target: str | os.PathLike[str],
     design: Design = APPENDIX_4,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Summary:
     """Evaluate a CSV table of poses into another one, of any length in bounded memory.
 
@@ -101,7 +101,6 @@ def evaluate_table(
         source: Table to read.
         target: Table to write; it may be the same file, and appears only when it is complete.
         design: The robot.
-        assembly: The assembly mode.
 
     Raises:
         FileError: If a file cannot be read or written, or holds something else than poses.
@@ -112,7 +111,7 @@ def evaluate_table(
         with written_whole(target) as file:
             file.write(header_lines({}, (*table.header, *ACTUATORS, *TORQUES, STATUS)))
             for block in table.blocks():
-                results, words = evaluate_block(block, design, assembly)
+                results, words = evaluate_block(block, design)
                 texts = np.array([",".join(map(str.strip, row)) for row in block.cells], object)
                 file.write(csv_rows([texts, *results.T, words]))
                 tally.rows += len(words)
@@ -122,15 +121,13 @@ def evaluate_table(
     return tally
 
 
-def evaluate_block(
-    block: TableBlock, design: Design, assembly: KneeBranch
-) -> tuple[np.ndarray, np.ndarray]:
+def evaluate_block(block: TableBlock, design: Design) -> tuple[np.ndarray, np.ndarray]:
     """Return (n, 8) actuator positions and torques, NaN in rows without, and each row's status."""
     pose, velocity, acceleration = (
         block.group(names, default=0.0) for names in (POSE, VELOCITY, ACCELERATION)
     )
-    configuration = inverse_kinematics(design.geometry, pose, assembly)
-    dynamics = inverse_dynamics(design, pose, velocity, acceleration, assembly)
+    configuration = inverse_kinematics(design.geometry, pose)
+    dynamics = inverse_dynamics(design, pose, velocity, acceleration)
     results = np.concatenate([configuration.actuators, dynamics.torque], axis=-1)
     # A finite motion can still be too large for its torque to be a finite number.
     overflow = (dynamics.status == Limit.OK) & ~np.isfinite(results).all(axis=-1)

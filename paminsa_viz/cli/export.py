@@ -6,18 +6,18 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.placing import start_pose
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
 
@@ -45,8 +45,9 @@ class Export:
     """Write the MuJoCo model with the robot's shapes: robot.xml and meshes/*.obj."""
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
     pose: Annotated[
         tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y THETA Z")
     ] = None
@@ -61,15 +62,14 @@ def main(words: list[str]) -> int:
     flags = parse(Export, words, "export", DESCRIPTION)
     if flags.glb is None and flags.mjcf is None and flags.meshes is None:
         raise UsageError("nothing to write; give --glb, --mjcf or --meshes")
-    design = design_of(flags.design)
-    assembly = KneeBranch(flags.assembly)
+    design = design_of(flags.design, flags.assembly)
     if flags.pose is None:
-        pose = start_pose(design, assembly)
+        pose = start_pose(design)
     else:
         x, y, theta, z = flags.pose
         pose = np.array([1e-3 * x, 1e-3 * y, math.radians(theta), 1e-3 * z])
     require_reachable(design.geometry, pose)
-    contents = _contents(flags, design, assembly, pose)
+    contents = _contents(flags, design, pose)
     for path, content in contents:
         if not isinstance(content, bytes):
             _make_folders(path, content)  # before any file: what most often cannot be made
@@ -85,7 +85,7 @@ def main(words: list[str]) -> int:
 
 
 def _contents(
-    flags: Export, design: Design, assembly: KneeBranch, pose: Array
+    flags: Export, design: Design, pose: Array
 ) -> list[tuple[Path, bytes | dict[str, bytes]]]:
     """Return what was asked for: paths with their content, or with files by name for a folder.
 
@@ -95,12 +95,12 @@ def _contents(
     from paminsa_viz.meshes import assemble_glb
     from paminsa_viz.meshes.robot_files import robot_files, zipped
 
-    configuration = inverse_kinematics(design.geometry, pose, assembly)
+    configuration = inverse_kinematics(design.geometry, pose)
     made: list[tuple[Path, bytes | dict[str, bytes]]] = []
     if flags.glb is not None:
         made.append((flags.glb, assemble_glb(design, configuration)))
     if flags.mjcf is not None or flags.meshes is not None:
-        text = exported_mjcf(design, assembly, pose=pose.tolist(), servos=not flags.motors)
+        text = exported_mjcf(design, pose=pose.tolist(), servos=not flags.motors)
         if flags.mjcf is not None:
             made.append((flags.mjcf, text.encode()))
         if flags.meshes is not None:

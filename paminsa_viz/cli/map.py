@@ -12,19 +12,18 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
-from paminsa_viz.model import Design, KneeBranch, PaminsaError, Quantity
+from paminsa_viz.model import Design, PaminsaError, Quantity
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_data import TORQUES, MapData
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.plots.maps import MapData
 from paminsa_viz.units import display_unit, format_ascii
 
 DESCRIPTION = """\
@@ -66,8 +65,9 @@ class Map:
     """Design file (TOML), instead of the paper's Appendix 4."""
     reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Another design file; the maps show the design minus this one."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
     cells: int = FULL
     """Cells along each side."""
 
@@ -127,8 +127,10 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Map, words, "map", DESCRIPTION)
     flags.check()
-    design = design_of(flags.design)
-    reference = None if flags.reference is None else design_of(flags.reference)
+    design = design_of(flags.design, flags.assembly)
+    reference = None
+    if flags.reference is not None:
+        reference = design_of(flags.reference).with_knee(design.geometry.knee)
     state = state_of(flags, design, reference)
     store = MapStore()
     data = store.data(state, flags.cells, flags.quantities)
@@ -154,7 +156,7 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
     """
     for each in filter(None, (design, reference)):
         validate_limits(each)
-    start = initial_state(design, KneeBranch(flags.assembly))
+    start = initial_state(design)
     z = start.document.pose[3] if flags.z is None else 1e-3 * flags.z
     x, y = (1e-3 * value for value in flags.at)
     document = replace(
@@ -178,7 +180,7 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
 def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: str) -> bytes:
     if ending in table_endings():
         return table_bytes(map_table(data), ending[1:])
-    from paminsa_viz.plots.paper import render  # late: matplotlib takes a second to load
+    from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second to load
 
     scales = store.scales(state, data, flags.quantities)
     return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
@@ -194,7 +196,7 @@ def report(flags: Map, data: MapData) -> dict[str, Any]:
     return {
         "design": data.provenance.design,
         "reference": data.provenance.reference or None,
-        "assembly": data.provenance.assembly,
+        "assembly": data.provenance.knee.value,
         "theta_rad": data.theta,
         "z_m": data.z,
         "cells": [data.x.size, data.y.size],
@@ -224,7 +226,7 @@ def _numbers(values: np.ndarray) -> dict[str, float | None]:
 def _print(flags: Map, data: MapData, told: dict[str, Any]) -> None:
     design, reference = told["design"], told["reference"]
     minus = f' minus "{reference}"' if reference else ""
-    print(f'design "{design}"{minus}, {told["assembly"]} assembly')
+    print(f'design "{design}"{minus}, {data.provenance.knee.label}')
     factor, unit = data.display
     print(
         f"theta = {flags.theta:g}°, z = {format_ascii(data.z, 'm', 6)}, "

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal, TypeAlias
 
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.trajectory import PRESET, Trajectory
 
 PresetName: TypeAlias = Literal[
@@ -15,9 +15,7 @@ PresetName: TypeAlias = Literal[
 """Keys of `PRESET`, for flags."""
 
 
-def motion_of(
-    preset: PresetName, file: Path | None, geometry: Geometry, assembly: KneeBranch
-) -> Trajectory:
+def motion_of(preset: PresetName, file: Path | None, geometry: Geometry) -> Trajectory:
     """Return the trajectory of a CSV file, or else a preset, sized for a robot.
 
     Raises:
@@ -25,4 +23,4 @@ def motion_of(
     """
     if file is not None:
         return read_trajectory(file)
-    return PRESET[preset].build(geometry, assembly).sample()
+    return PRESET[preset].build(geometry).sample()

@@ -8,15 +8,14 @@ import sys
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import tyro
 
 from paminsa_viz.cli.arguments import PROGRAM, parse
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.files.atomic import written_whole
-from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.trajectory import home
 
 DESCRIPTION = """\
@@ -39,8 +38,9 @@ class Report:
     """File to write; one that exists is replaced."""
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
     pose: Annotated[
         tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y THETA Z")
     ] = None
@@ -59,20 +59,18 @@ class Report:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Report, words, "report", DESCRIPTION)
-    design = design_of(flags.design)
-    assembly = KneeBranch(flags.assembly)
+    design = design_of(flags.design, flags.assembly)
     if flags.pose is None:
-        x, y, theta, z = home(design.geometry, assembly).tolist()
+        x, y, theta, z = home(design.geometry).tolist()
     else:
         x, y, theta, z = flags.pose
         x, y, theta, z = 1e-3 * x, 1e-3 * y, math.radians(theta), 1e-3 * z
-    trajectory = motion_of(flags.preset, flags.file, design.geometry, assembly)
+    trajectory = motion_of(flags.preset, flags.file, design.geometry)
 
     from paminsa_viz.report import ReportRequest, report_html  # figures take a second to load
 
     request = ReportRequest(
         design=design,
-        assembly=assembly,
         pose=(x, y, theta, z),
         trajectory=trajectory,
         made=datetime.now(UTC),

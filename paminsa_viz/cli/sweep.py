@@ -9,18 +9,18 @@ import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import PROGRAM, UsageError, parse, print_error
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.explorer.bounds import largest
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,
@@ -88,8 +88,9 @@ class Sweep:
     """Let bars keep their cross section, so that mass and inertia follow their length."""
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML) for what does not vary, instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
 
     radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
     """Radius of the disc of positions that is looked at [mm]; half of R_b if left out."""
@@ -125,7 +126,7 @@ def main(words: list[str]) -> int:
         raise UsageError("--dask and --jobs exclude each other")
     if flags.preset is not None and flags.file is not None:
         raise UsageError("--preset and --file exclude each other")
-    study = study_of(flags, design_of(flags.design))
+    study = study_of(flags, design_of(flags.design, flags.assembly))
     begun = time.monotonic()
     latest = StudySummary(study)
 
@@ -170,8 +171,7 @@ def study_of(flags: Sweep, design: Design) -> Study:
         raise UsageError("--vary is needed, such as --vary links.b3=0.2:0.6:5")
     if not 0 < flags.spread <= 1:
         raise UsageError(f"--spread: a share from 0 to 1 is needed, not {flags.spread:g}")
-    assembly = KneeBranch(flags.assembly)
-    region = default_region(design, assembly)
+    region = default_region(design)
     if flags.radius is not None:
         region = replace(region, radius=1e-3 * flags.radius)
     if flags.z:
@@ -183,8 +183,8 @@ def study_of(flags: Sweep, design: Design) -> Study:
         raise UsageError(f"{variation.size} designs are too many; {MOST} are possible")
     motion = None
     if flags.preset is not None or flags.file is not None:
-        motion = motion_of(flags.preset or "paper-like", flags.file, design.geometry, assembly)
-    return Study(design, variation, region, assembly, flags.scale_bars, motion)
+        motion = motion_of(flags.preset or "paper-like", flags.file, design.geometry)
+    return Study(design, variation, region, flags.scale_bars, motion)
 
 
 def _grid(flags: Sweep) -> DesignGrid:

@@ -53,7 +53,7 @@ def report(path: Path, summary: StudySummary, seconds: float) -> dict[str, Any]:
         "made_by": f"paminsa_viz {__version__}",
         "file": str(path),
         "design": study.design.name,
-        "assembly": study.assembly.value,
+        "assembly": study.design.geometry.knee.value,
         "rows": summary.rows,
         "found": summary.found,
         "seconds": round(seconds, 3),

@@ -10,14 +10,14 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import output_endings, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
 from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.curves import CurveKind
 from paminsa_viz.plots.formats import figure_endings
@@ -83,8 +83,9 @@ class Flags:
     """Design file (TOML), instead of the paper's Appendix 4; also for friction and payload."""
     reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Another design file, to compare with on the same motion."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
     printed: bool = False
     """Also work it out by the formulae as the paper prints them, misprints included."""
 
@@ -215,10 +216,12 @@ def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Flags, words, "trajectory", DESCRIPTION)
     flags.check()
-    design = design_of(flags.design)
-    reference = None if flags.reference is None else design_of(flags.reference)
+    design = design_of(flags.design, flags.assembly)
+    reference = None
+    if flags.reference is not None:
+        reference = design_of(flags.reference).with_knee(design.geometry.knee)
     try:
-        results = _worked_out(flags, design, reference, KneeBranch(flags.assembly))
+        results = _worked_out(flags, design, reference)
     except (ImpossibleTrajectory, InfeasibleMotion) as error:
         print_error(error)
         if flags.json:
@@ -237,28 +240,26 @@ def main(words: list[str]) -> int:
     return 1 if results.problems else 0
 
 
-def _worked_out(
-    flags: Flags, design: Design, reference: Design | None, assembly: KneeBranch
-) -> Results:
+def _worked_out(flags: Flags, design: Design, reference: Design | None) -> Results:
     """Return all that is asked for.
 
     Raises:
         ImpossibleTrajectory, InfeasibleMotion: If there is no motion to work out.
     """
-    trajectory, quickest = _motion(flags, design, assembly)
-    analysis = analyze(design, trajectory, assembly)
+    trajectory, quickest = _motion(flags, design)
+    analysis = analyze(design, trajectory)
     results = Results(analysis, quickest)
     if reference is not None:
-        results = replace(results, reference=analyze(reference, trajectory, assembly))
+        results = replace(results, reference=analyze(reference, trajectory))
     if flags.printed:
-        as_printed = analyze(design, trajectory, assembly, misprints=Misprint.ALL)
+        as_printed = analyze(design, trajectory, misprints=Misprint.ALL)
         results = replace(results, printed=as_printed)
     if analysis.check.first is not None:
         return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))
     if flags.simulate is None:
         return results
     try:
-        simulation = _simulated(flags, design, trajectory, assembly)
+        simulation = _simulated(flags, design, trajectory)
     except SimulationFailed as error:
         return replace(results, problems=(error,))
     results = replace(results, simulation=simulation)
@@ -267,12 +268,10 @@ def _worked_out(
     return replace(results, problems=(SimulationStopped(simulation.stopped),))
 
 
-def _motion(
-    flags: Flags, design: Design, assembly: KneeBranch
-) -> tuple[Trajectory, Shortest | None]:
+def _motion(flags: Flags, design: Design) -> tuple[Trajectory, Shortest | None]:
     """Return the motion as samples, and what its duration follows from if that was asked."""
     if flags.file is None:
-        plan = PRESET[flags.preset or "paper-like"].build(design.geometry, assembly)
+        plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
     else:
         read = read_trajectory(flags.file)
         if not flags.waypoints:
@@ -283,19 +282,17 @@ def _motion(
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)
     elif flags.shortest:
-        quickest = shortest(plan, flags.limits, design, assembly)
+        quickest = shortest(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest
 
 
-def _simulated(
-    flags: Flags, design: Design, trajectory: Trajectory, assembly: KneeBranch
-) -> Simulation:
+def _simulated(flags: Flags, design: Design, trajectory: Trajectory) -> Simulation:
     payload = design.payload.mass + flags.payload_mismatch
     robot = validate_limits(design.vary({"payload.mass": payload}))
     control = _CONTROLS[flags.simulate or "pd"]
     controller = Controller(control, bandwidth=flags.bandwidth)
-    return simulate(robot, trajectory, assembly, model=design, controller=controller)
+    return simulate(robot, trajectory, model=design, controller=controller)
 
 
 _CONTROLS = {

@@ -88,7 +88,7 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> OtherTorques:
         engine
     ]
     design, motion = analysis.design, analysis.trajectory
-    robot = make(design, analysis.solved.assembly)
+    robot = make(design)
     torque = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
     torque[~analysis.check.good] = float("nan")
     return OtherTorques(name, torque + analysis.solved.friction(design.friction))
@@ -110,7 +110,7 @@ def _content(
     if ending == PAGE:
         from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
 
-        return motion_html(analysis.design, analysis.solved.assembly, analysis.trajectory)
+        return motion_html(analysis.design, analysis.trajectory)
     return figure_bytes(
         kind, analysis,
         reference=results.reference, printed=results.printed, simulation=results.simulation,

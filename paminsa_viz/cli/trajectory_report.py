@@ -67,7 +67,7 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
     return {
         "made_by": f"paminsa_viz {__version__}",
         "design": analysis.design.name,
-        "assembly": analysis.solved.assembly.value,
+        "assembly": analysis.solved.geometry.knee.value,
         "trajectory": {
             "name": t.name,
             "kind": t.kind,
@@ -101,7 +101,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
     t = analysis.trajectory
     kind = f" ({t.kind})" if t.kind else ""
     print(f"{t.name}{kind}: {t.duration:.4g} s, {t.size} samples")
-    print(f'design "{analysis.design.name}", {analysis.solved.assembly.value} assembly')
+    print(f'design "{analysis.design.name}", {analysis.solved.geometry.knee.label}')
     for note in t.notes:
         print(note)
     if results.quickest is not None:

@@ -6,20 +6,19 @@ import math
 import xml.etree.ElementTree as ET
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.designs import design_of
+from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import format_ascii
@@ -49,8 +48,9 @@ class Verify:
 
     design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
     """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Literal["printed", "mirror"] = "printed"
-    """KneeBranch mode: the knee 9 as Appendix 1 prints it (lower), or its mirror image."""
+    assembly: Assembly | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
     preset: PresetName = "paper-like"
     """A ready-made motion, sized for the robot. None of them is the paper's own."""
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
@@ -76,13 +76,12 @@ class Verify:
 def main(words: list[str]) -> int:
     """Run the command."""
     flags = parse(Verify, words, "verify", DESCRIPTION)
-    design = design_of(flags.design)
-    assembly = KneeBranch(flags.assembly)
-    motion = motion_of(flags.preset, flags.file, design.geometry, assembly)
+    design = design_of(flags.design, flags.assembly)
+    motion = motion_of(flags.preset, flags.file, design.geometry)
     xml = None if flags.model is None else _mechanics(flags.model)
     try:
         found = verify(
-            design, assembly, motion,
+            design, motion,
             poses=flags.poses, seed=flags.seed, tolerance=flags.tolerance, xml=xml,
         )  # fmt: skip
     except PaminsaError:
@@ -120,7 +119,8 @@ def _mechanics(path: Path) -> str:
 def _show(found: Verification) -> None:
     motion = found.trajectory
     print(
-        f"{found.design.name}, {found.assembly.value} assembly: {len(found.poses)} poses at rest, "
+        f"{found.design.name}, {found.design.geometry.knee.label}: "
+        f"{len(found.poses)} poses at rest, "
         f'{motion.size} states of "{motion.name}" ({motion.duration:.3g} s)'
     )
     for check in found.engines:

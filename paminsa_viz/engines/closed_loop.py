@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.engines.mechanism import POSE_JOINTS, Mechanism, build_mechanism
 from paminsa_viz.engines.placing import joint_values, no_posture, posture_of
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 
 
@@ -31,11 +31,10 @@ class ClosedLoopRobot(ABC):
 
     Attributes:
         design: The robot.
-        assembly: How its pantographs are put together.
         mechanism: The links and closures that the engine's model was built from.
     """
 
-    def __init__(self, design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> None:
+    def __init__(self, design: Design) -> None:
         """Build the engine's model.
 
         Raises:
@@ -43,7 +42,6 @@ class ClosedLoopRobot(ABC):
             InvalidDesign: If a bar's inertias belong to no rigid body.
         """
         self.design = design
-        self.assembly = assembly
         self.mechanism: Mechanism = build_mechanism(design)
         self._names: tuple[str, ...] = ()
 
@@ -146,7 +144,7 @@ class ClosedLoopRobot(ABC):
 
     def _place(self, x: Array, *motion: Array) -> tuple[NDArray[np.bool_], Array]:
         """Return which poses (n, 4) are reachable with finite motion, and their coordinates."""
-        values = joint_values(posture_of(self.design, x, self.assembly))
+        values = joint_values(posture_of(self.design, x))
         q = np.stack([values[name] for name in self._names], axis=-1)
         good = np.asarray(np.isfinite(np.concatenate([q, *motion], axis=-1)).all(axis=-1))
         return good, q[good]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_breakdown
 
 LEAST_SCALE = 1e-6
@@ -75,7 +75,7 @@ class Comparison:
         return [dict(zip(names, row, strict=True)) for row in rows]
 
 
-def torque_scale(design: Design, poses: Array, torques: Array, assembly: KneeBranch) -> Array:
+def torque_scale(design: Design, poses: Array, torques: Array) -> Array:
     """Return what differences of each actuator's torque are measured by, (4,) [N m, N].
 
     It is the largest torque. Where the bodies balance each other, so that nothing but rounding is
@@ -85,9 +85,8 @@ def torque_scale(design: Design, poses: Array, torques: Array, assembly: KneeBra
         design: The robot.
         poses: (n, 4) where the torques belong to [m, m, rad, m].
         torques: (n, 4) [N m, N].
-        assembly: Root of the knee.
     """
-    shares = np.abs(static_breakdown(design, poses, assembly).per_leg)
+    shares = np.abs(static_breakdown(design, poses).per_leg)
     # Where a reference misses a torque, the comparison fails by its difference, not by its scale.
     whole = np.nan_to_num(np.abs(torques)).max(axis=0)
     single = np.nan_to_num(shares).max(axis=(0, 2, 3))

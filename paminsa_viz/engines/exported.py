@@ -9,7 +9,7 @@ import numpy as np
 from paminsa_viz.engines.mechanism import PLATFORM, Mechanism, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.placing import start_pose
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.jacobian import jacobian
@@ -29,7 +29,6 @@ WORST_CONDITION = 1e4
 
 def exported_mjcf(
     design: Design,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     pose: Sequence[float] | None = None,
     servos: bool = True,
@@ -40,7 +39,6 @@ def exported_mjcf(
 
     Args:
         design: The robot.
-        assembly: How its pantographs are put together.
         pose: Start pose [m, m, rad, m]; default `start_pose`.
         servos: Position servos about the start pose; otherwise plain motors.
 
@@ -51,15 +49,15 @@ def exported_mjcf(
         UnreachablePose: If the robot cannot stand in the start pose.
     """
     _check_inertia(build_mechanism(design))
-    start = start_pose(design, assembly) if pose is None else np.asarray(pose, float)
+    start = start_pose(design) if pose is None else np.asarray(pose, float)
     require_reachable(design.geometry, start)
     if not measure_singularity(design.geometry, start).condition < WORST_CONDITION:
         raise InvalidInput("pose", "it is singular, so that nothing holds the platform there")
-    holding = static_torques(design, start, assembly)
+    holding = static_torques(design, start)
     j = jacobian(design.geometry, start)
-    inertia = j.T @ mass_matrix(design, start, assembly) @ j
+    inertia = j.T @ mass_matrix(design, start) @ j
     return mjcf_text(
-        design, assembly, pose=start.tolist(), holding=holding.tolist(),
+        design, pose=start.tolist(), holding=holding.tolist(),
         servos=Servos.critical(inertia) if servos else None,
     )  # fmt: skip
 

@@ -127,7 +127,7 @@ def leg_name(leg: int, name: str) -> str:
 
 
 def build_mechanism(design: Design) -> Mechanism:
-    """Describe a design as a mechanism; both assembly modes have the same one.
+    """Describe a design as a mechanism; both branches of the knee have the same one.
 
     Raises:
         InvalidDesign: If a bar's axial inertia is more than twice its transverse one, which no

@@ -33,7 +33,7 @@ from paminsa_viz.engines.mechanism import (
 )
 from paminsa_viz.engines.placing import joint_values, no_posture, posture_of, start_pose
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
 from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
@@ -78,7 +78,6 @@ class Servos:
 
 def mjcf_text(
     design: Design,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     pose: Sequence[float] | None = None,
     holding: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
@@ -88,7 +87,6 @@ def mjcf_text(
 
     Args:
         design: The robot.
-        assembly: How its pantographs are put together.
         pose: Start pose (x, y, theta, z) [m, m, rad, m]; default `start_pose`.
         holding: Forces (tau_1..3 [N m], F_4 [N]) that hold the start pose. Servos add them to
             their own, so that they hold without sagging; motors find them in keyframe ``start``.
@@ -99,12 +97,9 @@ def mjcf_text(
         InvalidDesign: If a bar's inertias belong to no rigid body.
         UnreachablePose: If the robot cannot stand in the start pose.
     """
-    start = start_pose(design, assembly) if pose is None else np.asarray(pose, float)
+    start = start_pose(design) if pose is None else np.asarray(pose, float)
     mechanism = build_mechanism(design)
-    values = {
-        name: float(value)
-        for name, value in joint_values(posture_of(design, start, assembly)).items()
-    }
+    values = {name: float(value) for name, value in joint_values(posture_of(design, start)).items()}
     if not all(math.isfinite(value) for value in values.values()):
         raise no_posture(start)
     root = ET.Element("mujoco", model="PAMINSA")

@@ -10,7 +10,7 @@ from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 
 
 def load_mujoco() -> Any:
@@ -34,14 +34,11 @@ class MujocoRobot(ClosedLoopRobot):
         data: The ``mujoco.MjData`` that the computations use.
     """
 
-    def __init__(
-        self, design: Design, assembly: KneeBranch = KneeBranch.LOWER, *, xml: str | None = None
-    ) -> None:
+    def __init__(self, design: Design, *, xml: str | None = None) -> None:
         """Build the model.
 
         Args:
             design: The robot.
-            assembly: How its pantographs are put together.
             xml: Load this text instead of the design's own: an exported model, possibly changed.
                 Joints and closures are found by their names.
 
@@ -52,9 +49,9 @@ class MujocoRobot(ClosedLoopRobot):
             UnreachablePose: If the design cannot stand in its start pose.
             ValueError: If MuJoCo cannot read the text.
         """
-        super().__init__(design, assembly)
+        super().__init__(design)
         self._mujoco = mujoco = load_mujoco()
-        text = mjcf_text(design, assembly) if xml is None else xml
+        text = mjcf_text(design) if xml is None else xml
         self.model = model = mujoco.MjModel.from_xml_string(text)
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE
         self.data = mujoco.MjData(model)

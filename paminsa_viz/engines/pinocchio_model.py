@@ -10,7 +10,7 @@ from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mechanism import Link, Point
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 
 
 def load_pinocchio() -> Any:
@@ -37,14 +37,14 @@ class PinocchioRobot(ClosedLoopRobot):
         data: The ``pinocchio.Data`` that the computations use.
     """
 
-    def __init__(self, design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> None:
+    def __init__(self, design: Design) -> None:
         """Build the model.
 
         Raises:
             EngineMissing: If Pinocchio is not installed.
             InvalidDesign: If a bar's inertias belong to no rigid body.
         """
-        super().__init__(design, assembly)
+        super().__init__(design)
         self._pin = pin = load_pinocchio()
         self.model = model = pin.Model()
         model.name = "PAMINSA"

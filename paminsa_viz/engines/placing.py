@@ -8,7 +8,7 @@ import numpy as np
 
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, leg_name
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 from paminsa_viz.units import format_ascii
@@ -56,7 +56,7 @@ def joint_values(configuration: Configuration) -> dict[str, Array]:
     return values
 
 
-def start_pose(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Array:
+def start_pose(design: Design) -> Array:
     """Return the pose (4,) in which an exported model starts: centered, on the natural side.
 
     Halfway between the least and the greatest distance that its pantographs allow.
@@ -67,16 +67,19 @@ def start_pose(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Array
     g = design.geometry
     least = max(g.home_span, abs(g.coupler_length - g.crank_length))
     distance = 0.5 * (least + g.coupler_length + g.crank_length)
-    height = -assembly.sign * math.sqrt(distance**2 - g.home_span**2) - g.platform_joint_height
+    height = (
+        -design.geometry.knee.sign * math.sqrt(distance**2 - g.home_span**2)
+        - g.platform_joint_height
+    )
     pose = np.array([0.0, 0.0, 0.0, height])
-    if not np.isfinite(posture_of(design, pose, assembly).phi).all():
+    if not np.isfinite(posture_of(design, pose).phi).all():
         raise no_posture(pose)
     return pose
 
 
-def posture_of(design: Design, poses: Array, assembly: KneeBranch) -> Configuration:
+def posture_of(design: Design, poses: Array) -> Configuration:
     """Solve poses (..., 4) for a design."""
-    return inverse_kinematics(design.geometry, np.asarray(poses, float), assembly)
+    return inverse_kinematics(design.geometry, np.asarray(poses, float))
 
 
 def no_posture(pose: Array) -> UnreachablePose:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 
 
@@ -40,7 +40,6 @@ class Played(NamedTuple):
 
 def play(
     design: Design,
-    assembly: KneeBranch,
     times: ArrayLike,
     poses: ArrayLike,
     velocities: ArrayLike,
@@ -53,7 +52,6 @@ def play(
 
     Args:
         design: The robot.
-        assembly: How its pantographs are put together.
         times: Times (n,), increasing [s].
         poses: Wanted platform poses (n, 4); the simulation starts at the first one.
         velocities: Wanted rates of the pose (n, 4); the simulation starts with the first one.
@@ -74,7 +72,7 @@ def play(
     if t.ndim != 1 or t.size < 1 or not np.all(np.diff(t) > 0):
         raise InvalidInput("times", "increasing numbers are needed")
     mujoco = load_mujoco()
-    robot = MujocoRobot(design, assembly, xml=mjcf_text(design, assembly, pose=wanted[0].tolist()))
+    robot = MujocoRobot(design, xml=mjcf_text(design, pose=wanted[0].tolist()))
     model, data = robot.model, robot.data
     model.eq_solref[:] = (2 * step, 1)
     data.qpos[:], data.qvel[:] = robot.state(wanted[0], u[0])

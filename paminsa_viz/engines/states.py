@@ -25,7 +25,8 @@ def workspace_poses(geometry: Geometry, count: int, seed: int = 0) -> Array:
     """Draw poses from all of the workspace that the robot reaches without crossing a singularity.
 
     Uniform in x, y, theta and z, above and below the guides; clear of singularities, see
-    `WORST_CONDITION` and `ROOM`. The same arguments give the same poses, whichever the assembly.
+    `WORST_CONDITION` and `ROOM`. The same arguments give the same poses for both branches of the
+    knee.
 
     Args:
         geometry: Lengths of the mechanism.

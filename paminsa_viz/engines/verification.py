@@ -23,7 +23,7 @@ from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
 from paminsa_viz.engines.simulation import Played, play
 from paminsa_viz.engines.states import workspace_poses
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Friction, KneeBranch
+from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
@@ -79,7 +79,6 @@ class Verification:
 
     Attributes:
         design: The robot, without joint friction.
-        assembly: How its pantographs are put together.
         trajectory: The motion, with the samples that were compared.
         poses: (n, 4) poses of the static comparison [m, m, rad, m].
         tolerance: What the verdict is measured by.
@@ -91,7 +90,6 @@ class Verification:
     """
 
     design: Design
-    assembly: KneeBranch
     trajectory: Trajectory
     poses: Array
     tolerance: float
@@ -123,7 +121,7 @@ class Verification:
             "tolerance": self.tolerance,
             "worst_relative": self.worst,
             "design": self.design.name,
-            "assembly": self.assembly.value,
+            "assembly": self.design.geometry.knee.value,
             "trajectory": self.trajectory.name,
             "duration_s": self.trajectory.duration,
             "static_poses": len(self.poses),
@@ -160,7 +158,6 @@ def misprint_name(misprint: Misprint) -> str:
 
 def verify(
     design: Design,
-    assembly: KneeBranch,
     trajectory: Trajectory,
     *,
     poses: ArrayLike | int = POSES,
@@ -173,7 +170,6 @@ def verify(
 
     Args:
         design: The robot; joint friction is left out.
-        assembly: How its pantographs are put together.
         trajectory: The motion; the robot has to be able to run it.
         poses: Poses (..., 4) of the static comparison [m, m, rad, m], or how many are drawn by
             `workspace_poses`.
@@ -200,46 +196,45 @@ def verify(
     )
     if not len(places):
         raise InvalidInput("poses", "at least one is needed")
-    robots, missing = _robots(design, assembly, xml)
+    robots, missing = _robots(design, xml)
     checks = []
     for engine, version, robot in robots:
         at_rest = robot.static_torques(places)
         moving = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
         static = Comparison(
-            static_torques(design, places, assembly),
+            static_torques(design, places),
             at_rest,
-            torque_scale(design, places, at_rest, assembly),
+            torque_scale(design, places, at_rest),
         )
-        dynamic = _along(design, assembly, motion, moving, Misprint.NONE)
+        dynamic = _along(design, motion, moving, Misprint.NONE)
         checks.append(EngineCheck(engine, version, static, dynamic))
     first = checks[0].dynamic
     wanted = motion.resampled(min(SIMULATED_RATE, MOST_SIMULATED / motion.duration))
     return Verification(
         design=design,
-        assembly=assembly,
         trajectory=motion,
         poses=places,
         tolerance=float(tolerance),
         engines=tuple(checks),
         missing=missing,
         printed={
-            item: _along(design, assembly, motion, first.reference, item) for item in misprints
+            item: _along(design, motion, first.reference, item) for item in misprints
         },
         wanted=wanted,
         played=play(
-            design, assembly, wanted.t, wanted.pose, wanted.velocity,
-            _computed(design, assembly, wanted), limit=STRAY_LIMIT * design.geometry.base_radius,
+            design, wanted.t, wanted.pose, wanted.velocity,
+            _computed(design, wanted), limit=STRAY_LIMIT * design.geometry.base_radius,
         ),
     )  # fmt: skip
 
 
 def _robots(
-    design: Design, assembly: KneeBranch, xml: str | None
+    design: Design, xml: str | None
 ) -> tuple[list[tuple[str, str, ClosedLoopRobot]], tuple[str, ...]]:
     """Return the robot in each engine, with the engine's name and version; and who is missing."""
     mujoco = load_mujoco()
     found: list[tuple[str, str, ClosedLoopRobot]] = [
-        ("MuJoCo", mujoco.__version__, MujocoRobot(design, assembly, xml=xml))
+        ("MuJoCo", mujoco.__version__, MujocoRobot(design, xml=xml))
     ]
     if xml is not None:
         return found, ()
@@ -247,23 +242,19 @@ def _robots(
         version = load_pinocchio().__version__
     except EngineMissing as error:
         return found, (error.engine,)
-    return [*found, ("Pinocchio", version, PinocchioRobot(design, assembly))], ()
+    return [*found, ("Pinocchio", version, PinocchioRobot(design))], ()
 
 
-def _along(
-    design: Design, assembly: KneeBranch, motion: Trajectory, reference: Array, misprints: Misprint
-) -> Comparison:
+def _along(design: Design, motion: Trajectory, reference: Array, misprints: Misprint) -> Comparison:
     """Compare dynamic torques, some of them perhaps as printed, with an engine's (n, 4)."""
-    computed = _computed(design, assembly, motion, misprints)
-    return Comparison(computed, reference, torque_scale(design, motion.pose, reference, assembly))
+    computed = _computed(design, motion, misprints)
+    return Comparison(computed, reference, torque_scale(design, motion.pose, reference))
 
 
-def _computed(
-    design: Design, assembly: KneeBranch, motion: Trajectory, misprints: Misprint = Misprint.NONE
-) -> Array:
+def _computed(design: Design, motion: Trajectory, misprints: Misprint = Misprint.NONE) -> Array:
     """Return the formulae's torques along a motion, (n, 4) [N m, N]."""
     states = motion.pose, motion.velocity, motion.acceleration
-    return inverse_dynamics(design, *states, assembly, misprints).torque
+    return inverse_dynamics(design, *states, misprints).torque
 
 
 def _thinned(trajectory: Trajectory) -> Trajectory:

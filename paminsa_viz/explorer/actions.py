@@ -31,13 +31,13 @@ def with_document(state: State, document: Document) -> State:
         document = at_instant(document, state.playback.time)
     standing = state.standing
     if check_reach(document.design.geometry, document.pose).ok.all():
-        standing = LastReachable(document.design.geometry, document.assembly, document.pose)
+        standing = LastReachable(document.design.geometry, document.pose)
     return replace(state, document=document, standing=standing)
 
 
 def at_instant(document: Document, time: float) -> Document:
     """Return a document with the pose of its motion at a time [s]; the same where there is none."""
-    found = planned(document.motion, document.design, document.assembly)
+    found = planned(document.motion, document.design)
     if found.trajectory is None:
         return document
     pose = pose_at(found.trajectory, document.design.geometry, time)
@@ -60,7 +60,7 @@ def stop_following(state: State) -> State:
 
 def go_home(state: State) -> State:
     """Ask for the home pose."""
-    home = home_pose(state.document.design.geometry, state.document.assembly)
+    home = home_pose(state.document.design.geometry)
     return with_document(stop_following(state), replace(state.document, pose=home))
 
 
@@ -76,11 +76,11 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
 
 def renamed_if_changed(design: Design) -> Design:
     """Return the design under a name that does not claim to be Appendix 4's if it is not."""
-    printed = design == APPENDIX_4
+    printed = design.with_knee(APPENDIX_4.geometry.knee) == APPENDIX_4
     if design.name == APPENDIX_4.name and not printed:
         return replace(design, name=CHANGED_NAME)
     if design.name == CHANGED_NAME and printed:
-        return APPENDIX_4
+        return replace(design, name=APPENDIX_4.name)
     return design
 
 
@@ -95,23 +95,39 @@ def reset_values(state: State, paths: tuple[str, ...]) -> State:
 def load_design(state: State, design: Design) -> State:
     """Work on another design, at the present pose if it can be taken, else at home.
 
+    With another branch of the knee the pose is the mirrored one, as in `set_knee`.
+
     Raises:
         InvalidDesign: If a number is too large to work with.
     """
-    changed = with_document(state, replace(state.document, design=validate_limits(design)))
+    document = with_knee(state.document, design.geometry.knee)
+    changed = with_document(state, replace(document, design=validate_limits(design)))
     if changed.standing.geometry is not design.geometry:
         changed = go_home(changed)
     return changed
 
 
-def assemble(state: State, assembly: KneeBranch) -> State:
-    """Choose the root of the knee; the platform goes to the mirrored height (z_5 to -z_5)."""
-    if assembly is state.document.assembly:
+def set_knee(state: State, knee: KneeBranch) -> State:
+    """Put the robot, and the reference with it, together on another branch of the knee.
+
+    The platform goes to the mirrored height (z_5 to -z_5).
+    """
+    if knee is state.document.design.geometry.knee:
         return state
-    x, y, theta, z = state.document.pose
-    mirrored = -z - 2 * state.document.design.geometry.platform_joint_height
-    return with_document(
-        state, replace(state.document, assembly=assembly, pose=(x, y, theta, mirrored))
+    return with_document(state, with_knee(state.document, knee))
+
+
+def with_knee(document: Document, knee: KneeBranch) -> Document:
+    """Return the document with its robots on a branch of the knee, at the mirrored pose."""
+    design, reference = document.design, document.reference
+    if knee is design.geometry.knee:
+        return document
+    x, y, theta, z = document.pose
+    return replace(
+        document,
+        design=design.with_knee(knee),
+        pose=(x, y, theta, -z - 2 * design.geometry.platform_joint_height),
+        reference=None if reference is None else reference.with_knee(knee),
     )
 
 

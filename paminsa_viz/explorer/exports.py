@@ -23,7 +23,7 @@ from paminsa_viz.model import (
     Quantity,
     inverse_kinematics,
 )
-from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_data import TORQUES
 from paminsa_viz.plots.map_table import map_table
 
 WIDTHS = (80.0, 400.0)
@@ -111,7 +111,7 @@ def figure(
         InvalidInput: If kind, width or resolution is not possible.
     """
     # Late: matplotlib takes a second to load, and most sessions never print.
-    from paminsa_viz.plots.paper import render
+    from paminsa_viz.plots.map_figure import render
 
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
@@ -162,7 +162,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
     from paminsa_viz.meshes.robot_files import robot_files, zipped
 
     design, configuration = _standing(state)
-    text = exported_mjcf(design, configuration.assembly, pose=configuration.pose.tolist())
+    text = exported_mjcf(design, pose=configuration.pose.tolist())
     if not meshes:
         return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
     name = file_name(state, "mujoco", "zip", at_pose=True)
@@ -174,7 +174,7 @@ def _standing(state: State) -> tuple[Design, Configuration]:
     """Return the present masses on the geometry that stands, and how it stands."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
-    return design, inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    return design, inverse_kinematics(standing.geometry, standing.pose)
 
 
 def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:

@@ -103,14 +103,14 @@ class Frame:
 def compute(state: State) -> Frame:
     """Work out what a state shows."""
     document, standing = state.document, state.standing
-    configuration = inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    configuration = inverse_kinematics(standing.geometry, standing.pose)
     # If the present geometry cannot stand, its masses are shown on the last one that could.
     here = document.design
     if standing.geometry != here.geometry:
         here = replace(here, geometry=standing.geometry)
     reference = None
     if document.reference is not None:
-        held = static_torques(document.reference, standing.pose, standing.assembly)
+        held = static_torques(document.reference, standing.pose)
         reference = held if np.isfinite(held).all() else None
     return Frame(
         state=state,
@@ -118,7 +118,7 @@ def compute(state: State) -> Frame:
         standing_design=here,
         requested=check_reach(document.design.geometry, document.pose),
         singularity=measure_singularity(standing.geometry, standing.pose),
-        torques=static_torques(here, standing.pose, standing.assembly),
+        torques=static_torques(here, standing.pose),
         reference_torques=reference,
         balance=static_imbalance(document.design),
     )

@@ -20,17 +20,20 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
-    KneeBranch,
     Quantity,
     solve_field,
     xy_grid,
 )
-from paminsa_viz.plots import ticks
-from paminsa_viz.plots.from_model import TORQUES, map_data
-from paminsa_viz.plots.map_window import cell_centers, half_width
-from paminsa_viz.plots.maps import MapData, difference
-from paminsa_viz.plots.ranges import choose_scales
-from paminsa_viz.plots.scale import Kind, Scale, ScaleChoice
+from paminsa_viz.plots.map_data import (
+    TORQUES,
+    MapData,
+    cell_centers,
+    difference,
+    half_width,
+    map_data,
+)
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
+from paminsa_viz.plots.scale import Scale
 
 COARSE = 72
 """Cells along each side while the hand moves; also what the color range is found from, so that it
@@ -41,10 +44,7 @@ FULL = 200
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
 
-LARGEST_END = 1e9
-"""Largest size of a manual range, in its SI unit."""
-
-_Key = tuple[Geometry, KneeBranch, float, float, float, int]
+_Key = tuple[Geometry, float, float, float, int]
 
 
 class MapStore:
@@ -58,7 +58,6 @@ class MapStore:
     def field(
         self,
         geometry: Geometry,
-        assembly: KneeBranch,
         theta: float,
         z: float,
         cells: int,
@@ -68,14 +67,14 @@ class MapStore:
         """Return a field over the square of side ``2 * half`` [m], solved or kept.
 
         Args:
-            geometry, assembly: What to solve.
+            geometry: What to solve.
             theta: Angle of the platform [rad].
             z: Its height [m].
             cells: Cells along each side.
             half: Half the side [m].
             dexterity: Whether determinant and condition number are needed.
         """
-        key = (geometry, assembly, theta, z, half, cells)
+        key = (geometry, theta, z, half, cells)
         with self._lock:
             found = self._fields.get(key)
             if found is not None:
@@ -83,9 +82,7 @@ class MapStore:
         if found is not None and (found.condition is not None or not dexterity):
             return found
         centers = cell_centers(half, cells)
-        made = solve_field(
-            geometry, xy_grid(centers, centers, theta, z), assembly, dexterity=dexterity
-        )
+        made = solve_field(geometry, xy_grid(centers, centers, theta, z), dexterity=dexterity)
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)
@@ -125,7 +122,6 @@ class MapStore:
         theta, z = document.pose[2:]
         field = self.field(
             design.geometry,
-            document.assembly,
             theta,
             z,
             cells,
@@ -197,44 +193,16 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
         sample: The same maps, coarse; they decide on the robust range.
         view: What was asked for.
     """
-    kind: Kind = "symlog" if view.logarithmic else "linear"
-    robust = ScaleChoice(shared=view.shared, kind=kind)
-    if view.range_mode is RangeMode.MANUAL and view.quantity.unit == data.unit:
-        ends = _usable(view.low, view.high)
-        if ends is not None:
-            low, high = ends
-            if low < 0 < high and not data.signed and not (data.values < 0).any():
-                low = 0.0  # colors for values that cannot be would only dull the others
-            return choose_scales(data, replace(robust, low=low, high=high))
-    if view.range_mode is RangeMode.FULL:
-        if view.shared:
-            return choose_scales(data, _spanning(data, robust))
-        panels = [data.panel(i) for i in range(data.panels)]
-        return tuple(choose_scales(panel, _spanning(panel, robust))[0] for panel in panels)
-    return choose_scales(sample, robust)
-
-
-def _usable(low: float, high: float) -> tuple[float, float] | None:
-    low, high = min(low, high), max(low, high)
-    size = max(abs(low), abs(high))
-    if not size <= LARGEST_END or high - low <= 1e-9 * size:
-        return None
-    return low, high
-
-
-def _spanning(data: MapData, robust: ScaleChoice) -> ScaleChoice:
-    """Return the range that holds every value, with round ends; symmetric for signed maps."""
-    finite = data.values[np.isfinite(data.values)]
-    if finite.size == 0:
-        return robust
-    low, high = float(finite.min()), float(finite.max())
-    ends = _usable(low, high)
-    if ends is None:
-        return robust
-    if data.signed:
-        high = ticks.nice_limit(max(abs(low), abs(high)))
-        return replace(robust, low=-high, high=high)
-    step = ticks.nice_step(high - low, 20)
-    # Rounded, so that the ends are written without the dust of the multiplication.
-    low, high = (float(f"{step * n:.12g}") for n in (np.floor(low / step), np.ceil(high / step)))
-    return replace(robust, low=low, high=high)
+    choice = ScaleChoice(
+        shared=view.shared,
+        kind="symlog" if view.logarithmic else "linear",
+        full=view.range_mode is RangeMode.FULL,
+    )
+    ends = usable_range(view.low, view.high)
+    manual = view.range_mode is RangeMode.MANUAL and view.quantity.unit == data.unit
+    if manual and ends is not None:
+        low, high = ends
+        if low < 0 < high and not data.signed and not (data.values < 0).any():
+            low = 0.0  # colors for values that cannot be would only dull the others
+        choice = replace(choice, low=low, high=high)
+    return choose_scales(data, choice, sample)

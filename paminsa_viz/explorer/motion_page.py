@@ -23,7 +23,7 @@ from paminsa_viz.explorer.robot_page import standing_robot, titled
 from paminsa_viz.explorer.scene.bodies import Position, Quaternion
 from paminsa_viz.explorer.scene.curves import Curve
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis, analyze
@@ -60,7 +60,6 @@ _PLAYER = Path(__file__).parent / "browser" / "motion_player.html"
 
 def motion_html(
     design: Design,
-    assembly: KneeBranch,
     trajectory: Trajectory,
     *,
     frame_rate: float = FRAME_RATE,
@@ -72,7 +71,6 @@ def motion_html(
 
     Args:
         design: The robot.
-        assembly: How its pantographs are put together.
         trajectory: The motion.
         frame_rate: Places of the robot a second [1/s].
 
@@ -86,7 +84,7 @@ def motion_html(
     """
     if not 0 < frame_rate <= 60:
         raise InvalidInput("frame_rate", f"above 0 and up to 60 is needed, not {frame_rate!r}")
-    analysis = analyze(design, trajectory, assembly)
+    analysis = analyze(design, trajectory)
     first = analysis.check.first
     if first is not None and analysis.check.until < 2:
         raise ImpossibleTrajectory(first)
@@ -106,9 +104,7 @@ def _record(analysis: TrajectoryAnalysis, times: Array) -> tuple[str, Frames]:
     """Return viser's page of the robot at its first place, and its nodes' places at all times."""
     geometry, trajectory = analysis.design.geometry, analysis.trajectory
     poses = trajectory.at(times).pose
-    configurations = [
-        inverse_kinematics(geometry, pose, analysis.solved.assembly) for pose in poses
-    ]
+    configurations = [inverse_kinematics(geometry, pose) for pose in poses]
     with standing_robot(analysis.design, configurations[0], covered=_COVERED) as (
         scene,
         robot,
@@ -155,7 +151,7 @@ def _words(analysis: TrajectoryAnalysis) -> list[str]:
     """Return what the page says of the motion, a line each."""
     trajectory, first = analysis.trajectory, analysis.check.first
     words = [
-        f"Design “{analysis.design.name}”, {analysis.solved.assembly.value} assembly; "
+        f"Design “{analysis.design.name}”, {analysis.solved.geometry.knee.label}; "
         f"{trajectory.duration:.4g} s. paminsa_viz {__version__}.",
         *trajectory.notes,
     ]

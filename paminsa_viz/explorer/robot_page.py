@@ -21,7 +21,7 @@ from paminsa_viz.explorer.scene.view import raised
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.server.viser_patch import quiet
 from paminsa_viz.model.arrays import as_vectors
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
@@ -30,13 +30,12 @@ ASPECT = 1.6
 """Width over height of the window that the camera is placed for."""
 
 
-def robot_html(design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER) -> bytes:
+def robot_html(design: Design, pose: ArrayLike) -> bytes:
     """Return a page with the robot in a pose, to be turned and zoomed with the mouse.
 
     Args:
         design: The robot.
         pose: (4,) [m, m, rad, m].
-        assembly: How its pantographs are put together.
 
     Returns:
         HTML, UTF-8.
@@ -50,7 +49,7 @@ def robot_html(design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranc
     if place.shape != (4,):
         raise InvalidInput("pose", f"one pose (4,) is needed; got {place.shape}")
     require_reachable(design.geometry, place)
-    configuration = inverse_kinematics(design.geometry, place, assembly)
+    configuration = inverse_kinematics(design.geometry, place)
     with standing_robot(design, configuration) as (_, _, page):
         return titled(page(), f"PAMINSA: {design.name}").encode()
 
@@ -72,11 +71,11 @@ def standing_robot(
     with quiet():
         server = open_server(port=0)
         try:
-            robot = RobotScene(server.scene, design, configuration.assembly)
+            robot = RobotScene(server.scene, design)
             for layer in Layer:
                 robot.show(layer, layer in SHOWN_AT_START or layer is Layer.FINE)
             robot.pose(configuration)
-            view = preset("3D", design.geometry, configuration.assembly, configuration, ASPECT)
+            view = preset("3D", design.geometry, configuration, ASPECT)
             view = raised(view, covered)
             camera = server.initial_camera
             camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)

@@ -56,7 +56,7 @@ def dump(document: Document) -> str:
         _described(document.design)
         | {
             "version": VERSION,
-            "assembly": document.assembly.value,
+            "assembly": document.design.geometry.knee.value,
             "pose": document.pose,
             "reference": None if reference is None else _described(reference),
         }
@@ -77,12 +77,11 @@ def load(text: str) -> Document:
         x, y, theta, z = (_number(value) for value in data["pose"])
         if not all(abs(value) <= FARTHEST for value in (x, y, theta, z)):
             raise InvalidInput("saved state", "the pose is not possible")
-        reference = data["reference"]
+        reference, knee = data["reference"], KneeBranch(data["assembly"])
         return Document(
-            design=_design(data),
-            assembly=KneeBranch(data["assembly"]),
+            design=_design(data).with_knee(knee),
             pose=(x, y, theta, z),
-            reference=None if reference is None else _design(reference),
+            reference=None if reference is None else _design(reference).with_knee(knee),
             motion=motions.motion_of(data.get("motion", {})),
         )
     except PaminsaError:

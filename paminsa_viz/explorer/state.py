@@ -31,12 +31,11 @@ class LastReachable:
     """The last reachable pose; the robot stays there while a requested one is out of reach.
 
     Attributes:
-        geometry, assembly: The lengths and the knee's root it was solved with.
+        geometry: The lengths and the knee's root it was solved with.
         pose: Platform pose [m, m, rad, m].
     """
 
     geometry: Geometry
-    assembly: KneeBranch
     pose: Pose
 
 
@@ -76,14 +75,12 @@ class Document:
 
     Attributes:
         design: The robot.
-        assembly: Root of the knee.
         pose: The pose asked for; it may be out of reach.
         reference: A pinned design to compare with, or None.
         motion: The motion that is planned.
     """
 
     design: Design = APPENDIX_4
-    assembly: KneeBranch = KneeBranch.LOWER
     pose: Pose = (0.0, 0.0, 0.0, 0.0)
     reference: Design | None = None
     motion: Motion = field(default_factory=Motion)
@@ -132,17 +129,17 @@ class State:
     export: ExportSettings = field(default_factory=ExportSettings)
 
 
-def home_pose(geometry: Geometry, assembly: KneeBranch) -> Pose:
+def home_pose(geometry: Geometry) -> Pose:
     """Return a pose at the center, far from all limits."""
     reach = geometry.crank_length + geometry.coupler_length
     height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
     drop = min(HOME_DROP * reach, 0.75 * float(height))
-    z5 = -drop if assembly is KneeBranch.LOWER else drop
+    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
     return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
-def initial_state(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER) -> State:
+def initial_state(design: Design = APPENDIX_4) -> State:
     """Return the state a new session starts with."""
-    pose = home_pose(design.geometry, assembly)
-    document = Document(design, assembly, pose)
-    return State(document, LastReachable(design.geometry, assembly, pose))
+    pose = home_pose(design.geometry)
+    document = Document(design, pose)
+    return State(document, LastReachable(design.geometry, pose))

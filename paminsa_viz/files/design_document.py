@@ -13,14 +13,17 @@ from pydantic_core import ErrorDetails
 from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
+    KNEE,
     SCHEMA_VERSION,
     TABLES,
     key_hint,
     table_hint,
 )
 from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model.design import KneeBranch
 
 _BARS = tuple(bar.upper() for bar in BAR_ENDS)
+_BRANCHES = tuple(branch.value for branch in KneeBranch)
 _CLOSED = ConfigDict(extra="forbid", strict=True)
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -35,17 +38,18 @@ class CounterweightEntry(BaseModel):
     mass_kg: _Number
 
 
-def _numbers(table: str) -> dict[str, Any]:
-    return dict.fromkeys(TABLES[table], (_Number, None))
+def _values(table: str) -> dict[str, Any]:
+    values: dict[str, Any] = dict.fromkeys(TABLES[table], (_Number, None))
+    return values | ({KNEE: (Literal[_BRANCHES], None)} if table == "geometry" else {})
 
 
 _FIELDS: dict[str, Any] = {
     "schema_version": (Annotated[int, Field(ge=1, le=SCHEMA_VERSION)], ...),
     "name": (Any, None),
     "value_count": (Annotated[int, Field(ge=0)], 0),
-    **_numbers(""),
+    **_values(""),
     **{
-        table: (create_model(table, __config__=_CLOSED, **_numbers(table)), None)
+        table: (create_model(table, __config__=_CLOSED, **_values(table)), None)
         for table in TABLES
         if table
     },
@@ -113,6 +117,8 @@ def _wrong_value(name: str, error: ErrorDetails) -> str:
         return "a whole number is needed"
     if name == "bar":
         return f"a counterweight is on one of the bars {', '.join(_BARS)}"
+    if name == KNEE:
+        return " or ".join(f'"{branch}"' for branch in _BRANCHES) + " is needed"
     if name == "joint":
         return "a joint's number is needed"
     if kind == "finite_number" or (isinstance(value, int) and not isinstance(value, bool)):

@@ -31,11 +31,12 @@ from paminsa_viz.files.design_schema import (
     COUNTERWEIGHTS,
     KEY_OF,
     KEYS,
+    KNEE,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
 
 LARGEST_FILE = 200_000
@@ -171,6 +172,7 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
         for key in KEYS
         if key.name in (content.get(key.table, {}) if key.table else content)
     }
+    knee = KneeBranch(content.get("geometry", {}).get(KNEE, APPENDIX_4.geometry.knee))
     entries = content.get(COUNTERWEIGHTS, [])
     count, found = content.get("value_count", 0), len(numbers) + sum(map(len, entries))
     if found < count:
@@ -189,7 +191,8 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
             path = f"{COUNTERWEIGHTS}.{index}.{key}"
             raise refused(path, error.value, error.allowed) from error
     try:
-        return replace(APPENDIX_4.vary(numbers), name=name, counterweights=tuple(weights))
+        design = APPENDIX_4.vary(numbers).with_knee(knee)
+        return replace(design, name=name, counterweights=tuple(weights))
     except InvalidDesign as error:
         known = KEY_OF.get(error.field.removeprefix("design."))
         # A length that only contradicts others may be one that the file does not set.

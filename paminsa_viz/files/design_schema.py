@@ -26,6 +26,10 @@ COUNTERWEIGHT_KEYS = {"bar": "bar", "joint": "joint", "beyond": "beyond_m", "mas
 """Keys of a counterweight by the names of its fields; each of them has to be there."""
 
 
+KNEE = "knee"
+"""Key of the knee's branch in ``[geometry]``; it stands there where it is not the printed one."""
+
+
 def unit_suffix(unit: str) -> str:
     """Return a unit as it ends a key: ``"kg m^2"`` gives ``"_kg_m2"``, ``""`` gives ``""``."""
     text = unit.replace(", ", " or ").replace("/", " per ").replace("N m", "Nm").replace("^", "")

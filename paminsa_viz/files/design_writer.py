@@ -6,6 +6,7 @@ from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
     KEY_OF,
+    KNEE,
     SCHEMA_VERSION,
     TABLES,
     DesignKey,
@@ -56,12 +57,14 @@ def write_design(design: Design, *, comment: str = "") -> str:
         body += _aligned(
             [(_assignment(design, key), _comment(design, key)) for key in keys.values()]
         )
+        if table == "geometry" and design.geometry.knee is not APPENDIX_4.geometry.knee:
+            body.append(f'{KNEE} = "{design.geometry.knee.value}"  # mirror image of Appendix 1')
     for weight in design.counterweights:
         values = (f'"{weight.bar.upper()}"', weight.joint, weight.beyond, weight.mass)
         texts = [f"{key} = {v}" for key, v in zip(COUNTERWEIGHT_KEYS.values(), values, strict=True)]
         body += ["", f"[[{COUNTERWEIGHTS}]]"]
         body += _aligned(list(zip(texts, _COUNTERWEIGHT_COMMENTS, strict=True)))
-    count = sum("=" in line and not line.startswith("#") for line in body)
+    count = sum("=" in line and not line.startswith(("#", KNEE)) for line in body)
     name = design.name.replace("\\", "\\\\").replace('"', '\\"')
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
     lines += ["", f'name = "{name}"']

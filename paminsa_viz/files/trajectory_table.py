@@ -28,7 +28,7 @@ from paminsa_viz.files.columns import (
 )
 from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.tables import DataTable, TableReader, open_table, provenance
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.parameters import PARAMETERS
@@ -65,7 +65,7 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
         "samples": str(t.size),
         "duration [s]": repr(t.duration),
         "first failure": first.explanation if first else "none",
-        **_robot(analysis.design, solved.assembly),
+        **_robot(analysis.design),
         "formulae": f"as printed: {', '.join(published)}" if published else "corrected",
         **_parameters(analysis.design),
     }
@@ -84,7 +84,7 @@ def simulation_table(simulation: Simulation) -> DataTable:
         "bandwidth [Hz]": repr(float(s.controller.bandwidth)),
         "damping": repr(float(s.controller.damping)),
         "stopped": s.stopped.explanation if s.stopped else "at the end",
-        **_robot(s.design, s.assembly),
+        **_robot(s.design),
         **_parameters(s.design),
     }
     return DataTable(columns, provenance(SIMULATION_FORMAT, facts))
@@ -94,8 +94,8 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
     return dict(zip(names, values.T, strict=True))
 
 
-def _robot(design: Design, assembly: KneeBranch) -> dict[str, str]:
-    return {"design": design.name, "assembly": assembly.value}
+def _robot(design: Design) -> dict[str, str]:
+    return {"design": design.name, "assembly": design.geometry.knee.value}
 
 
 def _parameters(design: Design) -> dict[str, str]:

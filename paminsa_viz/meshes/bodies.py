@@ -57,28 +57,26 @@ def color_of(body: str) -> str:
     return palette.LIFT_COLOR if body == "carriage" else palette.PLATFORM
 
 
-def lengths_of(
-    body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER
-) -> tuple[object, ...]:
+def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     """Return what a body's shape depends on; equal tuples mean an equal shape.
 
     Raises:
         KeyError: If there is no such body.
     """
     g = geometry
-    place = layout(g, assembly)
-    ram = place.column_top - place.lift_low if assembly is KneeBranch.UPPER else 0.0
+    place = layout(g)
+    ram = place.column_top - place.lift_low if geometry.knee is KneeBranch.UPPER else 0.0
     heights = (place.ground, place.mast_top, place.column_top)
     depends: dict[str, tuple[object, ...]] = {
         "ground": (place.ground, place.mast_radius),
-        "base": (g.base_radius, place.mast_radius, *heights, assembly),
-        "m1": (g.base_radius, assembly),
-        "m2": (g.base_radius, assembly),
-        "m3": (g.base_radius, assembly),
-        "m4": (place.column_top, place.lift_high - place.lift_low, assembly),
+        "base": (g.base_radius, place.mast_radius, *heights, geometry.knee),
+        "m1": (g.base_radius, geometry.knee),
+        "m2": (g.base_radius, geometry.knee),
+        "m3": (g.base_radius, geometry.knee),
+        "m4": (place.column_top, place.lift_high - place.lift_low, geometry.knee),
         "carriage": (g.base_radius, g.arm_length, ram),
         "platform": (g.platform_radius, g.platform_joint_height),
-        "guide": (g.guide_link_length, assembly),
+        "guide": (g.guide_link_length, geometry.knee),
         "shaft": (g.shaft_length,),
         "slider": (),
         "swivel": (),
@@ -90,7 +88,7 @@ def lengths_of(
     return depends[_kind(body)]
 
 
-def make_body(body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Part:
+def make_body(body: str, geometry: Geometry) -> Part:
     """Return a body by its name, in its own frame [m]; standing bodies in the world frame.
 
     Raises:
@@ -98,11 +96,11 @@ def make_body(body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.L
     """
     kind = _kind(body)
     if kind in ACTUATOR_NAMES:
-        return frame.actuators(geometry, assembly)[ACTUATOR_NAMES.index(kind)][0]
+        return frame.actuators(geometry)[ACTUATOR_NAMES.index(kind)][0]
     if kind == "ground":
-        return frame.ground(geometry, assembly)
+        return frame.ground(geometry)
     if kind == "base":
-        return frame.base(geometry, assembly)
+        return frame.base(geometry)
     if kind in ("slider", "swivel"):
         return fixed_part(kind)
     makers: dict[str, Callable[..., Part]] = {
@@ -115,7 +113,7 @@ def make_body(body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.L
         "b7": bar,
         "b8": bar,
     }
-    return _made(makers[kind], lengths_of(body, geometry, assembly), is_plain()).copy()
+    return _made(makers[kind], lengths_of(body, geometry), is_plain()).copy()
 
 
 @lru_cache(maxsize=64)
@@ -195,10 +193,10 @@ def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
     return loft([level(bottom), level(top)])
 
 
-def guide(length: float, assembly: KneeBranch) -> Part:
+def guide(length: float, knee: KneeBranch) -> Part:
     """Return guide link B10 with the quill that M1..M3 turn; origin on the leg axis, link to -x."""
     part = fixed_part("quill")
-    if assembly is KneeBranch.UPPER:
+    if knee is KneeBranch.UPPER:
         part = part.moved(rotation=turn("x", np.pi))
     rail = beam(0.02, length - 0.001, (0.022, 0.021), (0.022, 0.021), 0.002, 0.0005)
     part.add("body", moved(rail, rotation=turn("z", np.pi)))
@@ -250,23 +248,21 @@ def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:
 
 
 @lru_cache(maxsize=256)
-def body_glb(
-    body: str, geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER, *, fine: bool = True
-) -> bytes:
+def body_glb(body: str, geometry: Geometry, *, fine: bool = True) -> bytes:
     """Return a body as a colored GLB in its own frame, z up; the last ones made are kept.
 
     One that is not ``fine`` has a quarter of the triangles, no bolts and pins, round sides of few
     faces, and its colors at its points instead of a mesh for each.
     """
     if fine:
-        return make_body(body, geometry, assembly).glb(color_of(body))
+        return make_body(body, geometry).glb(color_of(body))
     with plain_shapes():
-        part = make_body(body, geometry, assembly).without_small(SMALL)
+        part = make_body(body, geometry).without_small(SMALL)
         return part.glb(color_of(body), plain=True)
 
 
-def prepare(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> None:
+def prepare(geometry: Geometry) -> None:
     """Make and keep every body's GLB, so that no scene need wait for them; the plain ones first."""
     for fine in (False, True):
         for body in (*STANDING, *BODIES):
-            body_glb(body, geometry, assembly, fine=fine)
+            body_glb(body, geometry, fine=fine)

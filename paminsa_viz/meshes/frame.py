@@ -42,15 +42,15 @@ def polar(radius: float, angle: float, height: float = 0.0) -> Array:
     return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
 
 
-def plinth_radius(geometry: Geometry, assembly: KneeBranch) -> float:
+def plinth_radius(geometry: Geometry) -> float:
     """Return the radius of the plinth [m]."""
-    return layout(geometry, assembly).mast_radius + 0.115
+    return layout(geometry).mast_radius + 0.115
 
 
-def ground(geometry: Geometry, assembly: KneeBranch) -> Part:
+def ground(geometry: Geometry) -> Part:
     """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
-    radius = plinth_radius(geometry, assembly)
-    top = layout(geometry, assembly).ground
+    radius = plinth_radius(geometry)
+    top = layout(geometry).ground
     part = Part().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
     rim = [np.array([polar(radius, a, h) for a in _ROUND]) for h in (top - 0.020, top - 0.0015)]
     part.add("rim", loft(rim))
@@ -60,35 +60,35 @@ def ground(geometry: Geometry, assembly: KneeBranch) -> Part:
     return part
 
 
-def base(geometry: Geometry, assembly: KneeBranch) -> Part:
+def base(geometry: Geometry) -> Part:
     """Return the frame that does not move, without the actuators' bodies. World frame."""
-    place = layout(geometry, assembly)
+    place = layout(geometry)
     plate = _base_plate(geometry, place)
-    if assembly is KneeBranch.LOWER:
+    if geometry.knee is KneeBranch.LOWER:
         return plate.join(_mast(place), _arm(place), _column(place))
     return plate.moved(rotation=FLIP).join(_mast(place), _stay(place), _bridge(place))
 
 
-def actuators(geometry: Geometry, assembly: KneeBranch) -> list[tuple[Part, str]]:
+def actuators(geometry: Geometry) -> list[tuple[Part, str]]:
     """Return the bodies of M1..M4, each with its color, in the world frame."""
-    place = layout(geometry, assembly)
+    place = layout(geometry)
     out = []
     for angle, color in zip(AXIS_ANGLES, palette.LEG_COLORS, strict=True):
         seat = polar(geometry.base_radius, angle, at.MOUNT + at.PLATE)
         motor = fixed_part("rotary_actuator").moved(seat, turn("z", angle))
-        if assembly is KneeBranch.UPPER:
+        if geometry.knee is KneeBranch.UPPER:
             # Turned over, legs 1 and 2 change places, so each motor goes to the other's seat.
             motor = fixed_part("rotary_actuator").moved(
                 FLIP @ seat * [-1, 1, 1], turn("z", angle) @ turn("x", np.pi)
             )
         out.append((motor, color))
-    return [*out, (_lift(place, assembly), palette.LIFT_COLOR)]
+    return [*out, (_lift(place, geometry.knee), palette.LIFT_COLOR)]
 
 
-def lift_motor_height(geometry: Geometry, assembly: KneeBranch) -> float:
+def lift_motor_height(geometry: Geometry) -> float:
     """Return the height of the top of M4's motor [m]."""
-    place = layout(geometry, assembly)
-    stand = 0.0 if assembly is KneeBranch.LOWER else _cylinder_length(place) + PLATE_OF_BRIDGE
+    place = layout(geometry)
+    stand = 0.0 if geometry.knee is KneeBranch.LOWER else _cylinder_length(place) + PLATE_OF_BRIDGE
     return place.column_top + stand + 0.104
 
 
@@ -96,12 +96,12 @@ PLATE_OF_BRIDGE = 0.012
 
 
 def _cylinder_length(place: Layout) -> float:
-    """Return the length of M4's cylinder in the mirror assembly: it takes in the whole ram [m]."""
+    """Return the length of M4's cylinder with the upper knee: it takes in the whole ram [m]."""
     return place.lift_high - place.lift_low + 0.03
 
 
-def _lift(place: Layout, assembly: KneeBranch) -> Part:
-    if assembly is KneeBranch.LOWER:
+def _lift(place: Layout, knee: KneeBranch) -> Part:
+    if knee is KneeBranch.LOWER:
         return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
     foot = place.column_top + PLATE_OF_BRIDGE
     top = foot + _cylinder_length(place)
@@ -153,13 +153,13 @@ def _mast(place: Layout) -> Part:
 
 
 def _arm(place: Layout) -> Part:
-    """The arm that carries the base plate in the printed assembly, deeper toward the mast."""
+    """The arm that carries the base plate with the lower knee, deeper toward the mast."""
     low = at.MOUNT + 0.0012
     return _cantilever(place, 0.045, low, (0.036, 0.020), (0.054, 0.092))
 
 
 def _stay(place: Layout) -> Part:
-    """The arm below the guides that carries the base plate in the mirror assembly."""
+    """The arm below the guides that carries the base plate with the upper knee."""
     top = -at.MOUNT - 0.0012
     part = _cantilever(place, 0.045, top, (0.036, 0.020), (0.054, 0.092))
     # Mirrored in the plane of its straight edge: deep side down.
@@ -188,7 +188,7 @@ def _cantilever(
 
 
 def _column(place: Layout) -> Part:
-    """M4's column in the printed assembly: foot, three guide rods and the screw."""
+    """M4's column with the lower knee: foot, three guide rods and the screw."""
     bottom = at.MOUNT + at.PLATE
     part = fixed_part("lift_foot").moved((0.0, 0.0, bottom))
     part.add("steel", rod(SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 10))
@@ -199,7 +199,7 @@ def _column(place: Layout) -> Part:
 
 
 def _bridge(place: Layout) -> Part:
-    """The arm over the robot in the mirror assembly, which carries M4."""
+    """The arm over the robot with the upper knee, which carries M4."""
     low, high = place.column_top, place.column_top + PLATE_OF_BRIDGE
     part = Part().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
     part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))

@@ -1,8 +1,8 @@
 """Where the machine's frame stands: heights and radii that follow from the geometry.
 
-The frame is drawn around the mechanism; the paper does not give it. In the printed assembly the
+The frame is drawn around the mechanism; the paper does not give it. With the lower knee the
 robot hangs from a mast with one arm: M1..M3 sit on a base plate above the guides and M4 is a column
-on that plate, whose carriage slides along fixed rods. In the mirror assembly the base plate lies
+on that plate, whose carriage slides along fixed rods. With the upper knee the base plate lies
 below the guides and the platform above them, so M4 hangs from a second arm and pushes its carriage
 down with a ram.
 """
@@ -31,7 +31,7 @@ STRETCHED: Final = 0.07
 """Room between the lowest joints and the ground [m]."""
 
 TABLE: Final = 0.30
-"""Least height of the guides above the ground in the mirror assembly [m]."""
+"""Least height of the guides above the ground with the upper knee [m]."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class Layout:
         ground: Height of the ground's surface.
         mast_radius: Distance of the mast from the robot's axis.
         mast_top: Height of the mast's upper end.
-        column_top: Printed assembly: underside of M4's end plate. Mirror: underside of the bridge.
+        column_top: Lower knee: underside of M4's end plate. Upper knee: underside of the bridge.
         lift_low, lift_high: Range of Z that M4's column or ram spans.
         platform_low, platform_high: Range of z in which the drawn bodies stay clear of the frame
             with the platform near the center; equal where there is no such height.
@@ -74,15 +74,15 @@ def mast_radius(geometry: Geometry) -> float:
 
 
 @lru_cache(maxsize=64)
-def layout(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Layout:
-    """Return the frame's heights and radii for a geometry and an assembly."""
+def layout(geometry: Geometry) -> Layout:
+    """Return the frame's heights and radii for a geometry."""
     reach = geometry.crank_length + geometry.coupler_length
     # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
     deepest = float(np.sqrt(max(reach**2 - geometry.home_span**2, 0.0025)))
     factor = geometry.magnification
     lowest_arm = at.QUILL_TOP + at.ARM_BEARING_HALF + 0.008
     radius = mast_radius(geometry)
-    if assembly is KneeBranch.LOWER:
+    if geometry.knee is KneeBranch.LOWER:
         by_arms = factor * (geometry.shaft_length - lowest_arm)
         depth = max(min(deepest, by_arms), 0.1)
         low = -depth - geometry.platform_joint_height

@@ -24,28 +24,28 @@ def payload_scale(mass: float) -> float:
     return float(np.cbrt(max(mass, 0.0)))
 
 
-def payload_offset(geometry: Geometry, assembly: KneeBranch) -> tuple[float, float, float]:
+def payload_offset(geometry: Geometry) -> tuple[float, float, float]:
     """Return where the payload's upper face sits in the platform's frame [m].
 
-    It hangs below the platform where the robot hangs, and stands on it in the mirror assembly
+    It hangs below the platform where the robot hangs, and stands on it with the upper knee
     (there the mesh is turned over).
     """
     top = geometry.platform_joint_height - at.PLATE_BELOW_5
-    below = assembly is KneeBranch.LOWER
+    below = geometry.knee is KneeBranch.LOWER
     return (0.0, 0.0, top - 0.0215 if below else top + 0.0025)
 
 
-def payload_transform(geometry: Geometry, assembly: KneeBranch, mass: float) -> Array:
+def payload_transform(geometry: Geometry, mass: float) -> Array:
     """Return the payload's size and place in the platform's frame as a matrix, (4, 4)."""
-    over = assembly is KneeBranch.UPPER
+    over = geometry.knee is KneeBranch.UPPER
     out = np.eye(4)
     out[:3, :3] = payload_scale(mass) * (turn("x", np.pi) if over else np.eye(3))
-    out[:3, 3] = payload_offset(geometry, assembly)
+    out[:3, 3] = payload_offset(geometry)
     return out
 
 
-def payload_center(geometry: Geometry, assembly: KneeBranch, mass: float) -> Array:
+def payload_center(geometry: Geometry, mass: float) -> Array:
     """Return the middle of the payload in the platform's frame, (3,) [m]."""
-    x, y, top = payload_offset(geometry, assembly)
+    x, y, top = payload_offset(geometry)
     half = PAYLOAD_HEIGHT * payload_scale(mass) / 2
-    return np.array([x, y, top - half if assembly is KneeBranch.LOWER else top + half])
+    return np.array([x, y, top - half if geometry.knee is KneeBranch.LOWER else top + half])

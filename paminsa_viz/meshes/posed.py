@@ -59,11 +59,11 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
         np.isfinite(p.position).all() and np.isfinite(p.wxyz).all() for p in places.values()
     ):
         raise InvalidInput("configuration", "the bars cannot close in this pose")
-    geometry, assembly = design.geometry, configuration.assembly
+    geometry = design.geometry
     scene = trimesh.Scene()
     scene.metadata.update(
         design=design.name,
-        assembly=assembly.value,
+        assembly=geometry.knee.value,
         pose={
             n: float(v) for n, v in zip(("x", "y", "theta", "z"), configuration.pose, strict=True)
         },
@@ -75,10 +75,10 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
         if body == "ground" and not ground:
             continue
         matrix = transform(places[body]) if body in places else np.eye(4)
-        part = bodies.make_body(body, geometry, assembly)
+        part = bodies.make_body(body, geometry)
         _add(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.color_of(body))
     if design.payload.mass > 0:
-        matrix = load.payload_transform(geometry, assembly, design.payload.mass)
+        matrix = load.payload_transform(geometry, design.payload.mass)
         _add(scene, fixed_part("payload"), "payload", matrix, "platform", None)
     for number, weight in enumerate(design.counterweights, 1):
         if weight.mass == 0:

@@ -111,7 +111,7 @@ def _shapes(
 
     What has the same name has the same shape.
     """
-    g, assembly = design.geometry, configuration.assembly
+    g = design.geometry
     places = {name: transform(place) for name, place in place_parts(configuration).items()}
 
     def seen(part: Part, carrier: str, body: str) -> Part:
@@ -120,14 +120,14 @@ def _shapes(
         return part.moved(matrix[:3, 3], matrix[:3, :3])
 
     for body in bodies.STANDING:
-        yield ROOT, body, bodies.make_body(body, g, assembly), bodies.color_of(body)
+        yield ROOT, body, bodies.make_body(body, g), bodies.color_of(body)
     for body, carrier in (("carriage", LIFT), ("platform", PLATFORM)):
-        part = seen(bodies.make_body(body, g, assembly), carrier, body)
+        part = seen(bodies.make_body(body, g), carrier, body)
         yield carrier, body, part, bodies.color_of(body)
     for leg, color in enumerate(palette.LEG_COLORS, 1):
         for kind, link in _CARRIERS.items():
             body, carrier = f"leg{leg}/{kind}", f"leg{leg}_{link}"
-            part = seen(bodies.make_body(body, g, assembly), carrier, body)
+            part = seen(bodies.make_body(body, g), carrier, body)
             yield carrier, kind, part, color
         swivel = f"leg{leg}/swivel"
         foot = seen(joint_parts.swivel_disc(), PLATFORM, swivel)
@@ -135,7 +135,7 @@ def _shapes(
         head = seen(joint_parts.swivel_head(), f"leg{leg}_B4", swivel)
         yield f"leg{leg}_B4", f"leg{leg}.swivel_head", head, color
     if design.payload.mass > 0:
-        matrix = load.payload_transform(g, assembly, design.payload.mass)
+        matrix = load.payload_transform(g, design.payload.mass)
         drum = fixed_part("payload").moved(matrix[:3, 3], matrix[:3, :3])
         yield PLATFORM, "payload", drum, ""
 
@@ -149,9 +149,7 @@ def _light(root: ET.Element, design: Design, configuration: Configuration) -> No
     for light in root.iterfind("worldbody/light"):
         light.set("diffuse", "0.4 0.4 0.4")
     if statistic is not None:
-        machine = [
-            bodies.make_body(b, design.geometry, configuration.assembly) for b in bodies.STANDING
-        ]
+        machine = [bodies.make_body(b, design.geometry) for b in bodies.STANDING]
         heights = np.array([part.bounds()[:, 2] for part in machine])
         low, high = heights.min(), heights.max()
         statistic.set("center", f"0 0 {(low + high) / 2:.4g}")

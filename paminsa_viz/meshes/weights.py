@@ -70,13 +70,13 @@ def counterweight_glb(geometry: Geometry, weight: Counterweight, color: str) -> 
     return counterweight(geometry, weight).glb(color)
 
 
-def room_words(geometry: Geometry, weight: Counterweight, assembly: KneeBranch) -> str:
+def room_words(geometry: Geometry, weight: Counterweight) -> str:
     """Say what room a counterweight needs as a disc of steel, and what it may run into.
 
     See `counterweight_clearance`: what is said to be free is so in every pose.
     """
     radius = disc_radius(weight.mass)
-    room = counterweight_clearance(geometry, weight, assembly, radius)
+    room = counterweight_clearance(geometry, weight, radius)
     if room is None:
         return "The robot can take no pose."
     said = (
@@ -89,8 +89,8 @@ def room_words(geometry: Geometry, weight: Counterweight, assembly: KneeBranch) 
         return f"{said} It {meet}."
     if not np.isfinite(room.clear_depth):
         return f"{said} It may run into the platform, or M4, at any height."
-    z = -assembly.sign * room.clear_depth - geometry.platform_joint_height
-    side, bound = ("below", np.floor) if assembly is KneeBranch.LOWER else ("above", np.ceil)
+    z = -geometry.knee.sign * room.clear_depth - geometry.platform_joint_height
+    side, bound = ("below", np.floor) if geometry.knee is KneeBranch.LOWER else ("above", np.ceil)
     return f"{said} It {meet}, while the platform is {side} z = {_mm(z, bound)}."
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.leg_points import counterweight_point
 
 CELLS = 480
@@ -27,7 +27,7 @@ class CounterweightClearance:
     """Bounds that no pose of the singularity-free workspace exceeds.
 
     It is what can be reached from home without passing a type-2 singularity, on the natural side
-    of the guides: joints 5 below them in the printed assembly, above them in the mirror one.
+    of the guides: joints 5 below them with the lower knee, above them with the upper one.
 
     Attributes:
         inward: Farthest from the leg axis toward the platform, negative if it stays outward [m].
@@ -48,7 +48,7 @@ class CounterweightClearance:
 
 @lru_cache(maxsize=64)
 def counterweight_clearance(
-    geometry: Geometry, weight: Counterweight, assembly: KneeBranch, radius: float = 0.0
+    geometry: Geometry, weight: Counterweight, radius: float = 0.0
 ) -> CounterweightClearance | None:
     """Return the room of a counterweight, or None if the leg can take no pose.
 
@@ -58,10 +58,9 @@ def counterweight_clearance(
     Args:
         geometry: Lengths of the mechanism.
         weight: The counterweight, of which only the place counts.
-        assembly: Root of the knee.
         radius: Of the disc about its mass center, in the plane of the leg [m].
     """
-    g, k, sign = geometry, geometry.magnification, assembly.sign
+    g, k, sign = geometry, geometry.magnification, geometry.knee.sign
     crank, coupler, half = g.crank_length, g.coupler_length, np.pi / CELLS
     angle = (2 * np.arange(CELLS) + 1) * half - np.pi
     phi, psi = angle[:, None], angle[None, :]

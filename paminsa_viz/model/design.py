@@ -18,10 +18,11 @@ from paminsa_viz.model.quantity import check_numbers, quantity
 
 
 class KneeBranch(Enum):
-    """How the pantographs are put together: which of the two roots the knee 9 takes.
+    """Which of the two roots the knee 9 takes.
 
-    ``LOWER`` is the root that Appendix 1 prints for F (the lower knee; the natural one hangs,
-    z < 0); ``UPPER`` is the other one.
+    ``LOWER`` is the root that Appendix 1 prints for F; the platform then hangs below the guides,
+    z < 0. ``UPPER`` is the other one, its mirror image. A robot changes its branch only by being
+    put together again: on the way the pantographs would pass through their stretched posture.
     """
 
     LOWER = "printed"
@@ -32,10 +33,15 @@ class KneeBranch(Enum):
         """+1 for the printed root, -1 for its mirror image."""
         return 1.0 if self is KneeBranch.LOWER else -1.0
 
+    @property
+    def label(self) -> str:
+        """ "lower knee" or "upper knee", for captions."""
+        return f"{self.name.lower()} knee"
+
 
 @dataclass(frozen=True)
 class Geometry:
-    """Lengths of the mechanism (Appendix 4).
+    """Lengths of the mechanism (Appendix 4), and ``knee``, the branch of its knees.
 
     Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
     parallelogram, so they are no parameters of their own.
@@ -56,9 +62,12 @@ class Geometry:
         None, "|X_4| max", "m", "stroke of joint 8 (default: l_B10)", positive=True
     )
     axis_clearance: float = quantity(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
+    knee: KneeBranch = KneeBranch.LOWER
 
     def __post_init__(self) -> None:
         check_numbers(self, "geometry")
+        if not isinstance(self.knee, KneeBranch):
+            raise InvalidDesign("geometry.knee", self.knee, "a KneeBranch is needed")
         if self.magnification <= 1:
             raise InvalidDesign(
                 "geometry.magnification",
@@ -256,6 +265,10 @@ class Design:
             known = number.isdecimal() and int(number) < len(self.counterweights)
             return self.counterweights[int(number)] if known else None
         return getattr(self, name, None) if name else self
+
+    def with_knee(self, knee: KneeBranch) -> Design:
+        """Return the design with its knees on the given branch."""
+        return replace(self, geometry=replace(self.geometry, knee=knee))
 
     def vary(self, changes: Mapping[str, float | None]) -> Design:
         """Return a copy with some numbers changed, given by dotted path.

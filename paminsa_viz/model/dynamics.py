@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Design, Friction, KneeBranch
+from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.jacobian import inverse_jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
@@ -71,7 +71,6 @@ def inverse_dynamics(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> InverseDynamics:
     """Return the actuator torques for a platform motion (Eqs. 15-21).
@@ -81,7 +80,6 @@ def inverse_dynamics(
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
-        assembly: Root of the knee.
         misprints: Formulae to take as printed; none by default.
 
     Raises:
@@ -89,7 +87,7 @@ def inverse_dynamics(
             nothing; they are NaN, with the reason in ``status``.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
-    m = mechanism(design.geometry, assembly)
+    m = mechanism(design.geometry)
     result = backend.inverse_dynamics_kernel(m, _terms(design, misprints), design.gravity, p, v, a)
     torque = result[:, :4]
     if not frictionless(design.friction):
@@ -113,7 +111,6 @@ def torque_breakdown(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> TorqueBreakdown:
     """Split the torque of `inverse_dynamics`, with the same arguments, by its causes.
@@ -125,9 +122,9 @@ def torque_breakdown(
     plain = replace(design, friction=Friction())
     weightless = replace(plain, gravity=0.0)
     still = np.zeros_like(p)
-    at_rest = inverse_dynamics(plain, p, still, still, assembly, misprints)
-    inertial = inverse_dynamics(weightless, p, still, a, assembly, misprints)
-    moving = inverse_dynamics(weightless, p, v, still, assembly, misprints)
+    at_rest = inverse_dynamics(plain, p, still, still, misprints)
+    inertial = inverse_dynamics(weightless, p, still, a, misprints)
+    moving = inverse_dynamics(weightless, p, v, still, misprints)
     friction = np.zeros_like(p)
     if not frictionless(design.friction):
         friction = friction_torque(design.friction, actuator_velocity(design, p, v))
@@ -170,7 +167,6 @@ def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
 def mass_matrix(
     design: Design,
     pose: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> Array:
     """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
@@ -179,7 +175,7 @@ def mass_matrix(
     where the bars cannot close.
     """
     pose = as_vectors(pose, "pose")
-    m = mechanism(design.geometry, assembly)
+    m = mechanism(design.geometry)
     upper = backend.mass_matrix(m, _terms(design, misprints), pose.reshape(-1, 4))
     matrix = np.empty((len(upper), 4, 4))
     rows, columns = np.triu_indices(4)
@@ -194,7 +190,6 @@ def forward_dynamics(
     pose: ArrayLike,
     velocity: ArrayLike,
     torque: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> Array:
     """Return the platform acceleration that actuator torques cause, (..., 4).
 
@@ -203,15 +198,14 @@ def forward_dynamics(
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         torque: (..., 4) [N m, N m, N m, N].
-        assembly: Root of the knee.
 
     Returns:
         [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose cannot be taken.
     """
     shape, (p, v, q) = together(pose=pose, velocity=velocity, torque=torque)
-    bias = inverse_dynamics(design, p, v, np.zeros_like(p), assembly).torque
+    bias = inverse_dynamics(design, p, v, np.zeros_like(p)).torque
     g = inverse_jacobian(design.geometry, p)
-    matrix = mass_matrix(design, p, assembly)
+    matrix = mass_matrix(design, p)
     force = np.einsum("nji,nj->ni", g, q - bias)
     good = np.isfinite(force).all(axis=-1) & np.isfinite(matrix).all(axis=(-1, -2))
     acceleration = np.full_like(p, np.nan)
@@ -224,13 +218,12 @@ def kinetic_energy(
     design: Design,
     pose: ArrayLike,
     velocity: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     misprints: Misprint = Misprint.NONE,
 ) -> Array:
     """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3."""
     shape, (p, v) = together(pose=pose, velocity=velocity)
     e = _terms(design, misprints)
-    g, q = leg_states(design.geometry, p, v, np.zeros_like(p), assembly)
+    g, q = leg_states(design.geometry, p, v, np.zeros_like(p))
     lift = v[:, 3:] / design.geometry.magnification
     translation = (
         e.xy5 * (q.rho_rate**2 + (g.rho * q.beta_rate) ** 2)

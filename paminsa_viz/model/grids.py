@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.reach import Limit, decode
@@ -132,7 +132,7 @@ class Field:
     """What the geometry says about every pose of a grid; arrays have the grid's shape.
 
     Attributes:
-        grid, geometry, assembly: What it was solved for.
+        grid, geometry: What it was solved for.
         gamma: (4, ...) unit torques, see `statics.unit_torques`; NaN where status is not OK.
         status: (...) values of `Limit`.
         leg: (...) index of the leg that stands in the way, -1 for none.
@@ -142,7 +142,6 @@ class Field:
 
     grid: Grid
     geometry: Geometry
-    assembly: KneeBranch
     gamma: Array
     status: NDArray[np.uint8]
     leg: NDArray[np.int8]
@@ -179,7 +178,6 @@ class Field:
 def solve_field(
     geometry: Geometry,
     grid: Grid,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     dexterity: bool = False,
     threads: int | None = None,
@@ -189,11 +187,10 @@ def solve_field(
     Args:
         geometry: Lengths of the mechanism.
         grid: The poses.
-        assembly: Root of the knee.
         dexterity: Whether determinant and condition number are wanted as well.
         threads: Threads to share the work; None for all cores where the grid is large enough.
     """
-    m = mechanism(geometry, assembly)
+    m = mechanism(geometry)
     names = ["unit_torques", "least_margin"] + (["dexterity"] if dexterity else [])
     parts = _evaluate(names, m, grid, threads)
     gamma, (margin, which) = parts[0], parts[1]
@@ -202,20 +199,19 @@ def solve_field(
     status[(status == Limit.OK) & ~finite] = Limit.SINGULAR
     gamma[:, status != Limit.OK] = np.nan
     determinant, condition = parts[2] if dexterity else (None, None)
-    return Field(grid, geometry, assembly, gamma, status, leg, margin, determinant, condition)
+    return Field(grid, geometry, gamma, status, leg, margin, determinant, condition)
 
 
 def rotary_torques(
     design: Design,
     grid: Grid,
-    assembly: KneeBranch = KneeBranch.LOWER,
     threads: int | None = None,
 ) -> Array:
     """Return the static torques of M1..M3 alone, (3, ...) [N m]; the fastest way to a map.
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
     """
-    gamma = _evaluate(["rotary_torques"], mechanism(design.geometry, assembly), grid, threads)[0]
+    gamma = _evaluate(["rotary_torques"], mechanism(design.geometry), grid, threads)[0]
     gamma *= static_imbalance(design)
     return gamma
 

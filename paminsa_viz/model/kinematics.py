@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.leg import LegMotion, LegPosition, leg_motion, leg_position, mechanism
 from paminsa_viz.model.leg_points import point_weights
 from paminsa_viz.model.reach import Reach, check_reach
@@ -41,7 +41,6 @@ class Configuration:
 
     Attributes:
         geometry: The lengths it was solved for.
-        assembly: The pantographs' assembly mode.
         pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
         reach: Whether each pose can be taken; ask it before using numbers of a configuration.
         actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
@@ -53,7 +52,6 @@ class Configuration:
     """
 
     geometry: Geometry
-    assembly: KneeBranch
     pose: Array
     reach: Reach
     actuators: Array
@@ -64,30 +62,27 @@ class Configuration:
 
 
 @np.errstate(all="ignore")
-def _leg_positions(geometry: Geometry, pose: Array, assembly: KneeBranch) -> LegPosition:
+def _leg_positions(geometry: Geometry, pose: Array) -> LegPosition:
     """Solve all three legs; every field (..., 3)."""
     x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]
     return leg_position(
-        mechanism(geometry, assembly), LEG_AXES[:, 0], LEG_AXES[:, 1],
+        mechanism(geometry), LEG_AXES[:, 0], LEG_AXES[:, 1],
         x, y, np.cos(theta), np.sin(theta), z,
     )  # fmt: skip
 
 
-def inverse_kinematics(
-    geometry: Geometry, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
-) -> Configuration:
+def inverse_kinematics(geometry: Geometry, pose: ArrayLike) -> Configuration:
     """Solve the inverse kinematics (Appendix 1).
 
     Args:
         geometry: Lengths of the mechanism.
         pose: (..., 4) = (x, y, theta, z) [m, m, rad, m], base frame.
-        assembly: Root of the knee.
 
     Raises:
         InvalidInput: If the pose has another shape or is not real.
     """
     pose = as_vectors(pose, "pose")
-    g = _leg_positions(geometry, pose, assembly)
+    g = _leg_positions(geometry, pose)
     beta = np.arctan2(g.uy, g.ux)
     points = {}
     with np.errstate(all="ignore"):
@@ -107,7 +102,7 @@ def inverse_kinematics(
     lift = (pose[..., 3:] + geometry.platform_joint_height) / geometry.magnification
     actuators = np.concatenate([wrap(beta - HEADINGS), lift + geometry.shaft_length], axis=-1)
     return Configuration(
-        geometry, assembly, pose, check_reach(geometry, pose), actuators, beta, psi, phi, points
+        geometry, pose, check_reach(geometry, pose), actuators, beta, psi, phi, points
     )
 
 
@@ -134,14 +129,14 @@ class JointMotion:
 
 
 def leg_states(
-    geometry: Geometry, pose: Array, velocity: Array, acceleration: Array, assembly: KneeBranch
+    geometry: Geometry, pose: Array, velocity: Array, acceleration: Array
 ) -> tuple[LegPosition, LegMotion]:
     """Return position and motion of all legs, every field (..., 3); inputs (..., 4)."""
-    g = _leg_positions(geometry, pose, assembly)
+    g = _leg_positions(geometry, pose)
     v = np.moveaxis(velocity, -1, 0)[..., None]
     a = np.moveaxis(acceleration, -1, 0)[..., None]
     with np.errstate(all="ignore"):
-        return g, leg_motion(mechanism(geometry, assembly), g, *v, *a)
+        return g, leg_motion(mechanism(geometry), g, *v, *a)
 
 
 def joint_rates(
@@ -149,7 +144,6 @@ def joint_rates(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
 ) -> JointMotion:
     """Return velocities and accelerations of every joint for a platform motion.
 
@@ -158,11 +152,10 @@ def joint_rates(
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
-        assembly: Root of the knee.
     """
     shape, flat = together(pose=pose, velocity=velocity, acceleration=acceleration)
     p, v, a = (values.reshape(*shape, 4) for values in flat)
-    g, q = leg_states(geometry, p, v, a, assembly)
+    g, q = leg_states(geometry, p, v, a)
     velocities, accelerations = {}, {}
     with np.errstate(all="ignore"):
         for number, w in point_weights(geometry).items():
@@ -185,7 +178,7 @@ def joint_rates(
             )
     k = geometry.magnification
     return JointMotion(
-        inverse_kinematics(geometry, p, assembly),
+        inverse_kinematics(geometry, p),
         np.concatenate([q.beta_rate, v[..., 3:] / k], axis=-1),
         np.concatenate([q.beta_acc, a[..., 3:] / k], axis=-1),
         q.psi_rate, q.phi_rate, q.psi_acc, q.phi_acc,
@@ -264,9 +257,9 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyMode
 
 @np.errstate(all="ignore")
 def nearest_solution(geometry: Geometry, actuators: ArrayLike, near: ArrayLike) -> Array:
-    """Return the valid platform assembly that lies nearest to a given pose, (..., 4).
+    """Return the valid assembly mode that lies nearest to a given pose, (..., 4).
 
-    Distance is taken in x, y and R_pl times theta. NaN where there is no valid assembly.
+    Distance is taken in x, y and R_pl times theta. NaN where there is no valid one.
     """
     q, near = aligned(actuators=actuators, near=near)
     found = forward_kinematics(geometry, q)

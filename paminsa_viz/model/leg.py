@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 
 
 class Mechanism(NamedTuple):
@@ -40,7 +40,7 @@ class Mechanism(NamedTuple):
     rho2_max: float
 
 
-def mechanism(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Mechanism:
+def mechanism(geometry: Geometry) -> Mechanism:
     """Return the numbers of a geometry in the form the formulae need."""
     k = geometry.magnification
     return Mechanism(
@@ -57,7 +57,7 @@ def mechanism(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Me
         inverse_span_ratio=1 / geometry.span_ratio,
         inverse_crank=1 / geometry.crank_length,
         inverse_coupler=1 / geometry.coupler_length,
-        root=assembly.sign,
+        root=geometry.knee.sign,
         stroke=geometry.stroke,
         clearance=geometry.axis_clearance,
         rho2_min=geometry.axis_clearance**2,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, is_dataclass
 
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.units import DisplayUnit, display_unit
@@ -43,14 +43,8 @@ def _parameters() -> tuple[Parameter, ...]:
     found = []
     for group in fields(APPENDIX_4):
         owner = getattr(APPENDIX_4, group.name)
-        items = (
-            [group]
-            if "unit" in group.metadata
-            else fields(owner)
-            if group.metadata == {} and (hasattr(owner, "__dataclass_fields__"))
-            else []
-        )
-        for item in items:
+        items = fields(owner) if is_dataclass(owner) else (group,)
+        for item in (item for item in items if "unit" in item.metadata):
             path = item.name if item is group else f"{group.name}.{item.name}"
             found.append(
                 Parameter(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,19 +34,66 @@ class Limit(IntEnum):
 
     @property
     def explanation(self) -> str:
-        """What it means, in words."""
-        return _EXPLANATIONS[self]
+        """What it means, as a clause."""
+        return _TEXTS[self].explanation
+
+    @property
+    def noun(self) -> str:
+        """What a motion comes near to, such as "a stretched pantograph"."""
+        return _TEXTS[self].noun
+
+    @property
+    def label(self) -> str:
+        """Short name for the head of a column."""
+        return _TEXTS[self].label
+
+    def reason(self, leg: int = -1) -> str:
+        """Return why there is no value; ``leg`` is the index of the leg, -1 for none."""
+        return _TEXTS[self].reason.format(leg=f"leg {leg + 1}" if leg >= 0 else "a leg")
 
 
-_EXPLANATIONS = {
-    Limit.OK: "the pose can be taken",
-    Limit.NOT_FINITE: "the pose is not finite",
-    Limit.STRETCHED: "the pantograph is over-stretched: joints 8 and 5 are too far apart",
-    Limit.FOLDED: "the pantograph is folded too far: joints 8 and 5 are too close together",
-    Limit.GUIDE: "joint 8 would leave its guide",
-    Limit.AXIS: "joint 5 is on its leg axis",
-    Limit.SINGULAR: "the pose is singular, torques have no bound there",
+class _Texts(NamedTuple):
+    label: str
+    noun: str
+    explanation: str
+    reason: str
+
+
+_TEXTS = {
+    Limit.OK: _Texts("ok", "no limit", "the pose can be taken", "no value"),
+    Limit.NOT_FINITE: _Texts("finite", "no number", "the pose is not finite", "out of reach"),
+    Limit.STRETCHED: _Texts(
+        "stretch",
+        "a stretched pantograph",
+        "the pantograph is over-stretched: joints 8 and 5 are too far apart",
+        "out of reach: {leg} over-stretched",
+    ),
+    Limit.FOLDED: _Texts(
+        "fold",
+        "a folded pantograph",
+        "the pantograph is folded too far: joints 8 and 5 are too close together",
+        "out of reach: {leg} folded too far",
+    ),
+    Limit.GUIDE: _Texts(
+        "guide",
+        "the end of a guide",
+        "joint 8 would leave its guide",
+        "out of reach: joint 8 of {leg} would leave its guide",
+    ),
+    Limit.AXIS: _Texts(
+        "axis",
+        "a leg axis",
+        "joint 5 is on its leg axis",
+        "out of reach: joint 5 of {leg} on its leg axis",
+    ),
+    Limit.SINGULAR: _Texts(
+        "singular",
+        "a singular pose",
+        "the pose is singular, torques have no bound there",
+        "singular: no torque holds it",
+    ),
 }
+"""All that page, figures, tables and reports say of the limits."""
 
 MARGINS: tuple[Limit, ...] = (Limit.STRETCHED, Limit.FOLDED, Limit.GUIDE, Limit.AXIS)
 """Limits in the order of the last axis of `Reach.margins`."""
@@ -87,7 +135,7 @@ def status_words(status: ArrayLike, leg: ArrayLike = -1) -> NDArray[np.str_]:
 
 
 def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
-    """Say for each pose whether the robot can take it, in either assembly mode.
+    """Say for each pose whether the robot can take it, with either branch of the knee.
 
     Args:
         geometry: Lengths and limits.

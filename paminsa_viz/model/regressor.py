@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, together
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.jacobian import jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
@@ -29,7 +29,6 @@ def torque_regressor(
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     gravity: float = 9.81,
     misprints: Misprint = Misprint.NONE,
@@ -44,18 +43,17 @@ def torque_regressor(
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
-        assembly: Root of the knee.
         gravity: Gravitational acceleration [m/s^2].
         misprints: Formulae to take as printed. M_c4's misprint is one of c, not of Y.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     terms = term_matrix(misprints)
-    y = backend.regressor(mechanism(geometry, assembly), gravity, p, v, a, terms)
+    y = backend.regressor(mechanism(geometry), gravity, p, v, a, terms)
     if y is None:
         y = np.empty((len(p), 4, terms.shape[1]))
         for start in range(0, len(p), BLOCK):
             part = slice(start, start + BLOCK)
-            y[part] = _unit_terms(geometry, p[part], v[part], a[part], assembly, gravity) @ terms
+            y[part] = _unit_terms(geometry, p[part], v[part], a[part], gravity) @ terms
     status, _ = reach_status(geometry, p)
     y[status != Limit.OK] = np.nan
     return y.reshape(*shape, 4, terms.shape[1])
@@ -68,12 +66,10 @@ def regressor_torques(y: Array, c: Array) -> Array:
 
 
 @np.errstate(all="ignore")
-def _unit_terms(
-    geometry: Geometry, p: Array, v: Array, a: Array, assembly: KneeBranch, gravity: float
-) -> Array:
+def _unit_terms(geometry: Geometry, p: Array, v: Array, a: Array, gravity: float) -> Array:
     """Return the torques of unit energy terms, (n, 4, 21), in the order of `EnergyTerms`."""
-    g, q = leg_states(geometry, p, v, a, assembly)
-    kinds = leg_regressor(mechanism(geometry, assembly), g, q)
+    g, q = leg_states(geometry, p, v, a)
+    kinds = leg_regressor(mechanism(geometry), g, q)
     # each (19, n, 3)
     on_rho, on_zeta, on_beta, on_lift = (np.stack(np.broadcast_arrays(*kind)) for kind in kinds)
     j = jacobian(geometry, p)[:, :3, :3]

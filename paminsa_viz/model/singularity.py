@@ -60,9 +60,10 @@ class Singularity:
 
 
 def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
-    """Measure poses (..., 4) [m, m, rad, m] against every singularity; both assembly modes alike.
+    """Measure poses (..., 4) [m, m, rad, m] against every singularity.
 
-    Determinant and condition are NaN where the pose cannot be taken.
+    Both branches of the knee have the same ones. Determinant and condition are NaN where the pose
+    cannot be taken.
     """
     pose = as_vectors(pose, "pose")
     flat = pose.reshape(-1, 4)

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobian import jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.leg import LegPosition, mechanism
@@ -28,16 +28,14 @@ from paminsa_viz.model.lumped import (
 from paminsa_viz.model.parameters import PARAMETER
 
 
-def unit_torques(
-    geometry: Geometry, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
-) -> Array:
+def unit_torques(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return Gamma, (..., 4): static torques [m] and force [1] of M1..M4 for M_p2 = 1 N.
 
     It depends on the geometry alone: Q_j = M_p2 Gamma_j for j = 1, 2, 3. For M4 the constant
     `lift_constant` comes on top. NaN where the pose cannot be taken, not finite at singularities.
     """
     pose = as_vectors(pose, "pose")
-    gamma = backend.over_list("unit_torques", mechanism(geometry, assembly), pose.reshape(-1, 4))
+    gamma = backend.over_list("unit_torques", mechanism(geometry), pose.reshape(-1, 4))
     return gamma.reshape(pose.shape)
 
 
@@ -52,9 +50,7 @@ def lift_constant(design: Design) -> float:
 
 
 @np.errstate(invalid="ignore")
-def static_torques(
-    design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
-) -> Array:
+def static_torques(design: Design, pose: ArrayLike) -> Array:
     """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the weight.
 
     Eqs. 1-6 with Appendix 2; (..., 4). NaN where the pose cannot be taken.
@@ -62,10 +58,9 @@ def static_torques(
     Args:
         design: The robot.
         pose: (..., 4) [m, m, rad, m].
-        assembly: Root of the knee.
     """
     balance_moment = lumped_coefficients(design)[1]
-    torque = balance_moment * unit_torques(design.geometry, pose, assembly)
+    torque = balance_moment * unit_torques(design.geometry, pose)
     torque[..., 3] += lift_constant(design)
     return torque
 
@@ -105,9 +100,7 @@ BODIES: tuple[str, ...] = tuple(
 
 
 @np.errstate(invalid="ignore")
-def static_breakdown(
-    design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
-) -> StaticBreakdown:
+def static_breakdown(design: Design, pose: ArrayLike) -> StaticBreakdown:
     """Split the static torques by body and leg (Eq. 1); arguments as in `static_torques`."""
     pose = as_vectors(pose, "pose")
     geometry = design.geometry
@@ -119,7 +112,7 @@ def static_breakdown(
         for weight in design.counterweights
     ]
     mp1, mp2, mp3 = np.column_stack([share[:, index], *extra])[:3]
-    gamma = unit_torques_by_leg(geometry, pose, assembly)
+    gamma = unit_torques_by_leg(geometry, pose)
     per_leg = gamma[..., None] * mp2 + reachable[..., None, None, None]
     k = geometry.magnification
     per_leg[..., 3, :, :] += k * mp1 + mp3
@@ -133,13 +126,13 @@ def static_breakdown(
     )
 
 
-def unit_torques_by_leg(geometry: Geometry, pose: Array, assembly: KneeBranch) -> Array:
+def unit_torques_by_leg(geometry: Geometry, pose: Array) -> Array:
     """Return (..., 4 actuators, 3 legs): Gamma, the knee of one leg at a time.
 
     Defined beyond the limits of reach as well, where the bars can close.
     """
     still = np.zeros_like(pose)
-    g, _ = leg_states(geometry, pose, still, still, assembly)
+    g, _ = leg_states(geometry, pose, still, still)
     return torques_of_legs(geometry, pose, g, g.z9_rho, g.z9_zeta)
 
 
@@ -163,15 +156,13 @@ def torques_of_legs(
     return np.concatenate([rotary, lift[..., None, :]], axis=-2)
 
 
-def potential_energy(
-    design: Design, pose: ArrayLike, assembly: KneeBranch = KneeBranch.LOWER
-) -> Array:
+def potential_energy(design: Design, pose: ArrayLike) -> Array:
     """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
 
     As in the paper the joints 8 and the guide links, which never change height, do not count, and
     the platform's mass center is at height z.
     """
-    configuration = inverse_kinematics(design.geometry, pose, assembly)
+    configuration = inverse_kinematics(design.geometry, pose)
     c = lumped_coefficients(design)
     z5, z9 = configuration.points[5][..., 2], configuration.points[9][..., 2]
     legs = (

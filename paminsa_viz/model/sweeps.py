@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import COORDINATES, Field, Grid, Quantity, solve_field
 from paminsa_viz.model.reach import Limit
 
@@ -39,7 +39,6 @@ def sweep_blocks(
     design: Design,
     grid: Grid,
     quantities: tuple[Quantity, ...],
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     block: int = 2**20,
     threads: int | None = None,
@@ -51,7 +50,7 @@ def sweep_blocks(
     """
     dexterity = any(quantity.needs_dexterity for quantity in quantities)
     for part, piece in grid.split(block):
-        field = solve_field(design.geometry, piece, assembly, dexterity=dexterity, threads=threads)
+        field = solve_field(design.geometry, piece, dexterity=dexterity, threads=threads)
         yield part, field, {q: field.values(design, q) for q in quantities}
 
 
@@ -59,7 +58,6 @@ def sweep(
     design: Design,
     grid: Grid,
     quantities: tuple[Quantity, ...] = (Quantity.MAX_TORQUE,),
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     block: int = 2**20,
     threads: int | None = None,
@@ -70,7 +68,6 @@ def sweep(
         design: The robot.
         grid: The poses.
         quantities: What to look at.
-        assembly: Root of the knee.
         block: Poses held at a time.
         threads: Threads to share the work; None for all cores.
     """
@@ -79,9 +76,7 @@ def sweep(
         q: {"n": 0, "max": -np.inf, "min": np.inf, "sum": 0.0, "squares": 0.0, "at": (np.nan,) * 4}
         for q in quantities
     }
-    for _, field, values in sweep_blocks(
-        design, grid, quantities, assembly, block=block, threads=threads
-    ):
+    for _, field, values in sweep_blocks(design, grid, quantities, block=block, threads=threads):
         for limit, number in enumerate(np.bincount(field.status.ravel(), minlength=len(Limit))):
             counts[Limit(limit)] += int(number)
         ok = field.status == Limit.OK

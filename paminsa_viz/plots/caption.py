@@ -6,8 +6,8 @@ import math
 
 import numpy as np
 
-from paminsa_viz.plots import axes
-from paminsa_viz.plots.maps import MapData, Provenance
+from paminsa_viz.plots.hover import reasons
+from paminsa_viz.plots.map_data import MapData, Provenance
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number
 
@@ -40,7 +40,7 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
 def robot(source: Provenance) -> str:
     """Return which robot numbers are of, as the start of a sentence."""
     numbers = "".join(f", {equals(s, v, u)}" for s, v, u in source.numbers)
-    words = f"PAMINSA, design {shown(source.design)}, {source.assembly} assembly{numbers}"
+    words = f"PAMINSA, design {shown(source.design)}, {source.knee.label}{numbers}"
     return f"{words}, minus design {shown(source.reference)}" if source.reference else words
 
 
@@ -49,8 +49,8 @@ def summary(data: MapData) -> str:
     source = data.provenance
     x, y, theta, z = data.pose
     return (
-        f"{data.title or 'Map'} of PAMINSA, design {shown(source.design)}, {source.assembly} "
-        f"assembly, pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
+        f"{data.title or 'Map'} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
+        f"pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
     )
 
 
@@ -91,7 +91,5 @@ def _trouble(data: MapData) -> str:
         return " (outside the map)"
     column = int((x - left) / (right - left) * data.x.size)
     row = int((y - bottom) / (top - bottom) * data.y.size)
-    values = data.values[:, row, column]
-    if np.isnan(values).any():
-        return f" ({axes.reasons(data)[row, column]})"
-    return ""
+    found = [str(reasons(data, panel)[row, column]) for panel in range(data.panels)]
+    return next((f" ({text})" for text in found if text), "")

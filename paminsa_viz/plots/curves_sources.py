@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots.caption import shown
-from paminsa_viz.plots.from_model import provenance
-from paminsa_viz.plots.maps import Provenance
+from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import Simulation
 
@@ -72,7 +71,7 @@ class Sources:
     @cached_property
     def provenance(self) -> Provenance:
         """Where the numbers come from."""
-        return provenance(self.analysis.design, self.analysis.solved.assembly)
+        return provenance(self.analysis.design)
 
     @cached_property
     def time(self) -> NDArray[np.float64]:

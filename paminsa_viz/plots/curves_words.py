@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import Limit
-from paminsa_viz.plots import axes
 from paminsa_viz.plots.caption import equals, robot, shown
 from paminsa_viz.plots.curves_data import Interval
 from paminsa_viz.plots.curves_sources import Sources
-from paminsa_viz.plots.from_model import provenance
-from paminsa_viz.plots.maps import Provenance
+from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import Control
 from paminsa_viz.units import NONE, format_value, number
@@ -70,7 +68,7 @@ def _failed(analysis: TrajectoryAnalysis) -> tuple[Interval, ...]:
 
 def _reason(limit: Limit, leg: int) -> str:
     # A motion already fails at a clearance from what is singular.
-    return "too close to a singular pose" if limit is Limit.SINGULAR else axes.reason(limit, leg)
+    return "too close to a singular pose" if limit is Limit.SINGULAR else limit.reason(leg)
 
 
 def span(interval: Interval) -> str:
@@ -105,7 +103,7 @@ def summary(title: str, sources: Sources, source: Provenance) -> str:
     """Return one line about a figure for a file's metadata."""
     t = sources.analysis.trajectory
     return (
-        f"{title} of PAMINSA, design {shown(source.design)}, {source.assembly} assembly, "
+        f"{title} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
         f"motion {shown(t.name)}, {t.duration:.6g} s"
     )
 
@@ -188,7 +186,7 @@ def _tracking(sources: Sources) -> list[str]:
         f"energy drifts by {format_value(drift, 'J', 2)}.",
     ]
     if simulation.design != sources.analysis.design:
-        other = provenance(simulation.design, simulation.assembly)
+        other = provenance(simulation.design)
         said.insert(0, f"The robot that is simulated: {robot(other)}.")
     return said
 

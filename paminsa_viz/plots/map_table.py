@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from paminsa_viz.files.columns import POSE, STATUS
 from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.model.reach import Limit, status_words
-from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.map_data import MapData
 
 FORMAT = "paminsa_viz map 1"
 """Name and version of the layout."""
@@ -55,7 +55,7 @@ def _facts(data: MapData) -> dict[str, str]:
         "title": data.title,
         "unit": data.unit,
         "design": source.design,
-        "assembly": source.assembly,
+        "assembly": source.knee.value,
     }
     names = ("pose x [m]", "pose y [m]", "pose theta [rad]", "pose z [m]")
     facts |= dict(zip(names, map(repr, data.pose.tolist()), strict=True))

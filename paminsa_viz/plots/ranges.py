@@ -4,24 +4,85 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.plots import colors, ticks
-from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.scale import InvalidScale, Scale, ScaleChoice
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import (
+    InvalidScale,
+    Kind,
+    Scale,
+    check_kind,
+    check_range,
+    check_table,
+)
 
 NEGLIGIBLE = 1e-9
 """Smallest range, in the unit of the data; below it are rounding errors of a balanced robot."""
 
+LARGEST_END = 1e9
+"""Largest size of a manual range, in its SI unit."""
 
-def choose_scales(data: MapData, choice: ScaleChoice | None = None) -> tuple[Scale, ...]:
-    """Return one scale a panel; with ``choice.shared`` they are all the same one."""
+
+@dataclass(frozen=True)
+class ScaleChoice:
+    """What a person chose for the colors of a map.
+
+    Attributes:
+        low: Lower end in the unit of the data, or None for a range found from the data. Give both
+            or none.
+        high: Upper end, or None.
+        full: Whether a range found from the data spans every value, instead of the ordinary ones.
+        shared: One range for all panels, or one for each.
+        kind: ``"linear"`` or ``"symlog"``.
+        threshold: Where the symmetric log turns linear around zero, or None for a default.
+        colors: Name of a color table, or None for the default of the kind of quantity.
+        contours: About how many contour levels; 0 for none.
+
+    Raises:
+        InvalidScale: If a number is not finite, the range is empty, or a name is not known.
+    """
+
+    low: float | None = None
+    high: float | None = None
+    full: bool = False
+    shared: bool = True
+    kind: Kind = "linear"
+    threshold: float | None = None
+    colors: str | None = None
+    contours: int = 12
+
+    def __post_init__(self) -> None:
+        if (self.low is None) != (self.high is None):
+            raise InvalidScale("low" if self.low is None else "high", "give both ends or none")
+        if self.low is not None and self.high is not None:
+            check_range(self.low, self.high)
+        check_kind(self.kind, self.threshold)
+        if self.colors is not None:
+            check_table(self.colors)
+        if not 0 <= self.contours <= 40:
+            raise InvalidScale("contours", f"0 to 40 are possible, not {self.contours!r}")
+
+
+def choose_scales(
+    data: MapData, choice: ScaleChoice | None = None, sample: MapData | None = None
+) -> tuple[Scale, ...]:
+    """Return one scale a panel; with ``choice.shared`` they are all the same one.
+
+    Args:
+        data: The maps.
+        choice: What a person chose.
+        sample: The same maps, coarser: a robust range is found from them, so that it is the same
+            at every resolution.
+    """
     asked = choice or ScaleChoice()
+    found = (data if asked.full else sample or data).values
     if asked.shared or data.panels == 1:
-        return (_scale(data.values, data.signed, asked),) * data.panels
-    return tuple(_scale(values, data.signed, asked) for values in data.values)
+        return (_scale(found, data.signed, asked),) * data.panels
+    return tuple(_scale(values, data.signed, asked) for values in found)
 
 
 def per_panel(data: MapData, scale: Scale | Sequence[Scale]) -> tuple[Scale, ...]:
@@ -69,6 +130,36 @@ def robust_range(values: ArrayLike, signed: bool) -> tuple[float, float]:
     return _rounded(low, high, middle)
 
 
+def full_range(values: ArrayLike, signed: bool) -> tuple[float, float] | None:
+    """Return the round range that holds every finite value, symmetric for signed quantities.
+
+    There is none if there are no values, or none that `usable_range` accepts.
+    """
+    array = np.asarray(values, dtype=np.float64)
+    finite = array[np.isfinite(array)]
+    ends = usable_range(float(finite.min()), float(finite.max())) if finite.size else None
+    if ends is None:
+        return None
+    low, high = ends
+    if signed:
+        high = ticks.nice_limit(max(abs(low), abs(high)))
+        return -high, high
+    step = ticks.nice_step(high - low, 20)
+    return _clean(step * np.floor(low / step)), _clean(step * np.ceil(high / step))
+
+
+def usable_range(low: float, high: float) -> tuple[float, float] | None:
+    """Return both ends in order, or None if they are too large or too close together."""
+    low, high = min(low, high), max(low, high)
+    size = max(abs(low), abs(high))
+    return (low, high) if size <= LARGEST_END and high - low > 1e-9 * size else None
+
+
+def _clean(value: float) -> float:
+    """Return a number without the rounding error of a multiplication."""
+    return float(f"{value:.12g}")
+
+
 def _high_end(values: NDArray[np.float64], base: float) -> float:
     """Return the largest value, or the 98th percentile where the last 2 % stick out."""
     largest, most = float(values.max()), float(np.percentile(values, 98.0))
@@ -87,14 +178,17 @@ def _rounded(low: float, high: float, middle: float) -> tuple[float, float]:
         high = 0.0
     step = ticks.nice_step(high - low, 10)
     return (
-        float(f"{math.floor(low / step + 1e-9) * step:.12g}"),
-        float(f"{math.ceil(high / step - 1e-9) * step:.12g}"),
+        _clean(math.floor(low / step + 1e-9) * step),
+        _clean(math.ceil(high / step - 1e-9) * step),
     )
 
 
 def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Scale:
+    full = full_range(values, signed) if choice.full else None
     if choice.low is not None and choice.high is not None:
         low, high = choice.low, choice.high
+    elif full is not None:
+        low, high = full
     else:
         low, high = robust_range(values, signed)
         if choice.kind == "symlog":  # a log has room for the explosion, so show most of it

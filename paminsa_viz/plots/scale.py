@@ -1,22 +1,25 @@
 """From values to colors: range, linear or symmetric log, contour levels, and beyond the range.
 
-A `ScaleChoice` is what a person asks for; `ranges.choose_scales` makes a `Scale` of it for the data
-at hand.
+`ranges.choose_scales` makes the `Scale` of the data at hand.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Literal
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.palette import INK
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import colors, ticks
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Colormap, Normalize
 
 Kind = Literal["linear", "symlog"]
 
@@ -26,43 +29,6 @@ _DECADE_ROOM = 1 / (1 - 1 / 10)  # width of the linear part of the symmetric log
 
 class InvalidScale(InvalidInput):
     """A color scale that cannot be drawn; ``argument`` and ``problem`` say why."""
-
-
-@dataclass(frozen=True)
-class ScaleChoice:
-    """What a person chose for the colors of a map.
-
-    Attributes:
-        low: Lower end in the unit of the data, or None for the robust default. Give both or none.
-        high: Upper end, or None.
-        shared: One range for all panels, or one for each.
-        kind: ``"linear"`` or ``"symlog"``.
-        threshold: Where the symmetric log turns linear around zero, or None for a default.
-        colors: Name of a color table, or None for the default of the kind of quantity.
-        contours: About how many contour levels; 0 for none.
-
-    Raises:
-        InvalidScale: If a number is not finite, the range is empty, or a name is not known.
-    """
-
-    low: float | None = None
-    high: float | None = None
-    shared: bool = True
-    kind: Kind = "linear"
-    threshold: float | None = None
-    colors: str | None = None
-    contours: int = 12
-
-    def __post_init__(self) -> None:
-        if (self.low is None) != (self.high is None):
-            raise InvalidScale("low" if self.low is None else "high", "give both ends or none")
-        if self.low is not None and self.high is not None:
-            _check_range(self.low, self.high)
-        _check_kind(self.kind, self.threshold)
-        if self.colors is not None:
-            _check_table(self.colors)
-        if not 0 <= self.contours <= 40:
-            raise InvalidScale("contours", f"0 to 40 are possible, not {self.contours!r}")
 
 
 @dataclass(frozen=True)
@@ -91,9 +57,9 @@ class Scale:
     contours: int = 12
 
     def __post_init__(self) -> None:
-        _check_range(self.low, self.high)
-        _check_kind(self.kind, self.threshold)
-        _check_table(self.colors)
+        check_range(self.low, self.high)
+        check_kind(self.kind, self.threshold)
+        check_table(self.colors)
 
     def stretch(self, values: ArrayLike) -> NDArray[np.float64]:
         """Return values on the axis along which colors are spread evenly (monotonic, odd)."""
@@ -132,6 +98,19 @@ class Scale:
     def beyond(self) -> tuple[str, str]:
         """Colors of values below ``low`` and above ``high``, as ``#rrggbb``."""
         return colors.BEYOND[self.colors]
+
+    def matplotlib_colors(self) -> tuple[Normalize, Colormap]:
+        """Return matplotlib's own norm and color map."""
+        from matplotlib.colors import ListedColormap, Normalize, SymLogNorm  # late: it is slow
+
+        under, over = self.beyond
+        table = ListedColormap(self.table, name=self.colors).with_extremes(
+            under=under, over=over, bad=(0.0, 0.0, 0.0, 0.0)
+        )
+        if self.kind == "linear":
+            return Normalize(self.low, self.high), table
+        norm = SymLogNorm(self.threshold, linscale=1.0, vmin=self.low, vmax=self.high, base=10)
+        return norm, table
 
     def ink(self, level: float) -> str:
         """Return the color of a contour line: dark, but white on the dark end of a magnitude.
@@ -183,7 +162,61 @@ class Scale:
         return tuple(v for v in both if self.low <= v <= self.high)
 
 
-def _check_range(low: float, high: float) -> None:
+UNDER, OVER, SINGULAR, UNREACHED = 0, colors.SIZE + 1, colors.SIZE + 2, colors.SIZE + 3
+"""Codes of cells that have no color of the scale, whose colors have the codes 1 to 256: below the
+range, above it, without a finite value although reached, and reached by no pose."""
+
+
+def color_codes(
+    values: ArrayLike, status: NDArray[np.uint8] | None, scale: Scale
+) -> NDArray[np.intp]:
+    """Return the color code of every cell.
+
+    Args:
+        values: (ny, nx) in the unit of the scale; infinite values lie beyond the range.
+        status: (ny, nx) `Limit` codes, 0 where the value is good, or None if all are.
+        scale: The color scale.
+    """
+    with np.errstate(invalid="ignore", over="ignore"):
+        fraction = scale.position(values) * colors.SIZE
+        # fmax and fmin also turn NaN into a number; those cells are overwritten below.
+        cells = np.floor(np.fmin(np.fmax(fraction, -1.0), colors.SIZE + 1.0)).astype(np.intp) + 1
+    cells[fraction == colors.SIZE] = colors.SIZE
+    np.minimum(cells, OVER, out=cells)
+    cells[np.isnan(fraction)] = SINGULAR
+    if status is not None:
+        cells[status != 0] = UNREACHED
+        cells[status == Limit.SINGULAR] = SINGULAR
+    return cells
+
+
+@lru_cache(maxsize=64)
+def color_table(scale: Scale) -> NDArray[np.uint8]:
+    """Return the colors of all codes as RGBA (260, 4), read-only; what is not reached is clear."""
+    table = np.empty((UNREACHED + 1, 4), dtype=np.uint8)
+    table[:, 3] = 255
+    table[1:OVER, :3] = (scale.table * 255 + 0.5).astype(np.uint8)
+    under, over = scale.beyond
+    table[UNDER, :3], table[OVER, :3] = rgb(under), rgb(over)
+    table[SINGULAR, :3] = rgb(colors.SINGULAR)
+    table[UNREACHED] = (*rgb(colors.REACHLESS), 0)
+    table.flags.writeable = False
+    return table
+
+
+def map_pixels(
+    values: ArrayLike, status: NDArray[np.uint8] | None, scale: Scale
+) -> NDArray[np.uint8]:
+    """Return a map as RGBA pixels (ny, nx, 4), one a cell, clear where nothing is reached.
+
+    Row i is ``y[i]`` and column j is ``x[j]``, so row 0 is the SMALLEST y. This is what an image
+    node of viser without rotation needs to lie on the floor the right way round; for a picture
+    file, which starts at the top, reverse the rows. Arguments are those of `color_codes`.
+    """
+    return np.take(color_table(scale), color_codes(values, status, scale), axis=0)
+
+
+def check_range(low: float, high: float) -> None:
     for name, value in (("low", low), ("high", high)):
         if isinstance(value, bool) or not isinstance(value, (int, float, np.number)):
             raise InvalidScale(name, f"a number is needed, not {value!r}")
@@ -198,14 +231,14 @@ def _check_range(low: float, high: float) -> None:
         raise InvalidScale("high", "the range is too narrow for a color scale")
 
 
-def _check_kind(kind: str, threshold: float | None) -> None:
+def check_kind(kind: str, threshold: float | None) -> None:
     if kind not in ("linear", "symlog"):
         raise InvalidScale("kind", f"'linear' or 'symlog' is needed, not {kind!r}")
     if threshold is not None and not (math.isfinite(threshold) and threshold > 0):
         raise InvalidScale("threshold", f"a finite number above 0 is needed, not {threshold!r}")
 
 
-def _check_table(name: str) -> None:
+def check_table(name: str) -> None:
     known = colors.DIVERGING + colors.SEQUENTIAL
     if name not in known:
         raise InvalidScale("colors", f"one of {', '.join(known)} is needed, not {name!r}")

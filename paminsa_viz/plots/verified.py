@@ -46,7 +46,7 @@ def engine_torques(analysis: TrajectoryAnalysis) -> OtherTorques:
             "trajectory", f"an engine computes at most {MOST_STATES:,} samples, not {t.size:,}"
         )
     version = load_mujoco().__version__
-    robot = MujocoRobot(analysis.design, analysis.solved.assembly)
+    robot = MujocoRobot(analysis.design)
     torque = robot.inverse_dynamics(t.pose, t.velocity, t.acceleration)
     torque += analysis.breakdown.friction
     torque[~analysis.check.good] = np.nan
@@ -59,7 +59,7 @@ def verified_curves(found: Verification) -> list[VerifiedCurves]:
     compared.append((found.engines[0], Misprint.ALL))
     figures = []
     for check, misprints in compared:
-        analysis = analyze(found.design, found.trajectory, found.assembly, misprints=misprints)
+        analysis = analyze(found.design, found.trajectory, misprints=misprints)
         other = OtherTorques(f"{check.engine} {check.version}", check.dynamic.reference)
         kind = "formulae" if misprints is Misprint.NONE else "formulae as printed"
         figures.append(

@@ -35,7 +35,7 @@ def balance_section(analysis: TrajectoryAnalysis) -> Section:
     blocks: list[Block] = [
         Note(
             "Gravity asks M1 to M3 for M_p2 times a map of the geometry (Eqs. 5 and 8): with "
-            "M_p2 = 0 they carry no weight, anywhere, in either assembly mode."
+            "M_p2 = 0 they carry no weight, anywhere, on either branch of the knee."
         ),
         _contributions(design),
     ]
@@ -107,7 +107,7 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
     )
     table = Table(("Symbol", "Mass", "Before", "After", "Change"), tuple(rows), said, words=2)
     blocks: list[Block] = [table]
-    lighter = analyze(after, analysis.trajectory, analysis.solved.assembly, keep=analysis.solved)
+    lighter = analyze(after, analysis.trajectory, keep=analysis.solved)
     if analysis.summary and lighter.summary:
         blocks.append(_on_the_motion(analysis, lighter))
         data = curve_data("torques", lighter, reference=analysis)

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
-from paminsa_viz.plots.from_model import TORQUES, map_data
-from paminsa_viz.plots.map_window import cell_centers, half_width
-from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.paper import render
-from paminsa_viz.plots.ranges import choose_scales
-from paminsa_viz.plots.scale import ScaleChoice
+from paminsa_viz.plots.map_data import TORQUES, MapData, cell_centers, half_width, map_data
+from paminsa_viz.plots.map_figure import render
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.report.blocks import Block, Figure, Note, Section
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value
@@ -26,7 +23,7 @@ def maps_section(request: ReportRequest) -> Section:
     centers = cell_centers(half_width(geometry), CELLS)
     _, _, theta, z = request.pose
     grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid, request.assembly, dexterity=True)
+    field = solve_field(geometry, grid, dexterity=True)
 
     def maps(*quantities: Quantity) -> MapData:
         return map_data(field, request.design, request.pose, quantities)

@@ -37,7 +37,7 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
         UnreachablePose: If the robot cannot take the request's pose.
     """
     require_reachable(request.design.geometry, request.pose)
-    analysis = analyze(request.design, request.trajectory, request.assembly)
+    analysis = analyze(request.design, request.trajectory)
     progress("design and workspace")
     sections = [design_section(request.design), workspace_section(request)]
     progress("torque maps")
@@ -82,7 +82,7 @@ def _numbered(sections: list[Section]) -> list[tuple[int, Section]]:
 def _head(request: ReportRequest) -> list[str]:
     x, y, theta, z = request.pose
     return [
-        f"{request.assembly.value.capitalize()} assembly, pose x {format_value(x, 'm')}, "
+        f"{request.design.geometry.knee.label.capitalize()}, pose x {format_value(x, 'm')}, "
         f"y {format_value(y, 'm')}, θ {format_value(theta, 'rad')}, z {format_value(z, 'm')}",
         f"Trajectory “{request.trajectory.name}”, {request.trajectory.duration:.3g} s",
     ]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory import Trajectory
 
@@ -24,7 +24,6 @@ class ReportRequest:
 
     Attributes:
         design: The robot.
-        assembly: How its pantographs are put together.
         pose: (x, y, theta, z) [m, m, rad, m]; maps are at its theta and z.
         trajectory: The motion.
         made: When, with a time zone.
@@ -37,7 +36,6 @@ class ReportRequest:
     """
 
     design: Design
-    assembly: KneeBranch
     pose: tuple[float, float, float, float]
     trajectory: Trajectory
     made: datetime

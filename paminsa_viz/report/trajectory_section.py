@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.plots.curves import CurveKind, curve_data
 from paminsa_viz.plots.curves_paper import render_curves
@@ -11,15 +10,6 @@ from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
 FIGURES: tuple[CurveKind, ...] = ("pose", "torques", "breakdown", "power")
-
-LIMITS: dict[Limit, str] = {
-    Limit.STRETCHED: "a stretched pantograph",
-    Limit.FOLDED: "a folded pantograph",
-    Limit.GUIDE: "the end of a guide",
-    Limit.AXIS: "joint 5 at its leg axis",
-    Limit.SINGULAR: "a singular pose",
-}
-"""What a motion may come near to, in words."""
 
 
 def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
@@ -35,7 +25,7 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
         leg = f", leg {near.leg + 1}" if near.leg >= 0 else ""
         blocks.append(
             Note(
-                f"The robot can run it. It comes nearest to a limit ({LIMITS[near.limit]}{leg}) at "
+                f"The robot can run it. It comes nearest to a limit ({near.limit.noun}{leg}) at "
                 f"{near.t:.4g} s, with {format_value(near.margin, 'm', 3)} to spare.",
                 "ok",
             )

@@ -21,7 +21,7 @@ def checked(request: ReportRequest) -> Verification | str:
     if not request.verified:
         return "Not asked for."
     try:
-        return verify(request.design, request.assembly, request.trajectory, seed=request.seed)
+        return verify(request.design, request.trajectory, seed=request.seed)
     except PaminsaError as error:  # an engine is missing, or the motion cannot be run
         return f"Not verified: {error}."
 

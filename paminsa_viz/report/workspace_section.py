@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from paminsa_viz.engines.states import WORST_CONDITION, workspace_poses
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Grid, Quantity
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -34,7 +34,7 @@ UNITS = ("N m", "N m", "N m", "N")
 def workspace_section(request: ReportRequest) -> Section:
     """Return the section."""
     design = request.design
-    configuration = inverse_kinematics(design.geometry, request.pose, request.assembly)
+    configuration = inverse_kinematics(design.geometry, request.pose)
     blocks: list[Block] = [
         Figure(
             sketch(configuration),
@@ -44,7 +44,7 @@ def workspace_section(request: ReportRequest) -> Section:
             "dotted line at the height of the guides.",
         ),
         _sizes(design.geometry, request.pose[2]),
-        _shares(design, request.assembly),
+        _shares(design),
         *_torques(request),
     ]
     return Section("workspace", "Geometry and workspace", tuple(blocks))
@@ -69,7 +69,7 @@ def _sizes(g: Geometry, theta: float) -> Table:
     return Table(("Quantity", "Value"), rows, "Sizes that follow from the lengths in closed form.")
 
 
-def _shares(design: Design, assembly: KneeBranch) -> Table:
+def _shares(design: Design) -> Table:
     """Return which share of a box around the workspace can be taken, and what stops the rest."""
     g = design.geometry
     across, up = workspace_radius(g), workspace_height(g)
@@ -80,7 +80,7 @@ def _shares(design: Design, assembly: KneeBranch) -> Table:
     ]
     x, y, theta, z = axes
     grid = Grid.over(np.zeros(4), theta=theta, z=z - g.platform_joint_height, y=y, x=x)
-    counts = sweep(design, grid, (Quantity.REACH_MARGIN,), assembly).counts
+    counts = sweep(design, grid, (Quantity.REACH_MARGIN,)).counts
     rows = [
         Row(
             (limit.explanation[:1].upper() + limit.explanation[1:], _share(counts[limit], grid)),
@@ -107,7 +107,7 @@ def _torques(request: ReportRequest) -> list[Block]:
         poses = workspace_poses(request.design.geometry, SAMPLED, request.seed)
     except InvalidInput as error:
         return [Note(f"Static torques over the workspace: {error.problem}.", "warn")]
-    size = np.abs(static_torques(request.design, poses, request.assembly))
+    size = np.abs(static_torques(request.design, poses))
     figures = [
         np.sqrt((size**2).mean(axis=0)),
         *np.percentile(size, [50, 95, 99], axis=0),

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.balancing.changes import whole_mass
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field, Grid, Quantity, solve_field
 from paminsa_viz.model.reach import Limit
@@ -65,9 +65,9 @@ class Region:
         return np.hypot(x[None, :], y[:, None]) <= self.radius
 
 
-def default_region(design: Design, assembly: KneeBranch = KneeBranch.LOWER) -> Region:
+def default_region(design: Design) -> Region:
     """Return half the base radius about the center, at 0 and 30 degrees, at the home height."""
-    height = float(home(design.geometry, assembly)[3])
+    height = float(home(design.geometry)[3])
     return Region(design.geometry.base_radius / 2, (0.0, float(np.radians(30))), (height,))
 
 
@@ -105,7 +105,6 @@ METRICS: tuple[Metric, ...] = (
 def measure_design(
     design: Design,
     region: Region,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     base_mass: float = 0.0,
 ) -> tuple[float, ...]:
@@ -114,11 +113,10 @@ def measure_design(
     Args:
         design: The robot.
         region: The poses.
-        assembly: Root of the knee.
         base_mass: What the added mass is counted from [kg].
     """
     grid = region.grid()
-    field = solve_field(design.geometry, grid, assembly, dexterity=True, threads=1)
+    field = solve_field(design.geometry, grid, dexterity=True, threads=1)
     inside = np.broadcast_to(region.inside(grid), field.status.shape)
     poses = int(inside.sum())
     reached = inside & (field.status == Limit.OK)

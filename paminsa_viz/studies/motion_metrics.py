@@ -6,7 +6,7 @@ import hashlib
 
 import numpy as np
 
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.studies.metrics import Metric
 from paminsa_viz.trajectory import Trajectory, analyze
@@ -23,16 +23,14 @@ RUNS = str(status_words(Limit.OK))
 """Word for a motion that a design can run."""
 
 
-def measure_motion(
-    design: Design, trajectory: Trajectory, assembly: KneeBranch = KneeBranch.LOWER
-) -> tuple[str, float, tuple[float, ...]]:
+def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, tuple[float, ...]]:
     """Return a word, a time [s] and the `MOTION_METRICS` [SI] of a design on a motion.
 
     The numbers are those of `analyze`, friction included. A design that cannot run the whole
     motion has none: they are NaN, the word is what it fails at, such as ``guide:leg2`` or
     ``singular``, and the time is when. Otherwise the word is `RUNS` and the time NaN.
     """
-    analysis = analyze(design, trajectory, assembly)
+    analysis = analyze(design, trajectory)
     first = analysis.check.first
     if first is not None:
         word = str(status_words(first.limit, first.leg))

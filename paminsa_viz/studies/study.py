@@ -14,7 +14,7 @@ from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.balancing.requirements import resized
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 from paminsa_viz.studies.metrics import METRICS, Metric, Region, measure_design
@@ -41,7 +41,6 @@ class Study:
         design: Where the values come from that do not vary.
         variation: What varies.
         region: The poses that are looked at.
-        assembly: Root of the knee.
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
         trajectory: A motion, the same one for all designs, or None.
     """
@@ -49,7 +48,6 @@ class Study:
     design: Design
     variation: DesignGrid | RandomDesigns
     region: Region
-    assembly: KneeBranch = KneeBranch.LOWER
     scale_bars: bool = False
     trajectory: Trajectory | None = None
 
@@ -109,11 +107,11 @@ class Study:
             cells = (str(index), *map(repr, values), f"impossible:{error.field}")
             return cells + ("",) * (len(self.columns) - len(cells))
         with np.errstate(all="ignore"):
-            found = measure_design(design, self.region, self.assembly, base_mass=self._base_mass)
+            found = measure_design(design, self.region, base_mass=self._base_mass)
             cells = (str(index), *map(repr, values), self._status(found), *map(_cell, found))
             if self.trajectory is None:
                 return cells
-            word, time, loads = measure_motion(design, self.trajectory, self.assembly)
+            word, time, loads = measure_motion(design, self.trajectory)
         return (*cells, word, *map(_cell, (time, *loads)))
 
     def rows(self, part: range) -> list[tuple[str, ...]]:
@@ -131,7 +129,7 @@ class Study:
             "kind": type(self.variation).__name__,
             "variation": asdict(self.variation),
             "region": asdict(self.region),
-            "assembly": self.assembly.value,
+            "assembly": self.design.geometry.knee.value,
             "scale_bars": self.scale_bars,
             "columns": self.columns,
             "motion": None if self.trajectory is None else samples_hash(self.trajectory),
@@ -156,7 +154,7 @@ class Study:
             "made by": f"paminsa_viz {__version__}",
             "rows": str(self.size),
             "designs": designs,
-            "assembly": self.assembly.value,
+            "assembly": self.design.geometry.knee.value,
             "scale bars": "yes" if self.scale_bars else "no",
             "region radius [m]": repr(region.radius),
             "region theta [rad]": " ".join(map(repr, region.theta)),

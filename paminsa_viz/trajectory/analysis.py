@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
@@ -121,8 +121,8 @@ class TrajectoryAnalysis:
         """Kinetic plus potential energy, (n,) [J]."""
         t, solved = self.trajectory, self.solved
         total = kinetic_energy(
-            self.design, t.pose, t.velocity, solved.assembly, solved.misprints
-        ) + potential_energy(self.design, t.pose, solved.assembly)
+            self.design, t.pose, t.velocity, solved.misprints
+        ) + potential_energy(self.design, t.pose)
         total[~self.check.good] = np.nan
         return total
 
@@ -150,7 +150,6 @@ class TrajectoryAnalysis:
 def analyze(
     design: Design,
     trajectory: Trajectory,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     misprints: Misprint = Misprint.NONE,
     clearance: float = SINGULAR_CLEARANCE,
@@ -164,15 +163,14 @@ def analyze(
     Args:
         design: The robot.
         trajectory: The motion.
-        assembly: Root of the knee.
         misprints: Formulae to take as printed.
         clearance: See `check_path`.
         keep: The ``solved`` of an earlier result, which is used again if geometry, trajectory,
-            assembly and misprints are the same: then only one product is computed.
+            misprints are the same: then only one product is computed.
     """
-    if keep is None or not keep.serves(design.geometry, trajectory, assembly, misprints):
+    if keep is None or not keep.serves(design.geometry, trajectory, misprints):
         keep = solve_trajectory(
-            design.geometry, trajectory, assembly,
+            design.geometry, trajectory,
             gravity=design.gravity, misprints=misprints, clearance=clearance,
         )  # fmt: skip
     return TrajectoryAnalysis(design, keep, keep.torques(design))

@@ -126,7 +126,7 @@ class ImpossibleTrajectory(PaminsaError):
 def check_path(
     geometry: Geometry, trajectory: Trajectory, clearance: float = SINGULAR_CLEARANCE
 ) -> PathCheck:
-    """Check a trajectory; both assembly modes alike.
+    """Check a trajectory; both branches of the knee alike.
 
     Args:
         geometry: Lengths and limits.

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.jacobian import jacobian
@@ -68,7 +68,7 @@ class Controller:
             if array.shape != (4,) or not (np.isfinite(array).all() and (array >= 0).all()):
                 raise InvalidInput(name, "four finite gains of at least 0 are needed")
 
-    def gains(self, model: Design, pose: ArrayLike, assembly: KneeBranch) -> Gains:
+    def gains(self, model: Design, pose: ArrayLike) -> Gains:
         """Return the gains for a robot near a pose (4,) [m, m, rad, m].
 
         Those of PD are the bandwidth's square and twice its product with the damping, times each
@@ -77,14 +77,14 @@ class Controller:
         rate = 2 * np.pi * self.bandwidth
         stiffness, damping = rate**2, 2 * self.damping * rate
         if self.proportional is None or self.derivative is None:
-            inertia = actuator_inertia(model, pose, assembly)
+            inertia = actuator_inertia(model, pose)
             p, d = stiffness * inertia, damping * inertia
         else:
             p, d = np.array(self.proportional), np.array(self.derivative)
         return Gains(self.control.mode, stiffness, damping, *map(float, p), *map(float, d))
 
 
-def actuator_inertia(design: Design, pose: ArrayLike, assembly: KneeBranch) -> Array:
+def actuator_inertia(design: Design, pose: ArrayLike) -> Array:
     """Return what each actuator feels of the robot's inertia at a pose, (..., 4) [kg m^2, kg]."""
     j = jacobian(design.geometry, pose)
-    return np.einsum("...ji,...jk,...ki->...i", j, mass_matrix(design, pose, assembly), j)
+    return np.einsum("...ji,...jk,...ki->...i", j, mass_matrix(design, pose), j)

@@ -15,7 +15,7 @@ import numpy as np
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import EnergyTerms, energy_terms, lumped_coefficients
 from paminsa_viz.trajectory import plant
@@ -61,9 +61,9 @@ def load_kernel() -> None:
         _kernel.load()
 
 
-def robot_numbers(design: Design, assembly: KneeBranch) -> plant.Robot:
+def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
-    m = mechanism(design.geometry, assembly)._replace(rho2_min=-np.inf, rho2_max=np.inf)
+    m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
     f = design.friction
     losses = plant.Losses(
@@ -77,11 +77,10 @@ def equations(
     design: Design,
     model: Design,
     gains: plant.Gains,
-    assembly: KneeBranch,
     trajectory: Trajectory,
 ) -> tuple[Callable[[float, Array], Array], Callable[[Array, Array], Array]]:
     """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10)."""
-    true, believed = robot_numbers(design, assembly), robot_numbers(model, assembly)
+    true, believed = robot_numbers(design), robot_numbers(model)
     times = np.array(trajectory.t)
     track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration])
     kernel = _kernel.get()

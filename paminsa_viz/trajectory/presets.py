@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.reach import workspace_height
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, move, through
@@ -27,24 +27,24 @@ _FROM = (-0.08, 0.06, -0.4, -0.08)
 _TO = (0.1, -0.05, 0.5, 0.08)
 
 
-def home(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Array:
+def home(geometry: Geometry) -> Array:
     """Return the pose (4,) about which the presets lie, in the middle of the natural side.
 
-    (0, 0, 0, -0.5 m) for Appendix 4's robot; the joints 5 as high above the guides in the mirror
-    assembly as they are below them in the printed one.
+    (0, 0, 0, -0.5 m) for Appendix 4's robot; with the upper knee the joints 5 are as high
+    above the guides as they are below them with the lower one.
     """
     height = 0.4725 * workspace_height(geometry) / workspace_height(Geometry())
-    return np.array([0.0, 0.0, 0.0, -assembly.sign * height - geometry.platform_joint_height])
+    return np.array([0.0, 0.0, 0.0, -geometry.knee.sign * height - geometry.platform_joint_height])
 
 
 class Room:
     """Poses of a preset, given beside `home` as they are for Appendix 4's robot."""
 
-    def __init__(self, geometry: Geometry, assembly: KneeBranch) -> None:
+    def __init__(self, geometry: Geometry) -> None:
         across = geometry.base_radius / Geometry().base_radius
         up = workspace_height(geometry) / workspace_height(Geometry())
         self.scale = np.array([across, across, 1.0, up])
-        self.home = home(geometry, assembly)
+        self.home = home(geometry)
 
     def pose(self, x: float, y: float, theta: float, z: float) -> Array:
         """Return the pose at a displacement from home [m, m, rad, m], scaled to the robot."""
@@ -63,15 +63,15 @@ class Preset:
 
     key: str
     label: str
-    build: Callable[[Geometry, KneeBranch], Plan]
+    build: Callable[[Geometry], Plan]
 
 
-def paper_like(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> Plan:
+def paper_like(geometry: Geometry) -> Plan:
     """Return a move of all four coordinates whose largest acceleration is exactly 1 m/s^2.
 
     The acceleration is that of the platform's position; its duration follows from that.
     """
-    room = Room(geometry, assembly)
+    room = Room(geometry)
     start, goal = room.pose(*_FROM), room.pose(*_TO)
     length = np.linalg.norm((goal - start)[PLACE])
     duration = np.sqrt(QUINTIC_PEAK * length / PAPER_ACCELERATION)
@@ -84,9 +84,9 @@ def paper_like(geometry: Geometry, assembly: KneeBranch = KneeBranch.LOWER) -> P
     return replace(plan, notes=(note,))
 
 
-def _move(profile: Profile) -> Callable[[Geometry, KneeBranch], Plan]:
-    def build(geometry: Geometry, assembly: KneeBranch) -> Plan:
-        room = Room(geometry, assembly)
+def _move(profile: Profile) -> Callable[[Geometry], Plan]:
+    def build(geometry: Geometry) -> Plan:
+        room = Room(geometry)
         return move(
             room.pose(*_FROM), room.pose(*_TO), 1.5, TimeLaw(profile), name=f"{profile.value} move"
         )
@@ -94,25 +94,25 @@ def _move(profile: Profile) -> Callable[[Geometry, KneeBranch], Plan]:
     return build
 
 
-def _line(geometry: Geometry, assembly: KneeBranch) -> Plan:
-    room = Room(geometry, assembly)
+def _line(geometry: Geometry) -> Plan:
+    room = Room(geometry)
     start, goal = room.pose(-0.12, -0.04, 0.2, 0.0), room.pose(0.12, 0.04, 0.2, 0.0)
     return line(start, goal[PLACE], 1.5)
 
 
-def _circle(geometry: Geometry, assembly: KneeBranch) -> Plan:
-    room = Room(geometry, assembly)
+def _circle(geometry: Geometry) -> Plan:
+    room = Room(geometry)
     return circle(room.home, 0.1 * room.scale[0], 3.0)
 
 
-def _arch(geometry: Geometry, assembly: KneeBranch) -> Plan:
-    room = Room(geometry, assembly)
+def _arch(geometry: Geometry) -> Plan:
+    room = Room(geometry)
     start, goal = room.pose(-0.12, 0.02, -0.3, -0.06), room.pose(0.12, -0.02, 0.3, -0.06)
     return arch(start, goal, 0.12 * room.scale[3], 1.2, name="pick-and-place arch")
 
 
-def _waypoints(geometry: Geometry, assembly: KneeBranch) -> Plan:
-    room = Room(geometry, assembly)
+def _waypoints(geometry: Geometry) -> Plan:
+    room = Room(geometry)
     corners = [
         (0.0, 0.0, 0.0, 0.0),
         (0.1, 0.02, 0.3, -0.05),

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import kinetic_energy
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.statics import potential_energy
@@ -61,7 +61,6 @@ class Simulation:
 
     Attributes:
         design: The robot.
-        assembly: How its pantographs are put together.
         controller: What drove it.
         t: (n,) [s].
         pose: (n, 4) [m, m, rad, m].
@@ -75,7 +74,6 @@ class Simulation:
     """
 
     design: Design
-    assembly: KneeBranch
     controller: Controller
     t: Array
     pose: Array
@@ -100,8 +98,8 @@ class Simulation:
     @cached_property
     def energy(self) -> Array:
         """Kinetic plus potential energy of the robot, (n,) [J]."""
-        moving = kinetic_energy(self.design, self.pose, self.velocity, self.assembly)
-        return moving + potential_energy(self.design, self.pose, self.assembly)
+        moving = kinetic_energy(self.design, self.pose, self.velocity)
+        return moving + potential_energy(self.design, self.pose)
 
     @cached_property
     def energy_drift(self) -> Array:
@@ -127,7 +125,6 @@ class SimulationFailed(PaminsaError):
 def simulate(
     design: Design,
     trajectory: Trajectory,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     model: Design | None = None,
     controller: Controller | None = None,
@@ -144,7 +141,6 @@ def simulate(
     Args:
         design: The robot itself, with its friction and its payload.
         trajectory: The wanted motion.
-        assembly: Root of the knee.
         model: What the controller takes the robot for; by default the robot itself. It may differ
             in masses, payload, gravity and friction, not in geometry.
         controller: By default feed-forward with PD at the actuators.
@@ -177,8 +173,8 @@ def simulate(
     if not margins(start[:4]).min() > 0:
         raise InvalidInput("offset", "the robot cannot start there")
 
-    gains = controller.gains(model, trajectory.pose[0], assembly)
-    derivative, torques = equations(design, model, gains, assembly, trajectory)
+    gains = controller.gains(model, trajectory.pose[0])
+    derivative, torques = equations(design, model, gains, trajectory)
     derivative = _bounded(derivative, _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration)
 
     def least_margin(_: float, state: Array) -> float:
@@ -195,7 +191,7 @@ def simulate(
     if solution.status != 0:
         stopped, t, states = _end(trajectory, solution, margins)
     return Simulation(
-        design, assembly, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
+        design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
         trajectory.at(t), states[:, 8], states[:, 9], stopped, int(solution.nfev),
     )  # fmt: skip
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Friction, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
 from paminsa_viz.model.jacobian import inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -38,7 +38,6 @@ class SolvedTrajectory:
     Attributes:
         geometry: The lengths.
         trajectory: The motion.
-        assembly: Root of the knee.
         misprints: Formulae taken as printed.
         gravity: Gravitational acceleration that Y was made with [m/s^2].
         check: Where and why it fails, if it does.
@@ -48,7 +47,6 @@ class SolvedTrajectory:
 
     geometry: Geometry
     trajectory: Trajectory
-    assembly: KneeBranch
     misprints: Misprint
     gravity: float
     check: PathCheck
@@ -93,7 +91,7 @@ class SolvedTrajectory:
         """Regressor of what the acceleration alone adds in a world without gravity, (n, 4, 18)."""
         t = self.trajectory
         y = torque_regressor(
-            self.geometry, t.pose, np.zeros_like(t.pose), t.acceleration, self.assembly,
+            self.geometry, t.pose, np.zeros_like(t.pose), t.acceleration,
             gravity=0.0, misprints=self.misprints,
         )  # fmt: skip
         y[..., _WEIGHTS] = 0.0
@@ -118,19 +116,16 @@ class SolvedTrajectory:
     @cached_property
     def actuators(self) -> Array:
         """Actuator positions without jumps of a full turn, (n, 4) [rad, rad, rad, m]."""
-        configuration = inverse_kinematics(self.geometry, self.trajectory.pose, self.assembly)
+        configuration = inverse_kinematics(self.geometry, self.trajectory.pose)
         positions = configuration.actuators.copy()
         positions[:, :3] = np.unwrap(positions[:, :3], axis=0)
         positions[~self.check.good] = np.nan
         return positions
 
-    def serves(
-        self, geometry: Geometry, trajectory: Trajectory, assembly: KneeBranch, misprints: Misprint
-    ) -> bool:
+    def serves(self, geometry: Geometry, trajectory: Trajectory, misprints: Misprint) -> bool:
         """Whether this is what `solve_trajectory` would return for these."""
         return (
             self.trajectory is trajectory
-            and self.assembly is assembly
             and self.misprints == misprints
             and self.geometry == geometry
         )
@@ -139,7 +134,6 @@ class SolvedTrajectory:
 def solve_trajectory(
     geometry: Geometry,
     trajectory: Trajectory,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     gravity: float = 9.81,
     misprints: Misprint = Misprint.NONE,
@@ -150,14 +144,13 @@ def solve_trajectory(
     Args:
         geometry: Lengths and limits.
         trajectory: The motion.
-        assembly: Root of the knee.
         gravity: Gravitational acceleration [m/s^2].
         misprints: Formulae to take as printed.
         clearance: See `check_path`.
     """
     check = check_path(geometry, trajectory, clearance)
     y = torque_regressor(
-        geometry, trajectory.pose, trajectory.velocity, trajectory.acceleration, assembly,
+        geometry, trajectory.pose, trajectory.velocity, trajectory.acceleration,
         gravity=gravity, misprints=misprints,
     )  # fmt: skip
     speed = np.einsum(
@@ -169,7 +162,7 @@ def solve_trajectory(
     if not check.ok:
         y[~check.good] = np.nan
         speed[~check.good] = np.nan
-    return SolvedTrajectory(geometry, trajectory, assembly, misprints, gravity, check, y, speed)
+    return SolvedTrajectory(geometry, trajectory, misprints, gravity, check, y, speed)
 
 
 def _with_unsolved(

@@ -18,7 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction, KneeBranch
+from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.lumped import Misprint
@@ -92,7 +92,6 @@ def shortest(
     plan: Plan,
     limits: MotionLimits,
     design: Design | None = None,
-    assembly: KneeBranch = KneeBranch.LOWER,
     *,
     reshape: bool = True,
     misprints: Misprint = Misprint.NONE,
@@ -108,7 +107,6 @@ def shortest(
         plan: The motion; its duration does not matter.
         limits: The limits.
         design: The robot. Needed for torque limits; where it is given, the path is checked.
-        assembly: Root of the knee.
         reshape: Whether a straight trapezoid or S-curve may change its ramps to use the limits of
             speed, acceleration and jerk fully. Otherwise it is only stretched.
         misprints: Formulae to take as printed.
@@ -134,12 +132,12 @@ def shortest(
         )
     columns = _rate_durations(curve, rates)
     if limits.needs_torques and design is not None:
-        actuators = _torque_durations(curve, limits.actuators, design, assembly, misprints)
+        actuators = _torque_durations(curve, limits.actuators, design, misprints)
         needed = supremum(
             lambda u: np.concatenate([columns(u), actuators(u)], axis=1), curve.breaks
         )
         if not np.isfinite(needed.value):
-            raise _infeasible(curve, limits, design, assembly, misprints, needed.u)
+            raise _infeasible(curve, limits, design, misprints, needed.u)
     else:
         needed = supremum(columns, curve.breaks)
     if needed.value <= 0:
@@ -185,16 +183,16 @@ def _rate_durations(curve: Curve, limits: Array) -> Callable[[Array], Array]:
 
 
 def _parts(
-    curve: Curve, design: Design, assembly: KneeBranch, misprints: Misprint, u: Array
+    curve: Curve, design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
     """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
     friction = design.friction
     plain = replace(design, friction=Friction())
     pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
-    gravity = inverse_dynamics(plain, pose, still, still, assembly, misprints).torque
+    gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
     weightless = replace(plain, gravity=0.0)
-    dynamic = inverse_dynamics(weightless, pose, rate, growth, assembly, misprints).torque
+    dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
     speed = actuator_velocity(design, pose, rate)
     coulomb = np.array([friction.coulomb_rotary] * 3 + [friction.coulomb_linear])
     viscous = np.array([friction.viscous_rotary] * 3 + [friction.viscous_linear])
@@ -202,7 +200,7 @@ def _parts(
 
 
 def _torque_durations(
-    curve: Curve, limits: Array, design: Design, assembly: KneeBranch, misprints: Misprint
+    curve: Curve, limits: Array, design: Design, misprints: Misprint
 ) -> Callable[[Array], Array]:
     """Return the durations that limits (4,) ask for, as a function (n,) -> (n, 4) [s].
 
@@ -211,7 +209,7 @@ def _torque_durations(
     """
 
     def durations(u: Array) -> Array:
-        constant, first, second = _parts(curve, design, assembly, misprints, u)
+        constant, first, second = _parts(curve, design, misprints, u)
         longest = np.zeros_like(constant)
         for sign in (1.0, -1.0):
             room = limits - sign * constant
@@ -230,13 +228,12 @@ def _infeasible(
     curve: Curve,
     limits: MotionLimits,
     design: Design,
-    assembly: KneeBranch,
     misprints: Misprint,
     u: float,
 ) -> InfeasibleMotion:
     """Return the error for an instant at which a torque is beyond its limit even at rest."""
     at = np.array([u])
-    held = _parts(curve, design, assembly, misprints, at)[0][0]
+    held = _parts(curve, design, misprints, at)[0][0]
     actuator = int(np.argmax(np.abs(held) / limits.actuators))
     pose = tuple(float(value) for value in curve(at)[0])
     return InfeasibleMotion(

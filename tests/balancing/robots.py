@@ -13,7 +13,6 @@ from paminsa_viz.model import (
     Design,
     Field,
     Grid,
-    KneeBranch,
     lumped_matrix,
     mass_vector,
     solve_field,
@@ -45,7 +44,7 @@ def field() -> Field:
 @cache
 def trajectory() -> Trajectory:
     """A motion of all four coordinates."""
-    return PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(150)
+    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(150)
 
 
 @cache
@@ -119,7 +118,7 @@ def point_factors(design: Design, bar: str, joint: int, beyond: Any) -> tuple[An
     other = {"b3": {4: 7, 7: 4}, "b4": {9: 5, 5: 9}, "b7": {8: 7, 7: 8}, "b8": {8: 9, 9: 8}}[bar]
     rows, right, rows_z, right_z = [], [], [], []
     for pose in ((0.03, 0.02, 0.2, -0.45), (-0.06, 0.05, -0.3, -0.6)):
-        leg = oracle.leg(design, tuple(map(np.asarray, pose)), 2, KneeBranch.LOWER)
+        leg = oracle.leg(design, tuple(map(np.asarray, pose)), 2)
         axis = np.array([*np.array(leg.points[3], float)[:2], 0.0])
         p = {i: np.array(v, float) - axis for i, v in leg.points.items()}
         h = np.array(leg.heading, float)

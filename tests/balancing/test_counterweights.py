@@ -31,6 +31,7 @@ from paminsa_viz.model.leg_points import bar_length, bar_point
 from tests import oracle
 from tests.balancing.weighted import on_the_bars, random_weights
 from tests.model.cases import BOTH, Case, assert_close, assert_within, cases
+from tests.samples import with_knee
 
 
 def weighted(case: Case) -> Design:
@@ -44,12 +45,10 @@ def test_torques_are_those_of_first_principles(case: Case) -> None:
     design = weighted(case)
     pose, velocity, acceleration = case.states()
     with on_the_bars():
-        expected = oracle.inverse_dynamics(design, pose, velocity, acceleration, case.assembly)
-    found = inverse_dynamics(design, pose, velocity, acceleration, case.assembly).torque
+        expected = oracle.inverse_dynamics(design, pose, velocity, acceleration)
+    found = inverse_dynamics(design, pose, velocity, acceleration).torque
     assert_close(found, expected, 1e-10)
-    y = torque_regressor(
-        design.geometry, pose, velocity, acceleration, case.assembly, gravity=design.gravity
-    )
+    y = torque_regressor(design.geometry, pose, velocity, acceleration, gravity=design.gravity)
     assert_close(regressor_torques(y, lumped_coefficients(design)), expected, 1e-10)
 
 
@@ -58,17 +57,13 @@ def test_energies_and_static_torques_are_those_of_first_principles(case: Case) -
     design = weighted(case)
     pose, velocity, _ = case.states()
     with on_the_bars():
-        kinetic = oracle.kinetic(design, pose, velocity, case.assembly)
-        potential = oracle.potential(design, pose, case.assembly)
-        static = oracle.static_torques(design, pose, case.assembly)
-    np.testing.assert_allclose(
-        kinetic_energy(design, pose, velocity, case.assembly), kinetic, rtol=1e-12
-    )
-    np.testing.assert_allclose(
-        potential_energy(design, pose, case.assembly), potential, rtol=1e-12, atol=1e-11
-    )
-    assert_close(static_torques(design, pose, case.assembly), static, 1e-10)
-    parts = static_breakdown(design, pose, case.assembly)
+        kinetic = oracle.kinetic(design, pose, velocity)
+        potential = oracle.potential(design, pose)
+        static = oracle.static_torques(design, pose)
+    np.testing.assert_allclose(kinetic_energy(design, pose, velocity), kinetic, rtol=1e-12)
+    np.testing.assert_allclose(potential_energy(design, pose), potential, rtol=1e-12, atol=1e-11)
+    assert_close(static_torques(design, pose), static, 1e-10)
+    parts = static_breakdown(design, pose)
     assert_close(parts.total, static, 1e-10)
     assert parts.names[-len(design.counterweights) :] == tuple(
         f"counterweights.{i}.mass" for i in range(len(design.counterweights))
@@ -79,20 +74,20 @@ def test_energies_and_static_torques_are_those_of_first_principles(case: Case) -
 @pytest.mark.parametrize(
     ("engine", "library"), [(MujocoRobot, "mujoco"), (PinocchioRobot, "pinocchio")]
 )
-def test_torques_are_those_of_the_engines(engine, library: str, assembly: KneeBranch) -> None:
+def test_torques_are_those_of_the_engines(engine, library: str, knee: KneeBranch) -> None:
     pytest.importorskip(library, reason=f"{library} comes with the extra 'verify'")
     for seed in range(3):
-        case = Case(seed, assembly)
+        case = Case(seed, knee)
         design = weighted(case)
         states = case.states()
-        found = engine(design, assembly).inverse_dynamics(*states)
-        assert_close(found, inverse_dynamics(design, *states, assembly).torque, 1e-9)
+        found = engine(with_knee(design, knee)).inverse_dynamics(*states)
+        assert_close(found, inverse_dynamics(with_knee(design, knee), *states).torque, 1e-9)
 
 
 @given(case=cases())
 def test_points_of_the_leg_stand_where_the_posture_has_them(case: Case) -> None:
     g, pose = case.geometry, case.poses()
-    configuration = inverse_kinematics(g, pose, case.assembly)
+    configuration = inverse_kinematics(g, pose)
 
     def place(point) -> np.ndarray:
         axis = configuration.points[3].copy()

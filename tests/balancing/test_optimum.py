@@ -106,7 +106,7 @@ def test_any_robot_on_any_motion(case: Case, seed: int) -> None:
     design = case.design
     states = case.states(24)
     motion = Trajectory(np.linspace(0.0, 1.0, 24), *states)
-    solved = solve_trajectory(design.geometry, motion, case.assembly, gravity=design.gravity)
+    solved = solve_trajectory(design.geometry, motion, gravity=design.gravity)
     assume(solved.check.ok)
     masses = tuple(
         MassRange(p, rng.uniform(0, 1) * design.value(p), rng.uniform(1, 3) * design.value(p))
@@ -131,9 +131,12 @@ def test_any_robot_on_any_motion(case: Case, seed: int) -> None:
     result = optimize(design, what, goals, limits=[(held, limit)])
     scale = sum(w * abs(v.before) for (w, _), v in zip(goals, result.values, strict=False))
     scale = max(abs(result.objective), scale)
-    assert -1e-12 * scale <= result.objective - result.lower_bound <= 1e-7 * scale + 1e-12
+    # a limit broken by a rounding error of 1e-9 of itself makes the objective as much smaller
+    price = sum(item.price for item in result.active if item.side == "limit")
+    below = 1e-12 * scale + 1e-9 * price * max(1.0, abs(limit))
+    assert -below <= result.objective - result.lower_bound <= 1e-8 * scale + 1e-12
     assert result.values[2].after <= limit + 1e-8 * max(1.0, abs(limit))
-    after = analyze(result.after, motion, case.assembly).torque
+    after = analyze(result.after, motion).torque
     for (_, term), value in zip(goals, result.values, strict=False):
         if isinstance(term, TrajectoryPeak):
             peak = np.abs(after[:, list(term.actuators)]).max()

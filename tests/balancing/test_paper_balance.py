@@ -34,6 +34,7 @@ from tests import oracle, samples
 from tests.balancing.robots import changes
 from tests.balancing.weighted import on_the_bars
 from tests.model.cases import BOTH, Case, cases
+from tests.samples import with_knee
 
 TIGHT = Changes((MassRange("joints.j7", 0.1, 1.5), MassRange("joints.j9", 0.2, 0.3)))
 """Bounds within which M_p2 cannot vanish."""
@@ -48,29 +49,30 @@ def balanced() -> list[Design]:
 
 
 @BOTH
-def test_nothing_is_left_over_a_hundred_thousand_poses(assembly: KneeBranch) -> None:
+def test_nothing_is_left_over_a_hundred_thousand_poses(knee: KneeBranch) -> None:
     poses = np.random.default_rng(0).uniform(
         (-0.3, -0.3, -1.2, -0.9), (0.3, 0.3, 1.2, 0.9), (250_000, 4)
     )
-    before = static_torques(APPENDIX_4, poses, assembly)
+    before = static_torques(with_knee(APPENDIX_4, knee), poses)
     reached = np.isfinite(before).all(axis=1)
     poses, before = poses[reached], before[reached, :3]
     assert len(poses) >= 100_000
     largest = np.abs(before).max(axis=1, keepdims=True)
     for design in balanced():
-        torque = static_torques(design, poses, assembly)
+        torque = static_torques(with_knee(design, knee), poses)
         assert (np.abs(torque[:, :3]) <= 1e-14 * largest).all()
         np.testing.assert_allclose(torque[:, 3], lift_constant(design), rtol=1e-12)
 
 
 @BOTH
-def test_first_principles_find_it_balanced_too(assembly: KneeBranch) -> None:
-    poses = samples.random_poses(np.random.default_rng(1), APPENDIX_4, assembly, 50)
-    before = np.abs(oracle.static_torques(APPENDIX_4, poses, assembly)[:, :3]).max()
+def test_first_principles_find_it_balanced_too(knee: KneeBranch) -> None:
+    poses = samples.random_poses(np.random.default_rng(1), with_knee(APPENDIX_4, knee), 50)
+    before = np.abs(oracle.static_torques(with_knee(APPENDIX_4, knee), poses)[:, :3]).max()
     with on_the_bars():
         for design in balanced():
             assert (
-                np.abs(oracle.static_torques(design, poses, assembly)[:, :3]).max() < 1e-11 * before
+                np.abs(oracle.static_torques(with_knee(design, knee), poses)[:, :3]).max()
+                < 1e-11 * before
             )
 
 
@@ -78,13 +80,13 @@ def test_first_principles_find_it_balanced_too(assembly: KneeBranch) -> None:
 @pytest.mark.parametrize(
     ("engine", "library"), [(MujocoRobot, "mujoco"), (PinocchioRobot, "pinocchio")]
 )
-def test_independent_engines_hold_it_without_torque(engine, library, assembly) -> None:
+def test_independent_engines_hold_it_without_torque(engine, library, knee) -> None:
     pytest.importorskip(library, reason=f"{library} comes with the extra 'verify'")
-    poses = samples.random_poses(np.random.default_rng(2), APPENDIX_4, assembly, 40)
-    before = np.abs(engine(APPENDIX_4, assembly).static_torques(poses)[:, :3]).max()
+    poses = samples.random_poses(np.random.default_rng(2), with_knee(APPENDIX_4, knee), 40)
+    before = np.abs(engine(with_knee(APPENDIX_4, knee)).static_torques(poses)[:, :3]).max()
     assert before > 0.1
     for design in balanced():
-        held = engine(design, assembly).static_torques(poses)
+        held = engine(with_knee(design, knee)).static_torques(poses)
         assert np.abs(held[:, :3]).max() < 1e-10 * before
 
 

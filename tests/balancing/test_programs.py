@@ -10,8 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from paminsa_viz.balancing.pieces import Deviations, Largest, Norm, PositivePartSum
-from paminsa_viz.balancing.program import Infeasible, Program, Variable, evaluate
+from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
+from paminsa_viz.balancing.enclosure import Enclosure
+from paminsa_viz.balancing.program import Infeasible, Program, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.time_weights import time_weights
 from paminsa_viz.trajectory.integrals import running_integral
@@ -20,7 +21,7 @@ SEEDS = st.integers(0, 10_000)
 
 
 def plain(columns: Any, low: Any, high: Any) -> tuple[Variable, ...]:
-    """Carriers without a lever."""
+    """Variables without a lever."""
     return tuple(
         Variable(f"x{i}", float(a), float(b), np.vstack([column, np.zeros((2, len(column)))]))
         for i, (column, a, b) in enumerate(zip(columns, low, high, strict=True))
@@ -61,9 +62,8 @@ def test_a_lever_splits_no_worse_than_a_fine_grid_of_levers(seed: int) -> None:
             best = min(best, at)
     assert free.value <= best + 1e-9
     assert best - free.value < 0.05
-    state, amounts = evaluate(Program(np.zeros(4), (rail,), ()), free.levers)
-    np.testing.assert_array_equal(state, free.state)
-    assert 0.2 - 1e-9 <= amounts[0] <= 1.0 + 1e-9
+    np.testing.assert_array_equal(Program(np.zeros(4), (rail,), ()).state(free.levers), free.state)
+    assert 0.2 - 1e-9 <= free.amounts[0] <= 1.0 + 1e-9
 
 
 def solve_pair(columns: Any, offset: Any) -> float:
@@ -78,18 +78,18 @@ def solve_pair(columns: Any, offset: Any) -> float:
 def test_hinges_and_largest_against_many_random_points(seed: int) -> None:
     rng = np.random.default_rng(seed)
     matrix, offset = rng.normal(size=(40, 3)), rng.normal(size=40)
-    pieces = (Largest(matrix, offset), PositivePartSum(matrix, offset, np.array([0, 10, 20, 30])))
-    carriers = plain(np.eye(3), np.zeros(3), np.ones(3))
+    pieces = (MaxAbs(matrix, offset), PositivePartSum(matrix, offset, np.array([0, 10, 20, 30])))
+    variables = plain(np.eye(3), np.zeros(3), np.ones(3))
     x = rng.uniform(size=(4000, 3))
     for piece in pieces:
-        found = solve(Program(np.zeros(3), carriers, ((1.0, piece),)))
+        found = solve(Program(np.zeros(3), variables, ((1.0, piece),)))
         values = x @ matrix.T + offset
         each = (
             np.abs(values).max(axis=1) if piece is pieces[0] else np.maximum(values, 0).sum(axis=1)
         )
         assert found.gap <= 1e-8 * max(1.0, found.value)
         assert each.min() >= found.bound
-        assert found.value == pytest.approx(piece.value(found.state, found.amounts), rel=1e-12)
+        assert found.value == pytest.approx(piece.value(found.state), rel=1e-12)
 
 
 def test_a_limit_that_only_a_lever_in_between_meets_is_found() -> None:
@@ -97,8 +97,8 @@ def test_a_limit_that_only_a_lever_in_between_meets_is_found() -> None:
     effect = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
     effect[:, 0] = [(0.31) ** 2, -0.62, 1.0]  # (lever - 0.31)^2
     rail = Variable("rail", 1.0, 1.0, effect, (0.0, 1.0))
-    limit = Largest(np.array([[1.0, 0.0]]), np.zeros(1), absolute=False)
-    goal = Largest(np.array([[0.0, 1.0]]), np.zeros(1))
+    limit = MaxAbs(np.array([[1.0, 0.0]]), np.zeros(1), absolute=False)
+    goal = MaxAbs(np.array([[0.0, 1.0]]), np.zeros(1))
     found = solve(Program(np.zeros(2), (rail,), ((1.0, goal),), limits=((1e-6, limit),)))
     assert found.state[0] <= 1e-6 + 2e-9
     with pytest.raises(Infeasible):
@@ -106,14 +106,54 @@ def test_a_limit_that_only_a_lever_in_between_meets_is_found() -> None:
 
 
 def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
-    carriers = plain(np.eye(2), [0, 0], [1, 1])
-    row = np.array([1.0, 1.0])
-    goal = Deviations(np.zeros(2), np.zeros(2), np.array([1.0, 2.0]), 10.0)
-    program = Program(np.zeros(2), carriers, ((1.0, goal),), fixed=((row, 1.5),))
-    assert solve(program).value == pytest.approx(2.0)
+    variables = plain(np.eye(2), [0, 0], [1, 1])
+    goal = MaxAbs(np.array([[1.0, 2.0]]), np.zeros(1), absolute=False)
+
+    def fixed(total: float) -> Program:
+        equal = MaxAbs(np.array([[1.0, 1.0]]), np.array([-total]))
+        return Program(np.zeros(2), variables, ((1.0, goal),), limits=((0.0, equal),))
+
+    assert solve(fixed(1.5)).value == pytest.approx(2.0)
     with pytest.raises(Infeasible) as caught:
-        solve(Program(np.zeros(2), carriers, ((1.0, goal),), fixed=((row, 2.5),)))
+        solve(fixed(2.5))
     assert caught.value.excess == pytest.approx(0.5, abs=1e-6)
+
+
+@given(seed=SEEDS, free=st.booleans())
+def test_levers_have_the_moments_they_were_made_of(seed: int, free: bool) -> None:
+    rng = np.random.default_rng(seed)
+    span = (-0.3, 0.5) if free else (0.2, 0.2)
+    rail = Variable("rail", 0.0, 3.0, rng.normal(size=(3, 5)), span)
+    amounts, levers = rng.uniform(0, 0.7, 4), rng.uniform(*span, 4)
+    state = sum(a * rail.column(v) for a, v in zip(amounts, levers, strict=True))
+    u = (levers - 0.1) / 0.4 if free else np.zeros(4)
+    moments = np.array([(amounts * u**k).sum() for k in range(3 if free else 1)])
+    np.testing.assert_allclose(moments @ rail.moment_columns(), state, rtol=1e-12, atol=1e-12)
+    places = rail.levers_of(moments)
+    assert len(places) <= 2
+    assert all(span[0] <= lever <= span[1] and amount >= 0 for lever, amount in places)
+    same = sum(amount * rail.column(lever) for lever, amount in places)
+    np.testing.assert_allclose(same, state, rtol=1e-10, atol=1e-10)
+
+
+@given(seed=SEEDS)
+def test_bound_holds_whatever_the_multipliers_are(seed: int) -> None:
+    """The certificate is a bound from below for any multipliers, not only the solver's."""
+    rng = np.random.default_rng(seed)
+    terms = (
+        Norm(rng.normal(size=(5, 3)), rng.normal(size=5)),
+        PositivePartSum(rng.normal(size=(8, 3)), rng.normal(size=8), np.array([0, 4])),
+        MaxAbs(rng.normal(size=(6, 3)), rng.normal(size=6)),
+    )
+    rail = Variable("rail", 0.1, 1.0, rng.normal(size=(3, 3)), (-1.0, 1.0))
+    program = Program(
+        rng.normal(size=3), (*plain(rng.normal(size=(2, 3)), [0, 0.2], [1, 0.9]), rail),
+        ((1.0, terms[0]), (0.5, terms[1])), limits=((50.0, terms[2]),),
+    )  # fmt: skip
+    enclosure = Enclosure(program)
+    cuts = Cuts(*(np.concatenate(column) for column in zip(*enclosure.cuts, strict=True)))
+    bound, _, _ = enclosure.lagrangian(cuts, rng.uniform(0, 2, len(cuts.part)), elastic=False)
+    assert bound <= solve(program).value + 1e-9
 
 
 def test_prices_by_difference() -> None:
@@ -121,8 +161,8 @@ def test_prices_by_difference() -> None:
     matrix, offset = rng.normal(size=(30, 4)), rng.normal(size=30)
 
     def at(low: float) -> Any:
-        carriers = plain(np.eye(4), [low, 0, 0, 0], np.ones(4))
-        return solve(Program(np.zeros(4), carriers, ((1.0, Norm(matrix, offset)),)))
+        variables = plain(np.eye(4), [low, 0, 0, 0], np.ones(4))
+        return solve(Program(np.zeros(4), variables, ((1.0, Norm(matrix, offset)),)))
 
     for low in (0.8, 0.9):
         found = at(low)

@@ -25,6 +25,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from tests.samples import with_knee
 
 NEEDS = Requirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45), counts=(3, 3, 3, 3))
 SHORT = {"generations": 6, "population": 6, "seed": 3}
@@ -110,7 +111,7 @@ def test_measures_of_appendix_4() -> None:
         (NEEDS.low[0], NEEDS.low[1], NEEDS.low[2], 0.45 - 0.055), (0.08, 0.08, 0.4, 0.6 - 0.055),
         counts=NEEDS.counts,
     )  # fmt: skip
-    other = measure(APPENDIX_4, mirrored, KneeBranch.UPPER)
+    other = measure(with_knee(APPENDIX_4, KneeBranch.UPPER), mirrored)
     assert other.torque == pytest.approx(found.torque, rel=1e-10)
 
 

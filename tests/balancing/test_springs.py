@@ -34,6 +34,7 @@ from paminsa_viz.model import (
 from tests import samples
 from tests.balancing.robots import workspace
 from tests.model.cases import BOTH, Case, cases
+from tests.samples import with_knee
 
 ANCHORS = (
     at_joint(2), at_joint(3), at_joint(4), at_joint(5), at_joint(7), at_joint(8), at_joint(9),
@@ -48,48 +49,43 @@ def test_torques_are_the_slope_of_the_energy(case: Case, pair: list[Anchor], fre
     """Power of the actuators against growth of the energy, in each direction of the pose."""
     g, pose = case.geometry, case.poses(4)
     spring = Spring(*pair, stiffness=120.0, free_length=free)
-    if not (spring_lengths(g, spring, pose, case.assembly) > 0.01).all():
+    if not (spring_lengths(g, spring, pose) > 0.01).all():
         return  # 3 of k and 8 of a short guide may meet: no direction there
-    torque = spring_torques(g, [spring], pose, case.assembly)
+    torque = spring_torques(g, [spring], pose)
     on_pose = np.einsum("nji,nj->ni", inverse_jacobian(g, pose), torque)
     h = 1e-6
     for i in range(4):
         ahead, behind = pose.copy(), pose.copy()
         ahead[:, i] += h
         behind[:, i] -= h
-        slope = (
-            spring_energy(g, spring, ahead, case.assembly)
-            - spring_energy(g, spring, behind, case.assembly)
-        ) / (2 * h)
+        slope = (spring_energy(g, spring, ahead) - spring_energy(g, spring, behind)) / (2 * h)
         np.testing.assert_allclose(on_pose[:, i], slope, rtol=1e-5, atol=1e-4)
 
 
 @given(case=cases())
 def test_lengths_are_distances_between_joints(case: Case) -> None:
     pose = case.poses(4)
-    points = inverse_kinematics(case.geometry, pose, case.assembly).points
+    points = inverse_kinematics(case.geometry, pose).points
     for a, b in ((2, 9), (3, 4), (7, 5), (8, 9)):
-        found = spring_lengths(
-            case.geometry, Spring(at_joint(a), at_joint(b), 1.0), pose, case.assembly
-        )
+        found = spring_lengths(case.geometry, Spring(at_joint(a), at_joint(b), 1.0), pose)
         np.testing.assert_allclose(
             found, np.linalg.norm(points[a] - points[b], axis=-1), rtol=1e-9, atol=1e-12
         )
 
 
 @BOTH
-def test_a_mast_on_the_slider_balances_exactly(assembly: KneeBranch) -> None:
+def test_a_mast_on_the_slider_balances_exactly(knee: KneeBranch) -> None:
     """K h = M_p2 with a free length of zero, where the mast is and wherever the robot goes."""
-    sign = assembly.sign
+    sign = knee.sign
     place = SpringPlace(on_slider(0.2), at_joint(9))
-    fit = fit_springs(APPENDIX_4, [place], workspace(sign).poses(), assembly)
+    fit = fit_springs(with_knee(APPENDIX_4, knee), [place], workspace(sign).poses())
     (spring,) = fit.springs
     assert spring.stiffness == pytest.approx(static_imbalance(APPENDIX_4) / 0.2, rel=1e-9)
     assert fit.after < 1e-8
-    poses = samples.random_poses(np.random.default_rng(0), APPENDIX_4, assembly, 1000)
+    poses = samples.random_poses(np.random.default_rng(0), with_knee(APPENDIX_4, knee), 1000)
     exact = Spring(on_slider(0.2), at_joint(9), static_imbalance(APPENDIX_4) / 0.2)
-    held = static_torques(APPENDIX_4, poses, assembly)
-    left = held + spring_torques(APPENDIX_4.geometry, [exact], poses, assembly)
+    held = static_torques(with_knee(APPENDIX_4, knee), poses)
+    left = held + spring_torques(with_knee(APPENDIX_4.geometry, knee), [exact], poses)
     assert np.abs(left[:, :3]).max() < 1e-12 * np.abs(held[:, :3]).max()
     assert np.ptp(left[:, 3]) < 1e-10
 

@@ -8,19 +8,17 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model import BAR_ENDS, Counterweight, Design, KneeBranch
+from paminsa_viz.model import BAR_ENDS, Counterweight, Design
 from tests import oracle
 
 Place = tuple[str, int, float]
 
 
-def bodies(
-    design: Design, q: tuple[Any, Any, Any, Any], assembly: KneeBranch = KneeBranch.LOWER
-) -> list[oracle.Body]:
+def bodies(design: Design, q: tuple[Any, Any, Any, Any]) -> list[oracle.Body]:
     """List the robot's bodies with its counterweights, each a point off an end of its bar."""
-    found = _BARE(design, q, assembly)
+    found = _BARE(design, q)
     for index in range(3):
-        points = oracle.leg(design, q, index, assembly).points
+        points = oracle.leg(design, q, index).points
         for number, weight in enumerate(design.counterweights):
             end, other = points[weight.joint], points[weight.other]
             outward = oracle.unit(oracle.add(end, other, -1.0))

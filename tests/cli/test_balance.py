@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.balancing import balance, whole_mass
 from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model import APPENDIX_4, KneeBranch, static_imbalance
+from paminsa_viz.model import APPENDIX_4, static_imbalance
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.cli import running
 
@@ -75,7 +75,7 @@ def test_goals_on_a_motion(capsys) -> None:
     design = load_design("arch.toml")
     assert static_imbalance(design) <= 3 + 1e-7
     assert whole_mass(design) - whole_mass(APPENDIX_4) <= 4 + 1e-7
-    motion = PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample()
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample()
     rms = [summary.rms**2 for summary in analyze(design, motion).summary[:3]]
     code, out, _ = run(capsys, *words, "--json")
     told = json.loads(out)

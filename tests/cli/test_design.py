@@ -8,8 +8,8 @@ import pytest
 
 from paminsa_viz.cli import main
 from paminsa_viz.files.design_file import load_design, read_design, save_design
-from paminsa_viz.files.design_schema import KEYS
-from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.files.design_schema import KEYS, TABLES
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.parameters import PARAMETERS
 
 OTHER = APPENDIX_4.vary({"links.b3": 0.203, "payload.mass": 2.0})
@@ -49,6 +49,8 @@ def test_show_prints_every_number(file, capsys) -> None:
     assert main(["design", "show", "d.toml"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "Appendix 4"
+    knee = lines.pop(1 + len(TABLES["geometry"]))
+    assert knee.split()[:3] == ["geometry", "knee", "printed"]
     for line, key in zip(lines[1:], KEYS, strict=True):
         words = line.split()
         assert key.name in words
@@ -60,6 +62,19 @@ def test_show_prints_every_number(file, capsys) -> None:
     assert list(json.loads(capsys.readouterr().out)["values"].values()) == [
         parameter.default for parameter in PARAMETERS
     ]
+
+
+def test_another_branch_of_the_knee_is_a_difference(file, capsys) -> None:
+    save_design(APPENDIX_4.with_knee(KneeBranch.UPPER), "upper.toml")
+    assert main(["design", "check", "upper.toml"]) == 0
+    assert "1 value differs" in capsys.readouterr().out
+    assert main(["design", "diff", "upper.toml"]) == 0
+    (row,) = capsys.readouterr().out.splitlines()[1:]
+    assert row.split()[:4] == ["geometry", "knee", "printed", "mirror"]
+    assert main(["design", "diff", "upper.toml", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["differences"] == {
+        "geometry.knee": {"first": "printed", "second": "mirror"}
+    }
 
 
 def test_diff_compares_with_appendix_4_or_another_file(file, capsys) -> None:

@@ -16,7 +16,7 @@ from paminsa_viz.files.columns import ACTUATORS, POSE, POSES, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests import oracle
-from tests.samples import random_design, random_states
+from tests.samples import random_design, random_states, with_knee
 
 RESULTS = (*ACTUATORS, *TORQUES)
 
@@ -37,24 +37,24 @@ def numbers(rows, columns):
     return np.array([[float(row[name]) for name in columns] for row in rows])
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_numbers_are_those_of_first_principles(folder, assembly) -> None:
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_numbers_are_those_of_first_principles(folder, knee) -> None:
     rng = np.random.default_rng(7)
     design = random_design(rng)
-    pose, velocity, acceleration = random_states(rng, design, assembly, 40)
+    pose, velocity, acceleration = random_states(rng, with_knee(design, knee), 40)
     order = rng.permutation(len(POSES.columns))
     columns = [POSES.columns[i] for i in order]
     rows = np.concatenate([pose, velocity, acceleration], axis=-1)[:, order]
     write(folder / "in.csv", columns, rows)
     save_design(design, folder / "d.toml")
     words = ["evaluate", "in.csv", "--out", "out.csv", "--design", "d.toml"]
-    assert main([*words, "--assembly", assembly.value]) == 0
+    assert main([*words, "--assembly", knee.value]) == 0
 
     got = read(folder / "out.csv")
     assert list(got[0]) == [*columns, *RESULTS, "status"]
     assert numbers(got, columns).tolist() == rows.tolist()
     assert {row["status"] for row in got} == {"ok"}
-    torques = oracle.inverse_dynamics(design, pose, velocity, acceleration, assembly)
+    torques = oracle.inverse_dynamics(with_knee(design, knee), pose, velocity, acceleration)
     scale = np.abs(torques).max(axis=-1, keepdims=True)
     np.testing.assert_allclose(numbers(got, TORQUES) / scale, torques / scale, atol=1e-9)
     positions = numbers(got, ACTUATORS) - oracle.actuators(design, pose)
@@ -63,7 +63,7 @@ def test_numbers_are_those_of_first_principles(folder, assembly) -> None:
 
 
 def test_without_motion_the_torques_are_static(folder) -> None:
-    pose = random_states(np.random.default_rng(1), APPENDIX_4, KneeBranch.LOWER, 5)[0]
+    pose = random_states(np.random.default_rng(1), APPENDIX_4, 5)[0]
     write(folder / "in.csv", POSE, pose)
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 0
     static = oracle.static_torques(APPENDIX_4, pose)
@@ -71,7 +71,7 @@ def test_without_motion_the_torques_are_static(folder) -> None:
 
 
 def test_an_acceleration_may_stand_without_a_velocity(folder) -> None:
-    pose, _, acceleration = random_states(np.random.default_rng(2), APPENDIX_4, KneeBranch.LOWER, 5)
+    pose, _, acceleration = random_states(np.random.default_rng(2), APPENDIX_4, 5)
     write(folder / "in.csv", [*POSE, *POSES.columns[8:]], np.hstack([pose, acceleration]))
     assert main(["evaluate", "in.csv", "--out", "out.csv"]) == 0
     expected = oracle.inverse_dynamics(APPENDIX_4, pose, np.zeros(4), acceleration)
@@ -126,7 +126,7 @@ def test_a_table_may_be_replaced_by_its_result(folder) -> None:
 
 
 def test_the_length_of_the_pieces_changes_nothing(folder, monkeypatch) -> None:
-    pose = random_states(np.random.default_rng(3), APPENDIX_4, KneeBranch.LOWER, 23)[0]
+    pose = random_states(np.random.default_rng(3), APPENDIX_4, 23)[0]
     write(folder / "in.csv", POSE, pose)
     evaluate_table(folder / "in.csv", folder / "whole.csv")
     monkeypatch.setattr(tables.TableReader.blocks, "__defaults__", (5,))

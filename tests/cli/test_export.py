@@ -16,6 +16,7 @@ from paminsa_viz.cli import main
 from paminsa_viz.engines.placing import start_pose
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
+from tests.samples import with_knee
 
 
 def glb_pose(path: str) -> dict[str, float]:
@@ -59,7 +60,7 @@ def test_another_design_and_assembly_as_zip_with_motors() -> None:
     payload = root.find(".//body[@name='payload']/inertial")
     assert payload is not None
     assert float(payload.attrib["mass"]) == 3.25
-    assert refs(text)["z"] == start_pose(design, KneeBranch.UPPER)[3]
+    assert refs(text)["z"] == start_pose(with_knee(design, KneeBranch.UPPER))[3]
     assert [a.tag for a in root.find("actuator") or []] == ["motor"] * 4
 
 

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity, backend, static_torques
 from tests.cli import running
+from tests.samples import with_knee
 
 run = partial(running.run, "map")
 told = partial(running.told, "map")
@@ -59,16 +60,16 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     ).content
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_numbers_are_static_torques(capsys, folder, assembly) -> None:
-    z = -0.5 if assembly is KneeBranch.LOWER else 0.5
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_numbers_are_static_torques(capsys, folder, knee) -> None:
+    z = -0.5 if knee is KneeBranch.LOWER else 0.5
     found = told(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
-                 assembly.value, "--out", "a.npz")  # fmt: skip
+                 knee.value, "--out", "a.npz")  # fmt: skip
     with np.load(folder / "a.npz") as arrays:
         x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])
         tau = arrays[next(name for name in arrays if name.startswith("tau2"))]
     pose = np.stack([x, y, np.full_like(x, math.radians(20)), np.full_like(x, z)], axis=-1)
-    expected = static_torques(APPENDIX_4, pose, assembly)[..., 1]
+    expected = static_torques(with_knee(APPENDIX_4, knee), pose)[..., 1]
     np.testing.assert_allclose(tau, expected, rtol=1e-9, atol=1e-12)
     assert found["maps"]["tau_2"]["largest"] == pytest.approx(np.nanmax(expected))
     assert found["cells_by_status"]["ok"] == np.isfinite(expected).sum()

@@ -18,7 +18,7 @@ def test_one_command_makes_it(folder, capsys) -> None:
     assert "torque maps ..." in said.err
     text = Path("r.html").read_text(encoding="utf-8")
     assert f"paminsa-viz report {words}" in text
-    assert "Mirror assembly, pose x 30 mm" in text
+    assert "Upper knee, pose x 30 mm" in text
     assert "pick-and-place arch" in text
     assert [path.name for path in folder.iterdir()] == ["r.html"]
 

@@ -39,15 +39,15 @@ LONG = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geome
 def test_flags_become_a_study_in_si_units() -> None:
     assert "sweep" in COMMANDS
     flags = Sweep(Path("a"), ("links.b3=0.2:0.6:3", "joints.j7=0.1,0.3"), radius=100.0, z=(500.0,),
-                  theta=(0.0, 180.0), assembly="mirror", cells=9, scale_bars=True)  # fmt: skip
-    study = study_of(flags, APPENDIX_4)
+                  theta=(0.0, 180.0), cells=9, scale_bars=True)  # fmt: skip
+    study = study_of(flags, APPENDIX_4.with_knee(KneeBranch.UPPER))
     assert study.variation == DesignGrid(
         (DesignAxis("links.b3", (0.2, 0.4, 0.6)), DesignAxis("joints.j7", (0.1, 0.3)))
     )
     region = study.region
     assert (region.radius, region.z, region.cells) == (0.1, (0.5,), 9)
     assert region.theta == pytest.approx((0.0, 3.14159265))
-    assert (study.assembly, study.scale_bars) == (KneeBranch.UPPER, True)
+    assert (study.design.geometry.knee, study.scale_bars) == (KneeBranch.UPPER, True)
 
     flags = Sweep(Path("a"), ("links.b3", "joints.j7=0.1:0.3"), random=7, seed=5, spread=0.5)
     b3 = APPENDIX_4.links.b3

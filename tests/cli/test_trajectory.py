@@ -20,7 +20,7 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
 from paminsa_viz.trajectory import PRESET, analyze, compare, home, move
 from tests.cli import running
-from tests.samples import random_design
+from tests.samples import random_design, with_knee
 
 run = partial(running.run, "trajectory")
 told = partial(running.told, "trajectory")
@@ -42,8 +42,8 @@ def numbers(table, names) -> np.ndarray:
     return np.stack([table[name].astype(float) for name in names], axis=1)
 
 
-def preset(key: str, assembly: KneeBranch = KneeBranch.LOWER, rate: float = 1000.0):
-    return PRESET[key].build(APPENDIX_4.geometry, assembly).sample(rate)
+def preset(key: str, knee: KneeBranch = KneeBranch.LOWER, rate: float = 1000.0):
+    return PRESET[key].build(with_knee(APPENDIX_4.geometry, knee)).sample(rate)
 
 
 def test_it_is_a_command_with_every_preset() -> None:
@@ -52,18 +52,18 @@ def test_it_is_a_command_with_every_preset() -> None:
     assert set(get_args(literal)) == set(PRESET)
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_numbers_are_those_of_the_model(capsys, assembly) -> None:
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_numbers_are_those_of_the_model(capsys, knee) -> None:
     rng = np.random.default_rng(3)
     design = replace(
         random_design(rng), geometry=APPENDIX_4.geometry, friction=Friction(0.1, 0.2, 3.0, 4.0),
     )  # fmt: skip
     save_design(design, "robot.toml")
     found = told(capsys, "--design", "robot.toml", "--preset", "arch", "--rate", "300",
-                 "--assembly", assembly.value, "--printed")  # fmt: skip
-    motion = preset("arch", assembly, 300.0)
+                 "--assembly", knee.value, "--printed")  # fmt: skip
+    motion = preset("arch", knee, 300.0)
     for data, misprints in ((found, Misprint.NONE), (found["printed"], Misprint.ALL)):
-        expected = analyze(design, motion, assembly, misprints=misprints).summary
+        expected = analyze(with_knee(design, knee), motion, misprints=misprints).summary
         for got, actuator in zip(data["actuators"], expected, strict=True):
             assert got["peak"] == pytest.approx(actuator.peak, rel=1e-9)
             assert got["rms"] == pytest.approx(actuator.rms, rel=1e-9)

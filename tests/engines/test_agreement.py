@@ -18,13 +18,14 @@ from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.statics import static_torques
 from tests import oracle, samples
+from tests.samples import with_knee
 
 Engine = type[ClosedLoopRobot]
 DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in range(5))]
 EACH = pytest.mark.parametrize(
     "design", DESIGNS, ids=["appendix4", *(f"random{i}" for i in range(5))]
 )
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 SHARP = 1e-11
 """Relative to the largest value of each actuator; a millionth is asked for."""
 
@@ -42,30 +43,34 @@ def worst(found: np.ndarray, expected: np.ndarray) -> float:
 
 @BOTH
 @EACH
-def test_static_torques(engine: Engine, design: Design, assembly: KneeBranch) -> None:
-    poses = samples.random_poses(np.random.default_rng(1), design, assembly, 200, natural=False)
-    found = engine(design, assembly).static_torques(poses)
-    assert worst(found, oracle.static_torques(design, poses, assembly)) < SHARP
-    assert worst(static_torques(design, poses, assembly), found) < SHARP
+def test_static_torques(engine: Engine, design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    poses = samples.random_poses(np.random.default_rng(1), design, 200, natural=False)
+    found = engine(design).static_torques(poses)
+    assert worst(found, oracle.static_torques(design, poses)) < SHARP
+    assert worst(static_torques(design, poses), found) < SHARP
 
 
 @BOTH
 @EACH
-def test_dynamic_torques(engine: Engine, design: Design, assembly: KneeBranch) -> None:
-    states = samples.random_states(np.random.default_rng(2), design, assembly, 200)
-    found = engine(design, assembly).inverse_dynamics(*states)
-    assert worst(found, oracle.inverse_dynamics(design, *states, assembly)) < SHARP
-    assert worst(inverse_dynamics(design, *states, assembly).torque, found) < SHARP
+def test_dynamic_torques(engine: Engine, design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    states = samples.random_states(np.random.default_rng(2), design, 200)
+    found = engine(design).inverse_dynamics(*states)
+    assert worst(found, oracle.inverse_dynamics(design, *states)) < SHARP
+    assert worst(inverse_dynamics(design, *states).torque, found) < SHARP
 
 
 @BOTH
-def test_kinetic_energy_from_the_mass_matrix(engine: Engine, assembly: KneeBranch) -> None:
+def test_kinetic_energy_from_the_mass_matrix(engine: Engine, knee: KneeBranch) -> None:
     design = DESIGNS[2]
-    poses, rates, _ = samples.random_states(np.random.default_rng(3), design, assembly, 20)
-    inertia = engine(design, assembly).actuator_inertia(poses)
+    poses, rates, _ = samples.random_states(np.random.default_rng(3), with_knee(design, knee), 20)
+    inertia = engine(with_knee(design, knee)).actuator_inertia(poses)
     speed = oracle.actuator_rates(design, poses, rates)
     energy = 0.5 * np.einsum("ni,nij,nj->n", speed, inertia, speed)
-    np.testing.assert_allclose(energy, oracle.kinetic(design, poses, rates, assembly), rtol=1e-11)
+    np.testing.assert_allclose(
+        energy, oracle.kinetic(with_knee(design, knee), poses, rates), rtol=1e-11
+    )
 
 
 @pytest.mark.parametrize(
@@ -90,7 +95,7 @@ def test_a_wrong_mass_in_the_exported_model_is_caught(body: str, moving: bool) -
 
 
 @BOTH
-def test_massless_parts_and_no_gravity(engine: Engine, assembly: KneeBranch) -> None:
+def test_massless_parts_and_no_gravity(engine: Engine, knee: KneeBranch) -> None:
     """Zeros that a design may have, though an engine may not."""
     design = APPENDIX_4.vary(
         {
@@ -99,11 +104,11 @@ def test_massless_parts_and_no_gravity(engine: Engine, assembly: KneeBranch) -> 
             "inertias.b10_vertical": 0.0, "platform.inertia": 0.0, "links.b10": 0.0,
         }
     )  # fmt: skip
-    states = samples.random_states(np.random.default_rng(5), design, assembly, 20)
-    found = engine(design, assembly).inverse_dynamics(*states)
-    assert worst(found, oracle.inverse_dynamics(design, *states, assembly)) < SHARP
+    states = samples.random_states(np.random.default_rng(5), with_knee(design, knee), 20)
+    found = engine(with_knee(design, knee)).inverse_dynamics(*states)
+    assert worst(found, oracle.inverse_dynamics(with_knee(design, knee), *states)) < SHARP
     afloat = design.vary({"gravity": 0.0})
-    assert np.abs(engine(afloat, assembly).static_torques(states[0])).max() < 1e-12
+    assert np.abs(engine(with_knee(afloat, knee)).static_torques(states[0])).max() < 1e-12
 
 
 def test_batches_and_poses_out_of_reach(engine: Engine) -> None:

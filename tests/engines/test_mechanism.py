@@ -13,15 +13,16 @@ from paminsa_viz.engines.placing import joint_values, posture_of, start_pose
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign, UnreachablePose
 from tests import oracle, samples
+from tests.samples import with_knee
 
 DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in (20, 21))]
 EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch))
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 
 
-def frames(design: Design, pose: Any, assembly: KneeBranch) -> dict[str, tuple[Any, Rotation]]:
+def frames(design: Design, pose: Any) -> dict[str, tuple[Any, Rotation]]:
     """Origin and orientation of every link at one pose, from the joint values alone."""
-    values = joint_values(posture_of(design, pose, assembly))
+    values = joint_values(posture_of(design, pose))
     found: dict[str | None, tuple[Any, Rotation]] = {None: (np.zeros(3), Rotation.identity())}
     for link in build_mechanism(design).links:
         place, turn = found[link.parent]
@@ -39,9 +40,10 @@ def frames(design: Design, pose: Any, assembly: KneeBranch) -> dict[str, tuple[A
 
 @BOTH
 @EACH
-def test_loops_close(design: Design, assembly: KneeBranch) -> None:
-    for pose in samples.random_poses(np.random.default_rng(0), design, assembly, 10, natural=False):
-        at = frames(design, pose, assembly)
+def test_loops_close(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    for pose in samples.random_poses(np.random.default_rng(0), design, 10, natural=False):
+        at = frames(design, pose)
         for pin in build_mechanism(design).pins:
             ends = [
                 at[name][0] + at[name][1].apply(point)
@@ -58,14 +60,15 @@ def part_name(body: oracle.Body) -> str:
 
 @BOTH
 @EACH
-def test_every_mass_is_where_first_principles_put_it(design: Design, assembly: KneeBranch) -> None:
-    pose = samples.random_poses(np.random.default_rng(1), design, assembly, 1)[0]
-    at = frames(design, pose, assembly)
+def test_every_mass_is_where_first_principles_put_it(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    pose = samples.random_poses(np.random.default_rng(1), design, 1)[0]
+    at = frames(design, pose)
     owners: dict[str, tuple[Link, Any]] = {
         part.name: (link, part) for link in build_mechanism(design).links for part in link.parts
     }
     arms = 0.0
-    for body in oracle.bodies(design, oracle.split(pose), assembly):
+    for body in oracle.bodies(design, oracle.split(pose)):
         name = part_name(body)
         if name.endswith("B1"):  # the arms stand in the lift as one: only their height counts
             arms += body.mass
@@ -91,12 +94,12 @@ def test_every_mass_is_where_first_principles_put_it(design: Design, assembly: K
 
 
 @BOTH
-def test_start_pose_is_regular_and_on_the_natural_side(assembly: KneeBranch) -> None:
+def test_start_pose_is_regular_and_on_the_natural_side(knee: KneeBranch) -> None:
     rng = np.random.default_rng(2)
     for design in (APPENDIX_4, *(samples.random_design(rng) for _ in range(10))):
-        pose = start_pose(design, assembly)
-        assert np.isfinite(posture_of(design, pose, assembly).phi).all()
-        assert (pose[3] + design.geometry.platform_joint_height) * assembly.sign < 0
+        pose = start_pose(with_knee(design, knee))
+        assert np.isfinite(posture_of(with_knee(design, knee), pose).phi).all()
+        assert (pose[3] + design.geometry.platform_joint_height) * knee.sign < 0
 
 
 def test_a_robot_singular_at_the_center_has_no_start_pose() -> None:

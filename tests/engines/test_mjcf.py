@@ -16,10 +16,11 @@ from paminsa_viz.engines.simulation import play
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput, UnreachablePose
 from tests import oracle, samples
+from tests.samples import with_knee
 
 DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in (7, 8))]
 EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 
 
 @pytest.fixture
@@ -67,30 +68,31 @@ def test_masses_are_written_with_all_their_digits() -> None:
 @BOTH
 @EACH
 def test_it_loads_and_stands_still_for_two_seconds(
-    mujoco: Any, design: Design, assembly: KneeBranch, servos: bool
+    mujoco: Any, design: Design, knee: KneeBranch, servos: bool
 ) -> None:
-    pose = samples.random_poses(np.random.default_rng(9), design, assembly, 1)[0]
-    text = exported_mjcf(design, assembly, pose=pose.tolist(), servos=servos)
+    design = with_knee(design, knee)
+    pose = samples.random_poses(np.random.default_rng(9), design, 1)[0]
+    text = exported_mjcf(design, pose=pose.tolist(), servos=servos)
     # Motors hold by a constant force, and the robot is unstable: what is off grows.
     model, data, gap = run(mujoco, text, 2.0 if servos else 0.5)
-    start = MujocoRobot(design, assembly, xml=text)
+    start = MujocoRobot(design, xml=text)
     assert gap < 1e-6
     np.testing.assert_allclose(start.pose(data.qpos), pose, rtol=0, atol=1e-4 if servos else 1e-3)
     np.testing.assert_allclose(start.pose(model.qpos0), pose, rtol=0, atol=1e-14)
 
 
 @BOTH
-def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, assembly: KneeBranch) -> None:
-    _, _, gap = run(mujoco, exported_mjcf(APPENDIX_4, assembly, servos=False), 2.0)
+def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, knee: KneeBranch) -> None:
+    _, _, gap = run(mujoco, exported_mjcf(with_knee(APPENDIX_4, knee), servos=False), 2.0)
     assert gap < 1e-6
 
 
 @BOTH
-def test_servos_follow_their_controls(mujoco: Any, assembly: KneeBranch) -> None:
+def test_servos_follow_their_controls(mujoco: Any, knee: KneeBranch) -> None:
     """The viewer's sliders: all at once, smoothly over half a second."""
-    robot = MujocoRobot(APPENDIX_4, assembly)
+    robot = MujocoRobot(with_knee(APPENDIX_4, knee))
     wish = np.array([0.15, -0.1, 0.05, 0.04])
-    text = exported_mjcf(APPENDIX_4, assembly)
+    text = exported_mjcf(with_knee(APPENDIX_4, knee))
     model, data, gap = run(mujoco, text, 1.5, lambda t: wish * min(2 * t, 1.0))
     joints = [model.joint(name).qposadr[0] for name in robot.mechanism.actuated]
     reached = (data.qpos - model.qpos0)[joints]
@@ -122,7 +124,7 @@ def test_pinocchio_reads_the_exported_model(tmp_path: Path) -> None:
 
 
 @BOTH
-def test_pinocchio_reads_the_loops_too(tmp_path: Path, assembly: KneeBranch) -> None:
+def test_pinocchio_reads_the_loops_too(tmp_path: Path, knee: KneeBranch) -> None:
     """Its constrained dynamics, from nothing but the file, moves as the torques were meant to."""
     pin = pytest.importorskip("pinocchio", reason="pinocchio comes with the extra 'verify'")
     if not hasattr(pin, "buildModelAndLegacyConstraintsFromMJCF"):
@@ -130,18 +132,20 @@ def test_pinocchio_reads_the_loops_too(tmp_path: Path, assembly: KneeBranch) -> 
     pytest.importorskip("mujoco", reason="it tells the joint positions of a platform state")
     design = DESIGNS[1]
     file = tmp_path / "robot.xml"
-    file.write_text(mjcf_text(design, assembly), encoding="utf-8")
+    file.write_text(mjcf_text(with_knee(design, knee)), encoding="utf-8")
     model, closures = pin.buildModelAndLegacyConstraintsFromMJCF(str(file))
     assert len(closures) == 12
     model.gravity.linear = np.array([0.0, 0.0, -design.gravity])  # its reader leaves 9.81 m/s^2
     platform = [*(f"platform_{n}" for n in ("x", "y", "z", "theta", "roll", "pitch"))]
     names = [*platform, *list(model.names)[2:]]
-    robot = MujocoRobot(design, assembly)
+    robot = MujocoRobot(with_knee(design, knee))
     order = [[robot.model.joint(i).name for i in range(robot.model.njnt)].index(n) for n in names]
-    x, u, du = (a[0] for a in samples.random_states(np.random.default_rng(11), design, assembly))
+    x, u, du = (
+        a[0] for a in samples.random_states(np.random.default_rng(11), with_knee(design, knee))
+    )
     q, v = (a[order] for a in robot.state(x, u))
     force = np.zeros(model.nv)
-    torque = oracle.inverse_dynamics(design, x, u, du, assembly)
+    torque = oracle.inverse_dynamics(with_knee(design, knee), x, u, du)
     force[[names.index(n) for n in robot.mechanism.actuated]] = torque
     data, kept = model.createData(), pin.StdVec_RigidConstraintData()
     for closure in closures:
@@ -193,7 +197,7 @@ def test_a_simulation_that_overflows_ends_before_it(
     times = np.linspace(0.0, 0.05, 51)
     motion = quintic([0.0, 0.0, 0.0, -0.5], [0.01, 0.0, 0.0, -0.5], times)
     torque = oracle.inverse_dynamics(design, *motion)
-    found = play(design, KneeBranch.LOWER, times, *motion[:2], torque)
+    found = play(design, times, *motion[:2], torque)
     assert 1 <= found.until < times.size
     assert np.isfinite(found.poses[: found.until]).all()
     assert np.isnan(found.poses[found.until :]).all()
@@ -221,27 +225,27 @@ def quintic(first: Any, last: Any, times: Any) -> tuple[Any, Any, Any]:
 
 
 @BOTH
-def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, assembly: KneeBranch) -> None:
+def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, knee: KneeBranch) -> None:
     """Feed-forward alone, through an unstable robot: close, and closer with a smaller step."""
     times = np.linspace(0.0, 0.5, 126)
     motion = quintic(
-        [-0.05, -0.03, -0.2, -0.5 * assembly.sign], [0.05, 0.04, 0.3, -0.6 * assembly.sign], times
+        [-0.05, -0.03, -0.2, -0.5 * knee.sign], [0.05, 0.04, 0.3, -0.6 * knee.sign], times
     )
-    torque = oracle.inverse_dynamics(APPENDIX_4, *motion, assembly)
-    coarse = play(APPENDIX_4, assembly, times, *motion[:2], torque, step=4 * TIME_STEP)
-    fine = play(APPENDIX_4, assembly, times, *motion[:2], torque, step=TIME_STEP / 2)
+    torque = oracle.inverse_dynamics(with_knee(APPENDIX_4, knee), *motion)
+    coarse = play(with_knee(APPENDIX_4, knee), times, *motion[:2], torque, step=4 * TIME_STEP)
+    fine = play(with_knee(APPENDIX_4, knee), times, *motion[:2], torque, step=TIME_STEP / 2)
     assert np.abs(fine.drift).max() < 1e-3
     assert np.abs(fine.drift[:, [0, 1, 3]]).max() < 0.5 * np.abs(coarse.drift[:, [0, 1, 3]]).max()
     assert fine.gap.max() < 1e-6
     np.testing.assert_allclose(fine.poses - motion[0], fine.drift)
-    wrong = play(APPENDIX_4, assembly, times, *motion[:2], 1.01 * torque, step=TIME_STEP)
+    wrong = play(with_knee(APPENDIX_4, knee), times, *motion[:2], 1.01 * torque, step=TIME_STEP)
     assert np.abs(wrong.drift).max() > 10 * np.abs(fine.drift).max()
 
 
 def test_play_names_what_is_wrong_with_its_input() -> None:
     pose = np.array([[0.0, 0.0, 0.0, -0.5]])
     with pytest.raises(InvalidInput, match="torques"):
-        play(APPENDIX_4, KneeBranch.LOWER, [0.0], pose, 0 * pose, pose[:, :3])
+        play(APPENDIX_4, [0.0], pose, 0 * pose, pose[:, :3])
     two = np.repeat(pose, 2, axis=0)
     with pytest.raises(InvalidInput, match="times"):
-        play(APPENDIX_4, KneeBranch.LOWER, [0.0, 0.0], two, 0 * two, 0 * two)
+        play(APPENDIX_4, [0.0, 0.0], two, 0 * two, 0 * two)

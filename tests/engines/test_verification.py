@@ -31,8 +31,9 @@ from paminsa_viz.model import (
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle, samples
+from tests.samples import with_knee
 
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 RANDOM = samples.random_design(np.random.default_rng(31))
 SHARP = 1e-11
 
@@ -42,38 +43,39 @@ def mujoco() -> Any:
     return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
-def motion(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER) -> Trajectory:
-    return paper_like(design.geometry, assembly).lasting(0.4).sample(50)
+def motion(design: Design = APPENDIX_4) -> Trajectory:
+    return paper_like(design.geometry).lasting(0.4).sample(50)
 
 
-def checked(design: Design = APPENDIX_4, assembly: KneeBranch = KneeBranch.LOWER, **more: Any):
+def checked(design: Design = APPENDIX_4, **more: Any):
     more.setdefault("poses", 20)
-    return verify(design, assembly, motion(design, assembly), **more)
+    return verify(design, motion(design), **more)
 
 
 @BOTH
 @pytest.mark.parametrize("design", [APPENDIX_4, RANDOM], ids=["appendix4", "random"])
-def test_the_formulae_pass(design: Design, assembly: KneeBranch) -> None:
-    found = checked(design, assembly)
+def test_the_formulae_pass(design: Design, knee: KneeBranch) -> None:
+    design = with_knee(design, knee)
+    found = checked(design)
     assert found.passed
     assert found.worst < SHARP
     names = [check.engine for check in found.engines]
     assert names[0] == "MuJoCo"
     assert {"MuJoCo", "Pinocchio"} == {*names, *found.missing}
     for check in found.engines:
-        at_rest = oracle.static_torques(design, found.poses, assembly)
+        at_rest = oracle.static_torques(design, found.poses)
         np.testing.assert_allclose(check.static.reference, at_rest, atol=1e-9)
         t = found.trajectory
-        torque = oracle.inverse_dynamics(design, t.pose, t.velocity, t.acceleration, assembly)
+        torque = oracle.inverse_dynamics(design, t.pose, t.velocity, t.acceleration)
         np.testing.assert_allclose(check.dynamic.reference, torque, atol=1e-9)
 
 
 @BOTH
-def test_counterweights_pass_too(assembly: KneeBranch) -> None:
+def test_counterweights_pass_too(knee: KneeBranch) -> None:
     weights = (Counterweight("b8", 8, 0.1, 0.8), Counterweight("b4", 9, -0.2, 0.3))
-    found = checked(replace(RANDOM, counterweights=weights), assembly, misprints=())
+    found = checked(with_knee(replace(RANDOM, counterweights=weights), knee), misprints=())
     assert found.worst < SHARP
-    without = checked(RANDOM, assembly, misprints=())
+    without = checked(with_knee(RANDOM, knee), misprints=())
     first, second = (f.engines[0].static.reference for f in (found, without))
     assert np.abs(first - second).max() > 1.0
 
@@ -159,7 +161,7 @@ def test_a_torque_that_is_missing_fails() -> None:
     holed[1, 2] = np.nan
     assert not Comparison(whole, holed, np.ones(4)).agrees(1.0)
     poses = np.tile([0.0, 0.0, 0.0, -0.5], (3, 1))
-    assert np.isfinite(torque_scale(APPENDIX_4, poses, holed, KneeBranch.LOWER)).all()
+    assert np.isfinite(torque_scale(APPENDIX_4, poses, holed)).all()
     beyond = np.vstack([workspace_poses(APPENDIX_4.geometry, 3), [0.0, 0.0, 0.0, -3.0]])
     found = checked(poses=beyond)
     assert not found.passed
@@ -207,7 +209,7 @@ def test_the_result_is_json_and_repeatable() -> None:
 def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verification, "MOST_STATES", 11)
     whole = motion()
-    found: Verification = verify(APPENDIX_4, KneeBranch.LOWER, whole, poses=5, misprints=())
+    found: Verification = verify(APPENDIX_4, whole, poses=5, misprints=())
     assert found.trajectory.size == 11
     assert found.trajectory.t[[0, -1]].tolist() == whole.t[[0, -1]].tolist()
     assert np.isin(found.trajectory.t, whole.t).all()
@@ -228,7 +230,7 @@ def test_what_can_not_be_is_refused() -> None:
     beyond = near.pose - np.array([0.0, 0.0, 0.0, 1.0])
     far = Trajectory(near.t, beyond, near.velocity, near.acceleration)
     with pytest.raises(ImpossibleTrajectory):
-        verify(APPENDIX_4, KneeBranch.LOWER, far)
+        verify(APPENDIX_4, far)
 
 
 def test_engines_that_are_missing(monkeypatch: pytest.MonkeyPatch) -> None:

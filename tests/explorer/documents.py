@@ -37,13 +37,21 @@ def designs(draw: st.DrawFn) -> Design:
 COORDINATE = st.floats(-3, 3)
 
 
+def _document(knee: KneeBranch, document: Document) -> Document:
+    reference = document.reference
+    return replace(
+        document,
+        design=document.design.with_knee(knee),
+        reference=None if reference is None else reference.with_knee(knee),
+    )
+
+
 DOCUMENTS = st.builds(
     Document,
     design=designs(),
-    assembly=st.sampled_from(KneeBranch),
     pose=st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE),
     reference=st.none() | designs(),
-)
+).flatmap(lambda document: st.sampled_from(KneeBranch).map(lambda k: _document(k, document)))
 
 
 def standing_state(seed: int) -> State:

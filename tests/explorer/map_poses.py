@@ -6,7 +6,7 @@ import numpy as np
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.map_data import MapData
 
 CELLS = 31
 

@@ -27,24 +27,35 @@ from tests.samples import random_design
 
 
 @given(seed=st.integers(0, 10**6))
-def test_mirroring_the_assembly_twice_changes_nothing_and_once_turns_the_torques_round(
+def test_changing_the_knee_twice_changes_nothing_and_once_turns_the_torques_round(
     seed: int,
 ) -> None:
     state = standing_state(seed)
-    once = actions.assemble(state, KneeBranch.UPPER)
-    twice = actions.assemble(once, KneeBranch.LOWER)
-    assert twice.document.assembly is state.document.assembly
+    once = actions.set_knee(state, KneeBranch.UPPER)
+    twice = actions.set_knee(once, KneeBranch.LOWER)
+    assert twice.document.design.geometry.knee is state.document.design.geometry.knee
     assert twice.document.pose == pytest.approx(state.document.pose, abs=1e-15)
     assert once.standing.pose == once.document.pose  # the mirrored pose is within reach as well
     np.testing.assert_allclose(
         compute(once).torques[:3], -compute(state).torques[:3], rtol=1e-9, atol=1e-9
     )
-    assert actions.assemble(state, KneeBranch.LOWER) is state
+    assert actions.set_knee(state, KneeBranch.LOWER) is state
 
 
-def test_home_is_within_reach_in_both_assemblies() -> None:
-    for assembly in KneeBranch:
-        home = actions.go_home(actions.assemble(initial_state(), assembly))
+def test_a_design_with_the_other_knee_turns_the_machine_over() -> None:
+    state = actions.pin_reference(actions.move(initial_state(), x=0.03))
+    upper = APPENDIX_4.vary({"links.b3": 0.5}).with_knee(KneeBranch.UPPER)
+    loaded = actions.load_design(state, upper).document
+    assert (loaded.design, loaded.pose) == (
+        upper,
+        actions.set_knee(state, KneeBranch.UPPER).document.pose,
+    )
+    assert loaded.reference == APPENDIX_4.with_knee(KneeBranch.UPPER)
+
+
+def test_home_is_within_reach_with_both_knees() -> None:
+    for knee in KneeBranch:
+        home = actions.go_home(actions.set_knee(initial_state(), knee))
         assert home.standing.pose == home.document.pose
         assert compute(home).health is Health.OK
 

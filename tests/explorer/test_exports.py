@@ -133,7 +133,7 @@ class TestMujocoModel:
     @pytest.fixture
     def state(self) -> State:
         """A design of its own, mirrored and posed, and then asked for too much."""
-        state = actions.assemble(initial_state(), KneeBranch.UPPER)
+        state = actions.set_knee(initial_state(), KneeBranch.UPPER)
         state = actions.vary(state, {"payload.mass": 3.25, "geometry.crank_length": 0.44})
         return actions.move(actions.move(state, x=0.04, y=-0.02, theta=0.5), x=9.0)
 

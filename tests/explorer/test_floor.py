@@ -24,7 +24,8 @@ from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity
 from paminsa_viz.model.reach import workspace_radius
-from paminsa_viz.plots.raster import lut
+from paminsa_viz.plots.scale import color_table
+from tests.samples import with_knee
 
 from .panel_desk import Desk, desk_with
 
@@ -65,7 +66,7 @@ class TestPicture:
         inside = reached & (np.abs(data.values[0]) < 0.9 * scale.high)
         row, column = (int(v) for v in np.argwhere(inside)[40])
         fraction = float(scale.position(data.values[0, row, column]))
-        expected = lut(scale)[1 + int(fraction * 256), :3]
+        expected = color_table(scale)[1 + int(fraction * 256), :3]
         np.testing.assert_array_equal(pixels[row, column, :3], expected)
 
     @pytest.mark.parametrize(("opacity", "alpha"), [(0.0, 0), (1.0, 255), (7.0, 255), (-1.0, 0)])
@@ -77,11 +78,11 @@ class TestPicture:
 
 
 class TestLegend:
-    @pytest.mark.parametrize("assembly", list(KneeBranch))
+    @pytest.mark.parametrize("knee", list(KneeBranch))
     @pytest.mark.parametrize("base", [0.2, 0.35, 0.6])
-    def test_it_lies_on_the_plinth_beside_the_map(self, assembly: KneeBranch, base: float) -> None:
+    def test_it_lies_on_the_plinth_beside_the_map(self, knee: KneeBranch, base: float) -> None:
         geometry = replace(APPENDIX_4.geometry, base_radius=base)
-        (x, y), (w, _, _, k) = legend_place(geometry, assembly)
+        (x, y), (w, _, _, k) = legend_place(with_knee(geometry, knee))
         turn = 2 * math.atan2(k, w)
         out = np.array([-math.sin(turn), math.cos(turn)])  # the letters' up
         along = np.array([math.cos(turn), math.sin(turn)])
@@ -90,7 +91,9 @@ class TestLegend:
             for i in (-1, 1)
             for j in (-1, 1)
         ]
-        assert max(np.hypot(*corner) for corner in corners) < plinth_radius(geometry, assembly)
+        assert max(np.hypot(*corner) for corner in corners) < plinth_radius(
+            with_knee(geometry, knee)
+        )
         assert out @ [x, y] < 0  # it is read from outside
         if base == 0.35:
             assert math.hypot(x, y) - LEGEND_SIZE[1] / 2 > workspace_radius(geometry)
@@ -124,12 +127,12 @@ class TestOnTheGround:
         node = desk.panel._map
         side = 2 * half_width(APPENDIX_4.geometry)
         assert node.scale == (side, side, 1.0)
-        ground = layout(APPENDIX_4.geometry, KneeBranch.LOWER).ground
+        ground = layout(APPENDIX_4.geometry).ground
         np.testing.assert_allclose(node.position, (0, 0, ground + floor.ABOVE["map"]))
 
-    def test_it_moves_to_the_ground_of_the_other_assembly(self, desk: Desk) -> None:
-        desk.dispatch(lambda s: actions.assemble(s, KneeBranch.UPPER))
-        ground = layout(APPENDIX_4.geometry, KneeBranch.UPPER).ground
+    def test_it_moves_to_the_ground_of_the_other_knee(self, desk: Desk) -> None:
+        desk.dispatch(lambda s: actions.set_knee(s, KneeBranch.UPPER))
+        ground = layout(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER)).ground
         for node in (desk.panel._map, desk.panel._legend.bar, desk.panel._ring):
             desk.until(lambda node=node: abs(node.position[2] - ground) < 0.01)
 

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.model import Quantity
-from paminsa_viz.plots.from_model import LEGENDS
+from paminsa_viz.plots.map_data import LEGENDS
 
 from .panel_desk import Desk
 

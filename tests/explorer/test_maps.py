@@ -19,6 +19,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from tests.explorer.map_poses import CELLS, at, poses_of
+from tests.samples import with_knee
 
 
 @pytest.fixture
@@ -36,12 +37,12 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 class TestNumbers:
-    @pytest.mark.parametrize("assembly", list(KneeBranch))
-    def test_torques_are_the_model_s(self, assembly: KneeBranch) -> None:
-        state = actions.assemble(at(), assembly)
+    @pytest.mark.parametrize("knee", list(KneeBranch))
+    def test_torques_are_the_model_s(self, knee: KneeBranch) -> None:
+        state = actions.set_knee(at(), knee)
         data = MapStore().data(state, CELLS)
         poses = poses_of(data)
-        expected = static_torques(state.document.design, poses, assembly)
+        expected = static_torques(with_knee(state.document.design, knee), poses)
         ok = data.status == Limit.OK
         assert 100 < ok.sum() < ok.size - 100
         for panel in range(3):

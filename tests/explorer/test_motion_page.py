@@ -22,12 +22,13 @@ from paminsa_viz.trajectory import (
     move,
 )
 from tests.explorer.chromium import PATIENCE, until
+from tests.samples import with_knee
 
 NAME = "<b>& </script> “näme”"
 
 
-def planned(key: str, assembly: KneeBranch = KneeBranch.LOWER):
-    return PRESET[key].build(APPENDIX_4.geometry, assembly)
+def planned(key: str, knee: KneeBranch = KneeBranch.LOWER):
+    return PRESET[key].build(with_knee(APPENDIX_4.geometry, knee))
 
 
 def beyond():
@@ -53,10 +54,10 @@ def node(data: dict, key: str, name: str, width: int) -> np.ndarray:
     return numbers(data, key)[:, width * place : width * (place + 1)]
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_the_page_holds_the_motion(assembly: KneeBranch) -> None:
-    trajectory = planned("paper-like", assembly).sample(200)
-    data = held(motion_html(APPENDIX_4, assembly, trajectory))
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_the_page_holds_the_motion(knee: KneeBranch) -> None:
+    trajectory = planned("paper-like", knee).sample(200)
+    data = held(motion_html(with_knee(APPENDIX_4, knee), trajectory))
     times = frame_times(0.0, trajectory.duration)
     assert data["frames"] == times.size == 39
     assert (data["duration"], data["pause"]) == (trajectory.duration, PAUSE)
@@ -66,18 +67,18 @@ def test_the_page_holds_the_motion(assembly: KneeBranch) -> None:
     np.testing.assert_allclose(platform, pose[:, [0, 1, 3]], atol=1e-7)
     turn = node(data, "turns", node_name("platform"), 4)
     np.testing.assert_allclose(2 * np.arctan2(turn[:, 3], turn[:, 0]), pose[:, 2], atol=1e-6)
-    configuration = inverse_kinematics(APPENDIX_4.geometry, pose, assembly)
+    configuration = inverse_kinematics(with_knee(APPENDIX_4.geometry, knee), pose)
     carriage = node(data, "positions", node_name("carriage"), 3)
     np.testing.assert_allclose(carriage[:, 2], configuration.actuators[:, 3], atol=1e-7)
 
-    analysis = analyze(APPENDIX_4, trajectory, assembly)
+    analysis = analyze(with_knee(APPENDIX_4, knee), trajectory)
     torque = numbers(data, "torques")
     np.testing.assert_allclose(torque[[0, -1]], analysis.torque[[0, -1]], rtol=1e-6)
 
 
 def test_only_what_moves_is_held() -> None:
     lift = move(home(APPENDIX_4.geometry), np.add(home(APPENDIX_4.geometry), (0, 0, 0, 0.05)))
-    data = held(motion_html(APPENDIX_4, KneeBranch.LOWER, lift.sample(100)))
+    data = held(motion_html(APPENDIX_4, lift.sample(100)))
     assert not {node_name(f"leg{k}") for k in (1, 2, 3)} & set(data["turned"])
     assert node_name("leg1/slider") not in data["moved"]
     assert node_name("leg1/b8") in data["turned"]
@@ -85,12 +86,12 @@ def test_only_what_moves_is_held() -> None:
 
 def test_a_closed_motion_starts_again_at_once() -> None:
     circle = planned("circle").sample(100)
-    assert held(motion_html(APPENDIX_4, KneeBranch.LOWER, circle))["pause"] == 0.0
+    assert held(motion_html(APPENDIX_4, circle))["pause"] == 0.0
 
 
 def test_a_failing_motion_is_played_up_to_there() -> None:
     trajectory = beyond()
-    page = motion_html(APPENDIX_4, KneeBranch.LOWER, trajectory)
+    page = motion_html(APPENDIX_4, trajectory)
     first = analyze(APPENDIX_4, trajectory).check.first
     assert first is not None
     assert 0 < first.t - held(page)["duration"] < 0.006
@@ -100,13 +101,13 @@ def test_a_failing_motion_is_played_up_to_there() -> None:
 
 def test_names_are_words_and_nothing_else() -> None:
     trajectory = replace(planned("line").sample(50), name=NAME)
-    page = motion_html(replace(APPENDIX_4, name=NAME), KneeBranch.LOWER, trajectory).decode()
+    page = motion_html(replace(APPENDIX_4, name=NAME), trajectory).decode()
     assert NAME not in page
     assert "<title>PAMINSA: &lt;b&gt;&amp; &lt;/script&gt; “näme”</title>" in page
 
 
 def test_nothing_is_announced(capfd: pytest.CaptureFixture) -> None:
-    motion_html(APPENDIX_4, KneeBranch.LOWER, planned("line").sample(20))
+    motion_html(APPENDIX_4, planned("line").sample(20))
     assert capfd.readouterr() == ("", "")
 
 
@@ -119,20 +120,20 @@ def test_frames_are_bounded() -> None:
 @pytest.mark.parametrize("rate", [0.0, -1.0, 61.0, np.nan])
 def test_impossible_rates_are_refused(rate: float) -> None:
     with pytest.raises(InvalidInput, match="frame_rate"):
-        motion_html(APPENDIX_4, KneeBranch.LOWER, planned("line").sample(20), frame_rate=rate)
+        motion_html(APPENDIX_4, planned("line").sample(20), frame_rate=rate)
 
 
 def test_a_motion_that_fails_at_once_is_refused() -> None:
     start = np.add(home(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
     with pytest.raises(ImpossibleTrajectory, match="leg 1"):
-        motion_html(APPENDIX_4, KneeBranch.LOWER, move(start, start + 0.1).sample(20))
+        motion_html(APPENDIX_4, move(start, start + 0.1).sample(20))
 
 
 @pytest.mark.browser
 def test_a_browser_plays_it_from_a_file_offline(browser, tmp_path) -> None:
     trajectory = planned("circle").sample(500)
     file = tmp_path / "motion.html"
-    file.write_bytes(motion_html(APPENDIX_4, KneeBranch.LOWER, trajectory))
+    file.write_bytes(motion_html(APPENDIX_4, trajectory))
     context = browser.new_context(viewport={"width": 480, "height": 360}, offline=True)
     page = context.new_page()
     page.set_default_timeout(1000 * PATIENCE)

@@ -14,20 +14,18 @@ from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding
 from paminsa_viz.explorer.state import home_pose
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
-from tests.samples import random_design
+from tests.samples import random_design, with_knee
 
 from .panel_desk import Desk
 
 HOME = -552.0
 
 
-@given(seed=st.integers(0, 10**6), assembly=st.sampled_from(KneeBranch))
-def test_heights_are_clear_of_the_frame_or_on_the_way_to_home(
-    seed: int, assembly: KneeBranch
-) -> None:
+@given(seed=st.integers(0, 10**6), knee=st.sampled_from(KneeBranch))
+def test_heights_are_clear_of_the_frame_or_on_the_way_to_home(seed: int, knee: KneeBranch) -> None:
     geometry = random_design(np.random.default_rng(seed)).geometry
-    low, high = heights(geometry, assembly)
-    place, home = layout(geometry, assembly), 1e3 * home_pose(geometry, assembly)[3]
+    low, high = heights(with_knee(geometry, knee))
+    place, home = layout(with_knee(geometry, knee)), 1e3 * home_pose(with_knee(geometry, knee))[3]
     assert low <= home <= high
     assert high - low >= GRAIN
     assert low > min(1e3 * place.platform_low, home) - 2 * GRAIN
@@ -37,9 +35,9 @@ def test_heights_are_clear_of_the_frame_or_on_the_way_to_home(
         assert clear[0] <= low < high <= clear[1]
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_the_ends_of_the_sliders_are_in_reach_at_the_center(assembly: KneeBranch) -> None:
-    limits = pose_limits(APPENDIX_4.geometry, assembly)
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_the_ends_of_the_sliders_are_in_reach_at_the_center(knee: KneeBranch) -> None:
+    limits = pose_limits(with_knee(APPENDIX_4.geometry, knee))
     for z in limits[3]:
         for theta in limits[2]:
             pose = (0.0, 0.0, np.radians(theta), 1e-3 * z)
@@ -90,14 +88,14 @@ def test_poses_from_elsewhere_are_shown(desk: Desk) -> None:
     assert (sliders[0].min, sliders[0].max) == (-550.0, 550.0)
 
 
-def test_the_range_follows_assembly_and_lengths(desk: Desk) -> None:
+def test_the_range_follows_knee_and_lengths(desk: Desk) -> None:
     slider = desk.handle("pose.z")
     desk.set(desk.handle("pose.knee"), "upper knee (mirrored)")
-    mirrored = heights(APPENDIX_4.geometry, KneeBranch.UPPER)
+    mirrored = heights(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER))
     desk.until(lambda: ends(desk) == mirrored)
     assert mirrored[0] <= slider.value <= mirrored[1]
     desk.dispatch(lambda s: actions.vary(s, {"geometry.crank_length": 0.5}))
-    longer = heights(desk.design.geometry, KneeBranch.UPPER)
+    longer = heights(with_knee(desk.design.geometry, KneeBranch.UPPER))
     assert longer != mirrored
     desk.until(lambda: ends(desk) == longer)
 
@@ -106,7 +104,7 @@ def test_a_pose_that_other_lengths_put_out_of_the_range_keeps_its_place(desk: De
     slider = desk.handle("pose.z")
     desk.dispatch(lambda s: actions.move(s, z=-0.82))
     desk.dispatch(lambda s: actions.vary(s, {"geometry.shaft_length": 0.4}))
-    low, high = heights(desk.design.geometry, KneeBranch.LOWER)
+    low, high = heights(desk.design.geometry)
     assert low > -820.0
     desk.until(lambda: ends(desk) == (-820.0, high))
     assert slider.value == -820.0

@@ -19,7 +19,7 @@ from paminsa_viz.explorer import saving, sharing
 from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import read_design, write_design
-from paminsa_viz.model import Design, InvalidInput, PaminsaError
+from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
 from paminsa_viz.model.counterweight import Counterweight
 from tests.explorer.documents import DOCUMENTS, assert_same, designs
 from tests.samples import random_design
@@ -64,6 +64,17 @@ def test_codes_from_before_there_were_counterweights_are_read() -> None:
     data = json.loads(saving.dump(Document()))
     assert "counterweights" not in data  # as older versions wrote it
     assert saving.load(json.dumps(data)).design.counterweights == ()
+
+
+def test_codes_from_when_the_knee_was_no_part_of_the_design_are_read() -> None:
+    code = (
+        "PMZ1-eNqFjkEKwkAMRa8yZF2G0bYbd55DXLQ2SrCTGRKQSpm7N_ECQgj8_-AlO_CUES4BrrUiL7SFAboACyq92PodVuK3"
+        "xrm3kOLYDH5QlIrTk6VJFfO8fl2SSaSIC2pR195STGMXkk08-xruBgWfKMgP_B3490Fr7QAXKDET"
+    )
+    upper = APPENDIX_4.with_knee(KneeBranch.UPPER)
+    assert sharing.decode(code) == Document(
+        upper.vary({"links.b3": 0.5}), (0.05, 0.0, 0.2, 0.4), reference=upper
+    )
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETERS
 
@@ -30,7 +30,8 @@ def designs(draw: st.DrawFn) -> Design:
         low = 1.0 if item.path == "geometry.magnification" else 0.0
         changes[item.path] = draw(st.floats(low, 1e300, exclude_min=least))
     try:
-        return replace(APPENDIX_4.vary(changes), name=draw(NAMES))
+        design = APPENDIX_4.vary(changes).with_knee(draw(st.sampled_from(KneeBranch)))
+        return replace(design, name=draw(NAMES))
     except InvalidDesign:
         assume(False)
         raise
@@ -103,6 +104,22 @@ def test_a_guide_stroke_that_follows_its_link_stays_so() -> None:
 )
 def test_units_end_the_keys(unit: str, suffix: str) -> None:
     assert unit_suffix(unit) == suffix
+
+
+def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> None:
+    upper = APPENDIX_4.with_knee(KneeBranch.UPPER)
+    assert "\nknee" not in write_design(APPENDIX_4)
+    assert '\nknee = "mirror"' in write_design(upper)
+    assert read_design(f'{VERSION}[geometry]\nknee = "mirror"', "d").geometry == upper.geometry
+    assert read_design(f'{VERSION}[geometry]\nknee = "printed"', "d") == APPENDIX_4
+
+
+@pytest.mark.parametrize("value", ['"upper"', "1", "true", '["mirror"]', "{a = 1}"])
+def test_another_knee_is_refused_with_its_line(value: str) -> None:
+    with pytest.raises(DesignFileError) as caught:
+        read_design(f"{VERSION}[geometry]\nknee = {value}", "d")
+    assert (caught.value.key, caught.value.line) == ("geometry.knee", 3)
+    assert '"printed" or "mirror" is needed' in str(caught.value)
 
 
 def test_no_two_numbers_share_a_key() -> None:

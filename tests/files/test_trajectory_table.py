@@ -30,6 +30,7 @@ from paminsa_viz.files.trajectory_table import (
 )
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
 from paminsa_viz.trajectory import Control, Controller, Trajectory, analyze, move, simulate
+from tests.samples import with_knee
 
 HEAD = "t_s,x_m,y_m,theta_rad,z_m"
 ROWS = "0,0,0,0,-0.5\n0.5,0.01,0,0,-0.5\n"
@@ -171,9 +172,9 @@ def test_names_rest_and_files(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("samples", [SAMPLES, LEAVING], ids=["possible", "leaving"])
-@pytest.mark.parametrize("assembly", KneeBranch)
-def test_a_written_trajectory_comes_back(samples, assembly, tmp_path) -> None:
-    found = analyze(APPENDIX_4, samples, assembly)
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_a_written_trajectory_comes_back(samples, knee, tmp_path) -> None:
+    found = analyze(with_knee(APPENDIX_4, knee), samples)
     path = tmp_path / "out.csv"
     path.write_bytes(table_csv(analysis_table(found)))
     back = read_trajectory(path)

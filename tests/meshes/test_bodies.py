@@ -25,7 +25,7 @@ from paminsa_viz.meshes.materials import ACCENT, SURFACES, linear
 from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.meshes.shading import is_plain, plain_shapes
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
-from tests.samples import random_design
+from tests.samples import random_design, with_knee
 
 GEOMETRY = APPENDIX_4.geometry
 ALL = (*STANDING, *BODIES)
@@ -38,30 +38,31 @@ CHANGES = {
 }  # fmt: skip
 
 
-def outline(body: str, geometry: Geometry, assembly: KneeBranch) -> bytes:
+def outline(body: str, geometry: Geometry) -> bytes:
     """The body's shape, to the byte."""
-    return make_body(body, geometry, assembly).glb()
+    return make_body(body, geometry).glb()
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
+@pytest.mark.parametrize("knee", list(KneeBranch))
 @pytest.mark.parametrize("field", CHANGES)
-def test_a_body_changes_exactly_when_its_lengths_do(field: str, assembly: KneeBranch) -> None:
-    other = replace(GEOMETRY, **{field: CHANGES[field]})
+def test_a_body_changes_exactly_when_its_lengths_do(field: str, knee: KneeBranch) -> None:
+    geometry = with_knee(GEOMETRY, knee)
+    other = replace(geometry, **{field: CHANGES[field]})
     for body in (*STANDING, *BODIES[:10]):
-        told = lengths_of(body, GEOMETRY, assembly) != lengths_of(body, other, assembly)
-        drawn = outline(body, GEOMETRY, assembly) != outline(body, other, assembly)
+        told = lengths_of(body, geometry) != lengths_of(body, other)
+        drawn = outline(body, geometry) != outline(body, other)
         assert told == drawn, body
 
 
 def test_every_length_of_the_geometry_is_tried() -> None:
-    assert set(CHANGES) == set(Geometry.__dataclass_fields__)
+    assert {*CHANGES, "knee"} == set(Geometry.__dataclass_fields__)
 
 
 @given(st.integers(0, 10_000), st.sampled_from(KneeBranch))
-def test_any_design_can_be_drawn(seed: int, assembly: KneeBranch) -> None:
+def test_any_design_can_be_drawn(seed: int, knee: KneeBranch) -> None:
     geometry = random_design(np.random.default_rng(seed)).geometry
     for body in (*STANDING, *BODIES[:10]):
-        for piece in make_body(body, geometry, assembly).pieces:
+        for piece in make_body(body, with_knee(geometry, knee)).pieces:
             assert np.isfinite(piece.mesh.vertices).all()
             assert np.isfinite(piece.mesh.vertex_normals).all()
             assert len(piece.mesh.faces)
@@ -100,9 +101,7 @@ def test_colors() -> None:
 def test_legs_differ_in_color_alone() -> None:
     first, second = body_glb("leg1/b4", GEOMETRY), body_glb("leg2/b4", GEOMETRY)
     assert first != second
-    assert outline("leg1/b4", GEOMETRY, KneeBranch.LOWER) == outline(
-        "leg2/b4", GEOMETRY, KneeBranch.LOWER
-    )
+    assert outline("leg1/b4", GEOMETRY) == outline("leg2/b4", GEOMETRY)
 
 
 def test_the_robot_is_light_enough_for_a_page() -> None:
@@ -121,9 +120,7 @@ def test_unknown_body(body: str) -> None:
 def test_a_part_handed_out_can_be_added_to_without_harm() -> None:
     make_body("leg1/b8", GEOMETRY).join(make_body("leg1/b3", GEOMETRY))
     assert len(make_body("leg1/b8", GEOMETRY).pieces) < 40
-    assert outline("leg1/b8", GEOMETRY, KneeBranch.LOWER) == outline(
-        "leg3/b8", GEOMETRY, KneeBranch.LOWER
-    )
+    assert outline("leg1/b8", GEOMETRY) == outline("leg3/b8", GEOMETRY)
 
 
 def test_plain_bodies_are_light_and_fill_the_same_room() -> None:

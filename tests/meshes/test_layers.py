@@ -19,6 +19,7 @@ from paminsa_viz.meshes.posed import transform
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.meshes.winding import SolidBody
+from tests.samples import with_knee
 
 GEOMETRY = APPENDIX_4.geometry
 
@@ -114,17 +115,17 @@ POSES = {
 
 
 @pytest.mark.usefixtures("solid_parts")
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_no_body_passes_through_another(assembly: KneeBranch) -> None:
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_no_body_passes_through_another(knee: KneeBranch) -> None:
     names = (*STANDING, *BODIES)
-    bodies = {name: SolidBody(make_body(name, GEOMETRY, assembly)) for name in names}
+    bodies = {name: SolidBody(make_body(name, with_knee(GEOMETRY, knee))) for name in names}
     free = [p for p in combinations(names, 2) if frozenset(p) not in touching()]
-    place = layout(GEOMETRY, assembly)
+    place = layout(with_knee(GEOMETRY, knee))
     limits = {"low": place.platform_low, "high": place.platform_high}
     hits = []
-    for pose in POSES[assembly]:
+    for pose in POSES[knee]:
         where = (0.0, 0.0, 0.0, limits[pose]) if isinstance(pose, str) else pose
-        places = place_parts(inverse_kinematics(GEOMETRY, where, assembly))
+        places = place_parts(inverse_kinematics(with_knee(GEOMETRY, knee), where))
         frames = {n: transform(places[n]) if n in places else np.eye(4) for n in names}
         world = {n: bodies[n].points @ frames[n][:3, :3].T + frames[n][:3, 3] for n in names}
         bounds = {n: (w.min(axis=0), w.max(axis=0)) for n, w in world.items()}
@@ -142,9 +143,9 @@ def test_no_body_passes_through_another(assembly: KneeBranch) -> None:
 
 @pytest.mark.usefixtures("solid_parts")
 def test_the_test_of_clearance_sees_a_collision(monkeypatch: pytest.MonkeyPatch) -> None:
-    """B4 in the middle would pass through the shaft in the mirror assembly."""
+    """B4 in the middle would pass through the shaft with the upper knee."""
     monkeypatch.setitem(at.LAYER, "b4", 0.0)
-    configuration = inverse_kinematics(GEOMETRY, (0.0, 0.0, 0.0, 0.45), KneeBranch.UPPER)
+    configuration = inverse_kinematics(with_knee(GEOMETRY, KneeBranch.UPPER), (0.0, 0.0, 0.0, 0.45))
     places = place_parts(configuration)
     bar, shaft = (SolidBody(make_body(f"leg1/{b}", GEOMETRY)) for b in ("b4", "shaft"))
     into, onto = (transform(places[f"leg1/{b}"]) for b in ("b4", "shaft"))

@@ -13,7 +13,7 @@ from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, layout
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES, inverse_kinematics
-from tests.samples import random_design, random_poses
+from tests.samples import random_design, random_poses, with_knee
 
 seeds = st.integers(0, 10_000)
 
@@ -30,12 +30,12 @@ def test_no_link_reaches_the_mast(seed: int) -> None:
 
 
 @given(seeds, st.sampled_from(KneeBranch))
-def test_the_ground_is_below_everything(seed: int, assembly: KneeBranch) -> None:
+def test_the_ground_is_below_everything(seed: int, knee: KneeBranch) -> None:
     rng = np.random.default_rng(seed)
     design = random_design(rng)
-    place = layout(design.geometry, assembly)
+    place = layout(with_knee(design.geometry, knee))
     configuration = inverse_kinematics(
-        design.geometry, random_poses(rng, design, assembly, 20), assembly
+        with_knee(design.geometry, knee), random_poses(rng, with_knee(design, knee), 20)
     )
     for points in configuration.points.values():
         assert (points[..., 2] > place.ground).all()
@@ -43,15 +43,15 @@ def test_the_ground_is_below_everything(seed: int, assembly: KneeBranch) -> None
 
 
 @given(seeds, st.sampled_from(KneeBranch))
-def test_the_arms_move_between_the_stops_of_m4(seed: int, assembly: KneeBranch) -> None:
+def test_the_arms_move_between_the_stops_of_m4(seed: int, knee: KneeBranch) -> None:
     rng = np.random.default_rng(seed)
     design = random_design(rng)
-    place = layout(design.geometry, assembly)
+    place = layout(with_knee(design.geometry, knee))
     heights = np.array([place.platform_low, place.platform_high])
     poses = np.array([[0.0, 0.0, 0.0, z] for z in heights])
-    lift = inverse_kinematics(design.geometry, poses, assembly).actuators[:, 3]
+    lift = inverse_kinematics(with_knee(design.geometry, knee), poses).actuators[:, 3]
     assert place.platform_low <= place.platform_high
-    if assembly is KneeBranch.LOWER and place.lift_low < design.geometry.shaft_length:
+    if knee is KneeBranch.LOWER and place.lift_low < design.geometry.shaft_length:
         assert (lift >= place.lift_low - 1e-9).all()
     assert (lift + at.CARRIAGE_HALF < place.column_top).all()
 
@@ -68,4 +68,4 @@ def test_heights_of_the_prototype() -> None:
 def test_equal_geometries_share_their_layout() -> None:
     geometry = APPENDIX_4.geometry
     assert layout(geometry) is layout(replace(geometry))
-    assert layout(geometry) != layout(geometry, KneeBranch.UPPER)
+    assert layout(geometry) != layout(with_knee(geometry, KneeBranch.UPPER))

@@ -11,17 +11,19 @@ from paminsa_viz.meshes.placement import BODIES, ORIGIN, Placement, about_z, ele
 from paminsa_viz.meshes.posed import transform
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
-from tests.samples import random_design, random_poses
+from tests.samples import random_design, random_poses, with_knee
 
 seeds = st.integers(0, 10_000)
-assemblies = st.sampled_from(KneeBranch)
+knees = st.sampled_from(KneeBranch)
 
 
-def solved(seed: int, assembly: KneeBranch, n: int = 1) -> tuple[Design, Configuration]:
+def solved(seed: int, knee: KneeBranch, n: int = 1) -> tuple[Design, Configuration]:
     rng = np.random.default_rng(seed)
     design = random_design(rng) if seed % 2 else APPENDIX_4
-    poses = random_poses(rng, design, assembly, n)
-    return design, inverse_kinematics(design.geometry, poses if n > 1 else poses[0], assembly)
+    poses = random_poses(rng, with_knee(design, knee), n)
+    return design, inverse_kinematics(
+        with_knee(design.geometry, knee), poses if n > 1 else poses[0]
+    )
 
 
 def ends(design: Design) -> dict[str, dict[int, float]]:
@@ -36,9 +38,9 @@ def ends(design: Design) -> dict[str, dict[int, float]]:
     }
 
 
-@given(seeds, assemblies)
-def test_bars_end_at_their_joints(seed: int, assembly: KneeBranch) -> None:
-    design, configuration = solved(seed, assembly)
+@given(seeds, knees)
+def test_bars_end_at_their_joints(seed: int, knee: KneeBranch) -> None:
+    design, configuration = solved(seed, knee)
     places = place_parts(configuration)
     for leg in range(3):
         for bar, joints in ends(design).items():
@@ -51,9 +53,9 @@ def test_bars_end_at_their_joints(seed: int, assembly: KneeBranch) -> None:
             assert matrix[:3, 1] == pytest.approx(across, abs=1e-12)
 
 
-@given(seeds, assemblies)
-def test_bodies_of_the_leg_stand_upright_at_their_joints(seed: int, assembly: KneeBranch) -> None:
-    design, configuration = solved(seed, assembly)
+@given(seeds, knees)
+def test_bodies_of_the_leg_stand_upright_at_their_joints(seed: int, knee: KneeBranch) -> None:
+    design, configuration = solved(seed, knee)
     places = place_parts(configuration)
     for leg in range(3):
         for body in ("shaft", "slider", "swivel", "guide"):
@@ -74,9 +76,9 @@ def test_bodies_of_the_leg_stand_upright_at_their_joints(seed: int, assembly: Kn
         assert guide[:3, 3] == pytest.approx(axis, abs=1e-15)
 
 
-@given(seeds, assemblies)
-def test_carriage_and_platform_follow_the_pose(seed: int, assembly: KneeBranch) -> None:
-    design, configuration = solved(seed, assembly)
+@given(seeds, knees)
+def test_carriage_and_platform_follow_the_pose(seed: int, knee: KneeBranch) -> None:
+    design, configuration = solved(seed, knee)
     places = place_parts(configuration)
     assert places["carriage"].position == pytest.approx([0.0, 0.0, configuration.actuators[3]])
     matrix = transform(places["platform"])
@@ -89,13 +91,13 @@ def test_carriage_and_platform_follow_the_pose(seed: int, assembly: KneeBranch) 
         assert (matrix @ local)[:3] == pytest.approx(configuration.points[5][leg], abs=1e-12)
 
 
-@given(seeds, assemblies)
-def test_a_batch_is_its_poses_one_by_one(seed: int, assembly: KneeBranch) -> None:
-    _, many = solved(seed, assembly, 4)
+@given(seeds, knees)
+def test_a_batch_is_its_poses_one_by_one(seed: int, knee: KneeBranch) -> None:
+    _, many = solved(seed, knee, 4)
     together = place_parts(many)
     assert tuple(together) == BODIES
     for i in range(4):
-        alone = place_parts(inverse_kinematics(many.geometry, many.pose[i], assembly))
+        alone = place_parts(inverse_kinematics(with_knee(many.geometry, knee), many.pose[i]))
         for body in BODIES:
             assert together[body].position[i] == pytest.approx(alone[body].position, abs=1e-14)
             assert together[body].wxyz[i] == pytest.approx(alone[body].wxyz, abs=1e-14)

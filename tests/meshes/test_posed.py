@@ -96,9 +96,10 @@ def test_without_payload_there_is_none() -> None:
     assert "ground" not in names
 
 
-def test_the_mirror_assembly_carries_its_payload_on_top() -> None:
-    configuration = inverse_kinematics(LOADED.geometry, (0.0, 0.0, 0.0, 0.4), KneeBranch.UPPER)
-    scene = load(assemble_glb(LOADED, configuration))
+def test_the_upper_knee_carries_its_payload_on_top() -> None:
+    design = LOADED.with_knee(KneeBranch.UPPER)
+    configuration = inverse_kinematics(design.geometry, (0.0, 0.0, 0.0, 0.4))
+    scene = load(assemble_glb(design, configuration))
     matrix, geometry = scene.graph.get("payload.load")
     mesh = scene.geometry[geometry].copy().apply_transform(matrix)
     assert mesh.bounds[0, 1] > 0.4

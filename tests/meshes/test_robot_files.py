@@ -22,8 +22,9 @@ from paminsa_viz.meshes.robot_files import robot_files, zipped
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics
 from paminsa_viz.model.counterweight import Counterweight
 from tests import samples
+from tests.samples import with_knee
 
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 LOADED = APPENDIX_4.vary({"payload.mass": 2.0})
 START = (0.06, -0.04, 0.3, -0.55)
 ELSEWHERE = (-0.05, 0.05, -0.2, -0.63)
@@ -34,19 +35,18 @@ def mujoco() -> Any:
     return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
-def standing(pose: tuple[float, ...], assembly: KneeBranch) -> list[float]:
-    return [*pose[:3], pose[3] * assembly.sign]
+def standing(pose: tuple[float, ...], knee: KneeBranch) -> list[float]:
+    return [*pose[:3], pose[3] * knee.sign]
 
 
 def files_of(
     design: Design = LOADED,
-    assembly: KneeBranch = KneeBranch.LOWER,
     pose: tuple[float, ...] = START,
     text: str = "",
 ) -> dict[str, bytes]:
-    place = standing(pose, assembly)
-    text = text or mjcf_text(design, assembly, pose=place)
-    return robot_files(text, design, inverse_kinematics(design.geometry, place, assembly))
+    place = standing(pose, design.geometry.knee)
+    text = text or mjcf_text(design, pose=place)
+    return robot_files(text, design, inverse_kinematics(design.geometry, place))
 
 
 def written(files: dict[str, bytes], folder: Path) -> str:
@@ -58,10 +58,12 @@ def written(files: dict[str, bytes], folder: Path) -> str:
 
 @BOTH
 def test_it_loads_and_steps_two_seconds_without_a_warning(
-    mujoco: Any, tmp_path: Path, assembly: KneeBranch
+    mujoco: Any, tmp_path: Path, knee: KneeBranch
 ) -> None:
-    text = exported_mjcf(LOADED, assembly, pose=standing(START, assembly))
-    model = mujoco.MjModel.from_xml_path(written(files_of(LOADED, assembly, text=text), tmp_path))
+    text = exported_mjcf(with_knee(LOADED, knee), pose=standing(START, knee))
+    model = mujoco.MjModel.from_xml_path(
+        written(files_of(with_knee(LOADED, knee), text=text), tmp_path)
+    )
     data = mujoco.MjData(model)
     for _ in range(round(2.0 / model.opt.timestep)):
         mujoco.mj_step(model, data)
@@ -110,18 +112,18 @@ def drawn(mujoco: Any, model: Any, data: Any) -> dict[str, np.ndarray]:
 
 @BOTH
 def test_every_shape_is_where_the_robot_has_it_in_another_pose(
-    mujoco: Any, tmp_path: Path, assembly: KneeBranch
+    mujoco: Any, tmp_path: Path, knee: KneeBranch
 ) -> None:
     """Against the GLB of that pose: no vertex of either is missing in the other."""
-    model = mujoco.MjModel.from_xml_path(written(files_of(LOADED, assembly), tmp_path))
+    design = LOADED.with_knee(knee)
+    model = mujoco.MjModel.from_xml_path(written(files_of(design), tmp_path))
     data = mujoco.MjData(model)
-    pose = standing(ELSEWHERE, assembly)
-    configuration = inverse_kinematics(LOADED.geometry, pose, assembly)
+    configuration = inverse_kinematics(design.geometry, standing(ELSEWHERE, knee))
     values = joint_values(configuration)
     data.qpos[:] = [float(values[model.joint(i).name]) for i in range(model.njnt)]
     mujoco.mj_kinematics(model, data)
     found = drawn(mujoco, model, data)
-    scene = trimesh.load_scene(io.BytesIO(assemble_glb(LOADED, configuration)), file_type="glb")
+    scene = trimesh.load_scene(io.BytesIO(assemble_glb(design, configuration)), file_type="glb")
     expected: dict[str, list[np.ndarray]] = {}
     for node in scene.graph.nodes_geometry:
         matrix, mesh = scene.graph.get(node)

@@ -25,7 +25,7 @@ from paminsa_viz.meshes.weights import (
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
-from tests.samples import random_design, random_poses
+from tests.samples import random_design, random_poses, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
 
@@ -72,14 +72,13 @@ def test_the_file_holds_those_with_mass() -> None:
 
 def test_the_room_is_told_with_the_disc_s_own_radius() -> None:
     light, heavy = (
-        room_words(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass), KneeBranch.LOWER)
-        for mass in (1.0, 5.0)
+        room_words(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass)) for mass in (1.0, 5.0)
     )
     assert light.startswith("A steel disc of 40 mm radius")
     assert heavy.startswith("A steel disc of 89 mm radius")
     assert "while the platform is below z = \N{MINUS SIGN}" in light
     past_knee = Counterweight("b8", 8, 0.05, 0.1)
-    standing = room_words(APPENDIX_4.geometry, past_knee, KneeBranch.UPPER)
+    standing = room_words(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER), past_knee)
     assert "above z = " in standing or "It can meet neither" in standing
     on_5 = Counterweight("b4", 5, 0.1, 1.0)
-    assert room_words(APPENDIX_4.geometry, on_5, KneeBranch.LOWER).endswith("at any height.")
+    assert room_words(APPENDIX_4.geometry, on_5).endswith("at any height.")

@@ -14,11 +14,11 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, KneeBranch
 from tests import oracle, samples
 
-BOTH = pytest.mark.parametrize("assembly", list(KneeBranch))
-"""Runs a test in both assembly modes."""
+BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
+"""Runs a test on both branches of the knee."""
 
 OTHER = {KneeBranch.LOWER: KneeBranch.UPPER, KneeBranch.UPPER: KneeBranch.LOWER}
-"""The assembly mode that a robot is not in."""
+"""The branch of the knee that a robot is not on."""
 
 BY_HAND = np.array([[0.0, 0.0, 0.0, -0.5], [0.05, -0.03, 0.4, -0.6], [-0.04, 0.06, -0.7, -0.45]])
 """Some poses that Appendix 4's robot can take."""
@@ -30,14 +30,14 @@ ROBOTS = int(os.environ.get("PAMINSA_VIZ_TEST_ROBOTS", "24"))
 
 @dataclass(frozen=True)
 class Case:
-    """A random robot in one of the assembly modes, and poses and motions of it."""
+    """A random robot on one of the knee's branches, and poses and motions of it."""
 
     seed: int
-    assembly: KneeBranch
+    knee: KneeBranch
 
     @property
     def design(self) -> Design:
-        return _design(self.seed)
+        return _design(self.seed, self.knee)
 
     @property
     def geometry(self) -> Geometry:
@@ -45,11 +45,11 @@ class Case:
 
     def poses(self, n: int = 8, *, natural: bool = False) -> Any:
         """Poses (n, 4) on both sides of the guides, away from every limit and singularity."""
-        return _poses(self.seed, self.assembly, n, natural)
+        return _poses(self.seed, self.knee, n, natural)
 
     def states(self, n: int = 8) -> tuple[Any, Any, Any]:
         """Poses, velocities and accelerations, each (n, 4)."""
-        return _states(self.seed, self.assembly, n)
+        return _states(self.seed, self.knee, n)
 
     def static_torques(self, n: int = 8, *, natural: bool = False) -> Any:
         """What first principles say of `poses`, (n, 4)."""
@@ -61,22 +61,23 @@ class Case:
 
 
 @cache
-def _design(seed: int) -> Design:
-    return samples.random_design(np.random.default_rng(seed)) if seed else APPENDIX_4
+def _design(seed: int, knee: KneeBranch) -> Design:
+    design = samples.random_design(np.random.default_rng(seed)) if seed else APPENDIX_4
+    return design.with_knee(knee)
 
 
 @cache
-def _poses(seed: int, assembly: KneeBranch, n: int, natural: bool) -> Any:
+def _poses(seed: int, knee: KneeBranch, n: int, natural: bool) -> Any:
     rng = np.random.default_rng(1000 + seed)
-    poses = samples.random_poses(rng, _design(seed), assembly, n, natural=natural)
+    poses = samples.random_poses(rng, _design(seed, knee), n, natural=natural)
     poses.setflags(write=False)
     return poses
 
 
 @cache
-def _states(seed: int, assembly: KneeBranch, n: int) -> tuple[Any, Any, Any]:
+def _states(seed: int, knee: KneeBranch, n: int) -> tuple[Any, Any, Any]:
     rng = np.random.default_rng(2000 + seed)
-    states = samples.random_states(rng, _design(seed), assembly, n)
+    states = samples.random_states(rng, _design(seed, knee), n)
     for array in states:
         array.setflags(write=False)
     return states
@@ -84,20 +85,20 @@ def _states(seed: int, assembly: KneeBranch, n: int) -> tuple[Any, Any, Any]:
 
 @cache
 def _static_torques(case: Case, n: int, natural: bool) -> Any:
-    torques = oracle.static_torques(case.design, case.poses(n, natural=natural), case.assembly)
+    torques = oracle.static_torques(case.design, case.poses(n, natural=natural))
     torques.setflags(write=False)
     return torques
 
 
 @cache
 def _driving_torques(case: Case, n: int) -> Any:
-    torques = oracle.inverse_dynamics(case.design, *case.states(n), case.assembly)
+    torques = oracle.inverse_dynamics(case.design, *case.states(n))
     torques.setflags(write=False)
     return torques
 
 
 def cases() -> st.SearchStrategy[Case]:
-    """Draw a robot, number 0 being Appendix 4's, in one of the assembly modes."""
+    """Draw a robot, number 0 being Appendix 4's, on one of the knee's branches."""
     return st.builds(Case, st.integers(0, ROBOTS - 1), st.sampled_from(KneeBranch))
 
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model import Design, Geometry, KneeBranch, Misprint
+from paminsa_viz.model import Design, Geometry, Misprint
 from tests.jets import Jet, cos, sin, sqrt
 
 STEP = 1e-30
@@ -53,7 +53,7 @@ def base_points(g: Geometry) -> list[tuple[float, float]]:
     return [(e11, e21), (e12, e22), (e13, e23)]
 
 
-def appendix_1(g: Geometry, q: Any, assembly: KneeBranch) -> list[PaperLeg]:
+def appendix_1(g: Geometry, q: Any) -> list[PaperLeg]:
     """Appendix 1 for the eight coordinates q = (x, y, theta, z, theta_1, theta_2, theta_3, Z)."""
     x, y, theta, z, *thetas, _ = q
     k, rpl = g.magnification, g.platform_radius
@@ -76,7 +76,7 @@ def appendix_1(g: Geometry, q: Any, assembly: KneeBranch) -> list[PaperLeg]:
         D = 2 * B * (X4 - A)
         E = -1.0 * (B * B + 1)
         K = sqrt(D * D - 4 * E * C)
-        F = -1.0 * (D - assembly.sign * K) / (2 * E)
+        F = -1.0 * (D - g.knee.sign * K) / (2 * E)
         H = A + B * F
         x9, y9, z9 = e1 + H * cos(beta), e2 + H * sin(beta), F
         legs.append(
@@ -89,7 +89,7 @@ def closure(g: Geometry, q: Any) -> list[Any]:
     """s_1..s_4, Eqs. 16 and 17."""
     found = [
         (leg.x5 - leg.e1) * sin(leg.beta) - (leg.y5 - leg.e2) * cos(leg.beta)
-        for leg in appendix_1(g, q, KneeBranch.LOWER)
+        for leg in appendix_1(g, q)
     ]
     return [*found, (q[3] + g.platform_joint_height) / g.magnification - q[7] + g.shaft_length]
 
@@ -167,9 +167,7 @@ def appendix_3(design: Design, misprints: Misprint = Misprint.NONE) -> dict[str,
     return {f"Mc{i}": value / 2 for i, value in terms.items()}
 
 
-def kinetic(
-    design: Design, q: Any, v: Any, assembly: KneeBranch, misprints: Misprint = Misprint.NONE
-) -> Any:
+def kinetic(design: Design, q: Any, v: Any, misprints: Misprint = Misprint.NONE) -> Any:
     """T of Eqs. 12 to 14 at the eight coordinates q and their rates v."""
     g = design.geometry
     c = appendix_3(design, misprints)
@@ -178,7 +176,7 @@ def kinetic(
     inertia = design.platform.inertia + design.payload.inertia
     total = (mass * (v[0] ** 2 + v[1] ** 2 + v[3] ** 2) + inertia * v[2] ** 2) / 2
     lift = v[7]
-    for number, leg in enumerate(appendix_1(g, moving, assembly)):
+    for number, leg in enumerate(appendix_1(g, moving)):
         spin = v[4 + number]
         x5, y5, z5 = leg.x5.rate, leg.y5.rate, leg.z5.rate
         x9, y9, z9 = leg.x9.rate, leg.y9.rate, leg.z9.rate
@@ -213,13 +211,13 @@ def kinetic(
     return total
 
 
-def potential(design: Design, q: Any, assembly: KneeBranch) -> Any:
+def potential(design: Design, q: Any) -> Any:
     """V of Eq. 11 at the eight coordinates q."""
     c = appendix_2(design)
     mass = design.platform.mass + design.payload.mass
     return mass * design.gravity * q[3] + sum(
         c["Mp1"] * leg.z5 + c["Mp2"] * leg.z9 + c["Mp3"] * q[7] + c["e3"]
-        for leg in appendix_1(design.geometry, q, assembly)
+        for leg in appendix_1(design.geometry, q)
     )
 
 
@@ -238,7 +236,6 @@ def lagrange(
     q: Any,
     v: Any,
     a: Any,
-    assembly: KneeBranch,
     misprints: Misprint = Misprint.NONE,
 ) -> Any:
     """d/dt(dL/dq') - dL/dq of Eq. 15 for arrays q, v, a (..., 8), as (..., 8)."""
@@ -253,7 +250,6 @@ def lagrange(
                 design,
                 q_next,
                 [r + s * (i == j) for i, r in enumerate(v_next)],
-                assembly,
                 misprints,
             )
             for s in (1.0, -1.0)
@@ -261,10 +257,7 @@ def lagrange(
         columns.append((0.5 * (up - down)).imag / STEP)
     growth = np.stack(np.broadcast_arrays(*columns), axis=-1)
     by_place = slopes(
-        lambda p: (
-            kinetic(design, p, [r + 0j for r in v], assembly, misprints)
-            - potential(design, p, assembly)
-        ),
+        lambda p: kinetic(design, p, [r + 0j for r in v], misprints) - potential(design, p),
         q,
     )
     return growth - by_place

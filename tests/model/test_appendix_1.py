@@ -12,9 +12,10 @@ from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch, closure, inverse
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from tests.model import paper
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
+from tests.samples import with_knee
 
 
-def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: KneeBranch) -> Any:
+def typed_knees(geometry: Geometry, pose: Any, actuators: Any) -> Any:
     """P_9k of Appendix 1, letter by letter, (..., 3 legs, 3)."""
     x, y, theta, z = np.moveaxis(pose, -1, 0)
     k, lb3, lb4 = geometry.magnification, geometry.crank_length, geometry.coupler_length
@@ -41,7 +42,7 @@ def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: KneeBra
         D = 2 * B * (X4 - A)
         E = -(B**2 + 1)
         K = np.sqrt(D**2 - 4 * E * C)
-        F = -(D - K) / (2 * E) if assembly is KneeBranch.LOWER else -(D + K) / (2 * E)
+        F = -(D - K) / (2 * E) if geometry.knee is KneeBranch.LOWER else -(D + K) / (2 * E)
         H = A + B * F
         knees.append([e1[i] + H * np.cos(beta[i]), e2[i] + H * np.sin(beta[i]), F])
     return np.moveaxis(np.array(knees), (0, 1), (-2, -1))
@@ -50,30 +51,30 @@ def typed_knees(geometry: Geometry, pose: Any, actuators: Any, assembly: KneeBra
 @given(case=cases())
 def test_the_printed_formulae_give_joint_9(case: Case) -> None:
     pose = case.poses(32)
-    configuration = inverse_kinematics(case.geometry, pose, case.assembly)
-    knees = typed_knees(case.geometry, pose, configuration.actuators, case.assembly)
+    configuration = inverse_kinematics(case.geometry, pose)
+    knees = typed_knees(case.geometry, pose, configuration.actuators)
     assert_within(configuration.points[9], knees, 1e-12 * case.geometry.coupler_length)
 
 
 @BOTH
-def test_the_printed_root_is_the_lower_knee(assembly: KneeBranch) -> None:
+def test_the_printed_root_is_the_lower_knee(knee: KneeBranch) -> None:
     """Of the two roots of F in one configuration; both close the pantograph."""
-    geometry = APPENDIX_4.geometry
+    geometry = with_knee(APPENDIX_4.geometry, knee)
     actuators = inverse_kinematics(geometry, BY_HAND).actuators
-    knee = typed_knees(geometry, BY_HAND, actuators, assembly)
-    other = typed_knees(geometry, BY_HAND, actuators, OTHER[assembly])
-    assert np.all((knee[..., 2] < other[..., 2]) == (assembly is KneeBranch.LOWER))
-    solved = inverse_kinematics(geometry, BY_HAND, assembly).points
-    assert_within(solved[9], knee, 1e-14)
+    knees = typed_knees(geometry, BY_HAND, actuators)
+    others = typed_knees(with_knee(geometry, OTHER[knee]), BY_HAND, actuators)
+    assert np.all((knees[..., 2] < others[..., 2]) == (knee is KneeBranch.LOWER))
+    solved = inverse_kinematics(geometry, BY_HAND).points
+    assert_within(solved[9], knees, 1e-14)
 
 
 @given(case=cases())
 def test_the_second_typing_agrees(case: Case) -> None:
     """`tests.model.paper`, which the Lagrange tests stand on, and its closure equations."""
     pose = case.poses()
-    configuration = inverse_kinematics(case.geometry, pose, case.assembly)
+    configuration = inverse_kinematics(case.geometry, pose)
     q = np.moveaxis(np.concatenate([pose, configuration.actuators], axis=-1), -1, 0)
-    legs = paper.appendix_1(case.geometry, q, case.assembly)
+    legs = paper.appendix_1(case.geometry, q)
     for index, leg in enumerate(legs):
         for number, point in ((5, (leg.x5, leg.y5, leg.z5)), (9, (leg.x9, leg.y9, leg.z9))):
             solved = configuration.points[number][:, index]

@@ -17,9 +17,10 @@ from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, back
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
 from tests.model.cases import BOTH, BY_HAND, Case, cases
+from tests.samples import with_knee
 
-Call = Callable[[Design, Any, Any, Any, KneeBranch], list[Any]]
-"""A function of the model on (design, pose, velocity, third, assembly), and its arrays."""
+Call = Callable[[Design, Any, Any, Any], list[Any]]
+"""A function of the model on (design, pose, velocity, third), and its arrays."""
 
 
 def dynamics(result: InverseDynamics) -> list[Any]:
@@ -34,44 +35,42 @@ def configuration(found: model.Configuration) -> list[Any]:
     return [found.actuators, found.beta, found.psi, found.phi, *found.points.values()]
 
 
-def motion(found: model.Motion) -> list[Any]:
+def motion(found: model.JointMotion) -> list[Any]:
     joints = (*found.velocity.values(), *found.acceleration.values())
     return [found.actuators_velocity, found.actuators_acceleration, found.psi_acceleration, *joints]
 
 
 CALLS: dict[str, Call] = {
-    "inverse_kinematics": lambda d, p, v, a, m: configuration(
-        model.inverse_kinematics(d.geometry, p, m)
-    ),
-    "joint_rates": lambda d, p, v, a, m: motion(model.joint_rates(d.geometry, p, v, a, m)),
-    "forward_kinematics": lambda d, p, v, a, m: [
+    "inverse_kinematics": lambda d, p, v, a: configuration(model.inverse_kinematics(d.geometry, p)),
+    "joint_rates": lambda d, p, v, a: motion(model.joint_rates(d.geometry, p, v, a)),
+    "forward_kinematics": lambda d, p, v, a: [
         *vars(model.forward_kinematics(d.geometry, p)).values()
     ],
-    "nearest_solution": lambda d, p, v, a, m: [model.nearest_solution(d.geometry, p, v)],
-    "closure": lambda d, p, v, a, m: [model.closure(d.geometry, p, v)],
-    "closure_matrix": lambda d, p, v, a, m: [model.closure_matrix(d.geometry, p, v)],
-    "jacobian": lambda d, p, v, a, m: [model.jacobian(d.geometry, p)],
-    "inverse_jacobian": lambda d, p, v, a, m: [model.inverse_jacobian(d.geometry, p)],
-    "inverse_jacobian_rate": lambda d, p, v, a, m: [model.inverse_jacobian_rate(d.geometry, p, v)],
-    "check_reach": lambda d, p, v, a, m: [*vars(model.check_reach(d.geometry, p)).values()],
-    "measure_singularity": lambda d, p, v, a, m: [
+    "nearest_solution": lambda d, p, v, a: [model.nearest_solution(d.geometry, p, v)],
+    "closure": lambda d, p, v, a: [model.closure(d.geometry, p, v)],
+    "closure_matrix": lambda d, p, v, a: [model.closure_matrix(d.geometry, p, v)],
+    "jacobian": lambda d, p, v, a: [model.jacobian(d.geometry, p)],
+    "inverse_jacobian": lambda d, p, v, a: [model.inverse_jacobian(d.geometry, p)],
+    "inverse_jacobian_rate": lambda d, p, v, a: [model.inverse_jacobian_rate(d.geometry, p, v)],
+    "check_reach": lambda d, p, v, a: [*vars(model.check_reach(d.geometry, p)).values()],
+    "measure_singularity": lambda d, p, v, a: [
         *vars(model.measure_singularity(d.geometry, p)).values()
     ],
-    "unit_torques": lambda d, p, v, a, m: [model.unit_torques(d.geometry, p, m)],
-    "static_torques": lambda d, p, v, a, m: [model.static_torques(d, p, m)],
-    "static_breakdown": lambda d, p, v, a, m: [
-        model.static_breakdown(d, p, m).per_leg,
-        model.static_breakdown(d, p, m).total,
+    "unit_torques": lambda d, p, v, a: [model.unit_torques(d.geometry, p)],
+    "static_torques": lambda d, p, v, a: [model.static_torques(d, p)],
+    "static_breakdown": lambda d, p, v, a: [
+        model.static_breakdown(d, p).per_leg,
+        model.static_breakdown(d, p).total,
     ],
-    "potential_energy": lambda d, p, v, a, m: [model.potential_energy(d, p, m)],
-    "kinetic_energy": lambda d, p, v, a, m: [model.kinetic_energy(d, p, v, m)],
-    "mass_matrix": lambda d, p, v, a, m: [model.mass_matrix(d, p, m)],
-    "inverse_dynamics": lambda d, p, v, a, m: dynamics(model.inverse_dynamics(d, p, v, a, m)),
-    "torque_breakdown": lambda d, p, v, a, m: breakdown(model.torque_breakdown(d, p, v, a, m)),
-    "forward_dynamics": lambda d, p, v, a, m: [model.forward_dynamics(d, p, v, a, m)],
-    "torque_regressor": lambda d, p, v, a, m: [model.torque_regressor(d.geometry, p, v, a, m)],
-    "actuator_velocity": lambda d, p, v, a, m: [model.actuator_velocity(d, p, v)],
-    "actuator_power": lambda d, p, v, a, m: [model.actuator_power(d, p, v, a)],
+    "potential_energy": lambda d, p, v, a: [model.potential_energy(d, p)],
+    "kinetic_energy": lambda d, p, v, a: [model.kinetic_energy(d, p, v)],
+    "mass_matrix": lambda d, p, v, a: [model.mass_matrix(d, p)],
+    "inverse_dynamics": lambda d, p, v, a: dynamics(model.inverse_dynamics(d, p, v, a)),
+    "torque_breakdown": lambda d, p, v, a: breakdown(model.torque_breakdown(d, p, v, a)),
+    "forward_dynamics": lambda d, p, v, a: [model.forward_dynamics(d, p, v, a)],
+    "torque_regressor": lambda d, p, v, a: [model.torque_regressor(d.geometry, p, v, a)],
+    "actuator_velocity": lambda d, p, v, a: [model.actuator_velocity(d, p, v)],
+    "actuator_power": lambda d, p, v, a: [model.actuator_power(d, p, v, a)],
 }
 EACH = pytest.mark.parametrize("name", CALLS)
 THIRD = {"forward_dynamics": "torque", "actuator_power": "torque"}
@@ -108,10 +107,10 @@ def test_compiled_and_numpy_agree_on_everything(case: Case) -> None:
     states = mixed_states(case)
     backend.compile_now()
     for name, call in CALLS.items():
-        with_kernels = call(case.design, *states, case.assembly)
+        with_kernels = call(case.design, *states)
         with backend.use_numpy():
             assert not backend.is_compiled()
-            without = call(case.design, *states, case.assembly)
+            without = call(case.design, *states)
         assert backend.is_compiled()
         near(with_kernels, without, name, 1e-9 if name == "measure_singularity" else 1e-11)
 
@@ -128,11 +127,11 @@ def test_any_batch_is_its_poses_one_by_one(
     batch = [array.reshape(*shape, 4) for array in states]
 
     def compare() -> None:
-        results = call(case.design, *batch, case.assembly)
+        results = call(case.design, *batch)
         for result in results:
             assert np.shape(result)[: len(shape)] == shape
         for i in range(n):
-            alone = call(case.design, *(array[i] for array in states), case.assembly)
+            alone = call(case.design, *(array[i] for array in states))
             these = [np.asarray(r).reshape(n, *np.shape(r)[len(shape) :])[i] for r in results]
             near(these, alone, name)
 
@@ -148,8 +147,7 @@ def test_numbers_of_any_kind(name: str) -> None:
     """Lists, tuples, integers and narrower floats; always computed in float64."""
     call = CALLS[name]
     pose, v, a = [[0, 0, 0, -0.5], [0.25, -0.125, 0.5, -0.625]], [1, -1, 2, 0], [0, 3, -4, 1]
-    expected = call(APPENDIX_4, np.array(pose), np.array(v, float), np.array(a, float),
-                    KneeBranch.LOWER)  # fmt: skip
+    expected = call(APPENDIX_4, np.array(pose), np.array(v, float), np.array(a, float))  # fmt: skip
     for made in (
         (pose, v, a),
         (tuple(map(tuple, pose)), tuple(v), tuple(a)),
@@ -157,7 +155,7 @@ def test_numbers_of_any_kind(name: str) -> None:
         (np.array(pose), np.array(v, np.int8), np.array(a, np.int64)),
         (np.asfortranarray(pose), np.array(v)[::-1][::-1], np.array(a)),
     ):
-        results = call(APPENDIX_4, *made, KneeBranch.LOWER)
+        results = call(APPENDIX_4, *made)
         for result in results:
             assert np.asarray(result).dtype in (np.float64, np.uint8, np.int8, np.bool_)
         near(results, expected, name, 1e-13)
@@ -174,17 +172,17 @@ def test_the_argument_that_can_not_be_used_is_named(name: str, bad: Any) -> None
         wrong[THIRD.get(name, "acceleration")] = (*good[:2], bad)
     for argument, states in wrong.items():
         with pytest.raises(InvalidInput) as caught:
-            CALLS[name](APPENDIX_4, *states, KneeBranch.LOWER)
+            CALLS[name](APPENDIX_4, *states)
         assert caught.value.argument == argument
         assert ("4 entries" in caught.value.problem) or ("real numbers" in caught.value.problem)
 
 
 @EACH
 @BOTH
-def test_inputs_are_left_alone(name: str, assembly: KneeBranch) -> None:
+def test_inputs_are_left_alone(name: str, knee: KneeBranch) -> None:
     arrays = BY_HAND.copy(), np.full((3, 4), 0.1), np.full((3, 4), 0.2)
     copies = [array.copy() for array in arrays]
-    CALLS[name](APPENDIX_4, *arrays, assembly)
+    CALLS[name](with_knee(APPENDIX_4, knee), *arrays)
     for array, copy in zip(arrays, copies, strict=True):
         np.testing.assert_array_equal(array, copy)
 

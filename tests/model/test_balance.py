@@ -27,6 +27,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests import oracle
 from tests.model.cases import BOTH, Case, assert_within, cases
+from tests.samples import with_knee
 
 ADDED = st.sampled_from(["joints.j7", "links.b7"])
 """Masses on the far side of the leg axis: they have a negative share in M_p2."""
@@ -53,14 +54,14 @@ def test_a_balanced_robot_holds_itself_everywhere(case: Case, path: str) -> None
     weight = design.gravity * mass_vector(design)[:14].sum()
     assert abs(static_imbalance(design)) < 1e-14 * weight
     pose = case.poses(32)
-    torque = static_torques(design, pose, case.assembly)
-    size = np.abs(static_torques(case.design, pose, case.assembly)).max() + weight
+    torque = static_torques(design, pose)
+    size = np.abs(static_torques(case.design, pose)).max() + weight
     assert_within(torque[:, :3], np.zeros((32, 3)), 1e-13 * size)
     assert_within(torque[:, 3], np.full(32, lift_constant(design)), 1e-13 * size)
-    expected = oracle.static_torques(design, pose[:8], case.assembly)
+    expected = oracle.static_torques(design, pose[:8])
     assert_within(expected[:, :3], np.zeros((8, 3)), 1e-11 * size)
     # every body pulls, and all of them together do not
-    parts = static_breakdown(design, pose, case.assembly)
+    parts = static_breakdown(design, pose)
     assert np.abs(parts.per_leg[:, :3]).max() > 1e-3 * weight * case.geometry.crank_length * 0.1
     assert_within(parts.total[:, :3], np.zeros((32, 3)), 1e-11 * size)
 
@@ -71,20 +72,20 @@ def test_balance_holds_with_a_payload_and_at_rest_only(case: Case, path: str) ->
     pose, velocity, acceleration = case.states()
     still = np.zeros(4)
     size = design.gravity * mass_vector(design).sum()
-    rest = inverse_dynamics(design, pose, still, still, case.assembly).torque
+    rest = inverse_dynamics(design, pose, still, still).torque
     assert_within(rest[:, :3], np.zeros((8, 3)), 1e-11 * size)
-    moving = inverse_dynamics(design, pose, velocity, acceleration, case.assembly).torque
+    moving = inverse_dynamics(design, pose, velocity, acceleration).torque
     assert np.abs(moving[:, :3]).max() > 1e-3
 
 
 @BOTH
-def test_the_counterweight_of_appendix_4(assembly: KneeBranch) -> None:
+def test_the_counterweight_of_appendix_4(knee: KneeBranch) -> None:
     """m_7 that balances: 0.28 kg + 3 * 9.10041/9.81 kg = 3.063 kg, since its share is -g/k."""
     design = APPENDIX_4.vary({"joints.j7": 0.28 + 3 * 9.10041 / 9.81})
     assert abs(static_imbalance(design)) < 1e-14
     assert design.joints.j7 == pytest.approx(3.063, abs=1e-12)
     axis = np.linspace(-0.4, 0.4, 41)
-    field = solve_field(design.geometry, xy_grid(axis, axis, np.pi / 3, -0.5), assembly)
+    field = solve_field(with_knee(design.geometry, knee), xy_grid(axis, axis, np.pi / 3, -0.5))
     before = field.values(APPENDIX_4, Quantity.MAX_TORQUE)
     after = field.values(design, Quantity.MAX_TORQUE)
     assert np.nanmedian(before) > 1.0

@@ -18,7 +18,7 @@ def test_compiled_and_array_form_agree(misprints: Misprint, case: Case) -> None:
     pose, velocity, acceleration = case.states(6)
     pose = np.concatenate([pose, OUT_OF_REACH])
     velocity, acceleration = (np.concatenate([u, u[:3]]) for u in (velocity, acceleration))
-    arguments = (case.geometry, pose, velocity, acceleration, case.assembly)
+    arguments = (case.geometry, pose, velocity, acceleration)
     backend.compile_now()
     compiled = torque_regressor(*arguments, gravity=3.7, misprints=misprints)
     with backend.use_numpy():

@@ -30,6 +30,7 @@ from paminsa_viz.model import (
     unit_torques,
 )
 from tests.model.cases import BOTH, Case, cases
+from tests.samples import with_knee
 
 
 def limited(case: Case, stroke: float, clearance: float) -> Design:
@@ -51,20 +52,20 @@ def test_numbers_exist_exactly_where_the_status_is_ok(
     case: Case, stroke: float, clearance: float
 ) -> None:
     design = limited(case, stroke, clearance)
-    geometry, assembly = design.geometry, case.assembly
+    geometry = design.geometry
     pose = wide_poses(design, case.seed, 300)
     v, a = np.full(4, 0.3), np.full(4, -0.7)
     reach = check_reach(geometry, pose)
     ok = reach.ok
-    result = inverse_dynamics(design, pose, v, a, assembly)
+    result = inverse_dynamics(design, pose, v, a)
     np.testing.assert_array_equal(result.status, reach.status)
     np.testing.assert_array_equal(result.leg, reach.leg)
-    parts = static_breakdown(design, pose, assembly)
-    moving = torque_breakdown(design, pose, v, a, assembly)
+    parts = static_breakdown(design, pose)
+    moving = torque_breakdown(design, pose, v, a)
     measured = measure_singularity(geometry, pose)
     for values in (
-        unit_torques(geometry, pose, assembly),
-        static_torques(design, pose, assembly),
+        unit_torques(geometry, pose),
+        static_torques(design, pose),
         parts.total,
         parts.platform,
         parts.payload,
@@ -75,8 +76,8 @@ def test_numbers_exist_exactly_where_the_status_is_ok(
         moving.inertial,
         moving.velocity,
         moving.total,
-        torque_regressor(geometry, pose, v, a, assembly),
-        forward_dynamics(design, pose, v, a, assembly),
+        torque_regressor(geometry, pose, v, a),
+        forward_dynamics(design, pose, v, a),
         measured.determinant[:, None],
         measured.condition[:, None],
     ):
@@ -95,14 +96,14 @@ def test_maps_agree_with_reach(case: Case, stroke: float, clearance: float) -> N
         y=rng.uniform(-2, 2, 12) * g.base_radius,
         x=rng.uniform(-2, 2, 11) * g.base_radius,
     )
-    field = solve_field(g, grid, case.assembly, dexterity=True)
+    field = solve_field(g, grid, dexterity=True)
     reach = check_reach(g, grid.poses())
     np.testing.assert_array_equal(field.status, reach.status)
     np.testing.assert_array_equal(field.leg, reach.leg)
     np.testing.assert_array_equal(field.margin < 0, ~reach.ok)
     for values in (*field.gamma, field.determinant, field.condition):
         np.testing.assert_array_equal(np.isnan(values), ~reach.ok)
-    for values in rotary_torques(design, grid, case.assembly):
+    for values in rotary_torques(design, grid):
         np.testing.assert_array_equal(np.isnan(values), ~reach.ok)
 
 
@@ -118,8 +119,8 @@ def test_a_guide_is_used_to_its_end_and_no_further(case: Case, side: int) -> Non
     assert bool(check_reach(design.geometry, pose).ok) == allowed
     measured = measure_singularity(design.geometry, pose)
     for values in (
-        static_torques(design, pose, case.assembly),
-        inverse_dynamics(design, pose, np.ones(4), np.ones(4), case.assembly).torque,
+        static_torques(design, pose),
+        inverse_dynamics(design, pose, np.ones(4), np.ones(4)).torque,
         measured.condition,
         measured.determinant,
     ):
@@ -127,7 +128,7 @@ def test_a_guide_is_used_to_its_end_and_no_further(case: Case, side: int) -> Non
 
 
 @BOTH
-def test_exactly_at_the_end_of_a_guide_everything_is_known(assembly: KneeBranch) -> None:
+def test_exactly_at_the_end_of_a_guide_everything_is_known(knee: KneeBranch) -> None:
     """Lengths that are exact in binary: |X_4| of leg 3 is the stroke to the last bit."""
     design = APPENDIX_4.vary(
         {
@@ -141,10 +142,10 @@ def test_exactly_at_the_end_of_a_guide_everything_is_known(assembly: KneeBranch)
     assert reach.margins[2, 2] == 0.0
     assert reach.ok
     measured = measure_singularity(design.geometry, pose)
-    field = solve_field(design.geometry, Grid.over(pose), assembly, dexterity=True)
+    field = solve_field(with_knee(design.geometry, knee), Grid.over(pose), dexterity=True)
     assert field.status == Limit.OK
     for values in (
-        static_torques(design, pose, assembly),
+        static_torques(with_knee(design, knee), pose),
         field.gamma,
         measured.condition,
         measured.determinant,
@@ -182,41 +183,41 @@ NOT_FINITE += [(i, 1e200) for i in (0, 1, 3)]  # squares of it are infinite
 @pytest.mark.parametrize(("coordinate", "bad"), NOT_FINITE)
 @BOTH
 def test_poses_that_are_not_finite_are_quiet_and_named(
-    assembly: KneeBranch, coordinate: int, bad: float
+    knee: KneeBranch, coordinate: int, bad: float
 ) -> None:
     """Warnings are errors in this suite."""
     pose = np.array([0.01, 0.02, 0.1, -0.5])
     pose[coordinate] = bad
     geometry, one = APPENDIX_4.geometry, np.ones(4)
-    result = inverse_dynamics(APPENDIX_4, pose, one, one, assembly)
+    result = inverse_dynamics(with_knee(APPENDIX_4, knee), pose, one, one)
     assert result.status == Limit.NOT_FINITE
     assert result.leg == -1
-    field = solve_field(geometry, Grid.over(pose), assembly, dexterity=True)
+    field = solve_field(with_knee(geometry, knee), Grid.over(pose), dexterity=True)
     assert field.status == check_reach(geometry, pose).status == Limit.NOT_FINITE
     for values in (
         result.torque,
         field.gamma,
-        unit_torques(geometry, pose, assembly),
-        static_breakdown(APPENDIX_4, pose, assembly).total,
-        torque_breakdown(APPENDIX_4, pose, one, one, assembly).total,
-        torque_regressor(geometry, pose, one, one, assembly),
-        forward_dynamics(APPENDIX_4, pose, one, one, assembly),
-        rotary_torques(APPENDIX_4, Grid.over(pose), assembly),
+        unit_torques(with_knee(geometry, knee), pose),
+        static_breakdown(with_knee(APPENDIX_4, knee), pose).total,
+        torque_breakdown(with_knee(APPENDIX_4, knee), pose, one, one).total,
+        torque_regressor(with_knee(geometry, knee), pose, one, one),
+        forward_dynamics(with_knee(APPENDIX_4, knee), pose, one, one),
+        rotary_torques(with_knee(APPENDIX_4, knee), Grid.over(pose)),
     ):
         assert np.isnan(values).all()
 
 
 @BOTH
-def test_on_a_singularity_there_is_a_reason_instead_of_a_torque(assembly: KneeBranch) -> None:
+def test_on_a_singularity_there_is_a_reason_instead_of_a_torque(knee: KneeBranch) -> None:
     """Lengths that are exact in binary, so that the determinant is exactly zero."""
     design = APPENDIX_4.vary({"geometry.base_radius": 0.5, "geometry.platform_radius": 0.25})
     pose = [[0.25, 0.0, 0.0, -0.5], [0.1, 0.0, 0.0, -0.5]]
-    result = inverse_dynamics(design, pose, np.zeros(4), np.zeros(4), assembly)
+    result = inverse_dynamics(with_knee(design, knee), pose, np.zeros(4), np.zeros(4))
     assert result.status.tolist() == [Limit.SINGULAR, Limit.OK]
     assert result.leg.tolist() == [-1, -1]
     assert np.isnan(result.torque[0]).all()
-    assert not np.isfinite(unit_torques(design.geometry, pose, assembly)[0, :3]).any()
-    field = solve_field(design.geometry, Grid.over(pose[0], x=[0.25, 0.1]), assembly)
+    assert not np.isfinite(unit_torques(with_knee(design.geometry, knee), pose)[0, :3]).any()
+    field = solve_field(with_knee(design.geometry, knee), Grid.over(pose[0], x=[0.25, 0.1]))
     assert field.status.tolist() == [Limit.SINGULAR, Limit.OK]
     assert np.isnan(field.gamma[:, 0]).all()
     assert np.isfinite(field.gamma[:, 1]).all()

@@ -24,16 +24,16 @@ from paminsa_viz.model.counterweight_clearance import (
 )
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit
-from tests.samples import random_design
+from tests.samples import random_design, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
 
 
 def met(
-    design: Design, weight: Counterweight, assembly: KneeBranch, rng: np.random.Generator, n: int
+    design: Design, weight: Counterweight, rng: np.random.Generator, n: int
 ) -> CounterweightClearance | None:
     """Return the same of random poses, from the joints' positions; None if none is reached."""
-    g, sign = design.geometry, assembly.sign
+    g, sign = design.geometry, design.geometry.knee.sign
     turn = singular_rotation(g)
     theta = rng.uniform(-turn, turn, n)
     away = singular_radius(g, theta) * np.sqrt(rng.uniform(size=n))
@@ -41,7 +41,7 @@ def met(
     depth = rng.uniform(0, g.crank_length + g.coupler_length, n)
     height = -sign * depth - g.platform_joint_height
     pose = np.stack([away * np.cos(angle), away * np.sin(angle), theta, height], axis=-1)
-    configuration = inverse_kinematics(g, pose, assembly)
+    configuration = inverse_kinematics(g, pose)
     good = configuration.reach.status == Limit.OK
     if not good.any():
         return None
@@ -67,28 +67,28 @@ def met(
     st.floats(-0.3, 0.3),
     st.sampled_from(list(KneeBranch)),
 )
-def test_no_random_pose_needs_more(seed, end, beyond, assembly) -> None:
+def test_no_random_pose_needs_more(seed, end, beyond, knee) -> None:
     rng = np.random.default_rng(seed)
     design, weight = random_design(rng), Counterweight(end[0], end[1], beyond, 1.0)
-    found = met(design, weight, assembly, rng, 20_000)
+    found = met(with_knee(design, knee), weight, rng, 20_000)
     if found is None:
         return
-    room = counterweight_clearance(design.geometry, weight, assembly)
+    room = counterweight_clearance(with_knee(design.geometry, knee), weight)
     assert room is not None
     assert room.inward >= found.inward
     assert room.outward >= found.outward
     assert room.low <= found.low
     assert room.high >= found.high
-    nearly = counterweight_clearance(design.geometry, weight, assembly, 0.005)
+    nearly = counterweight_clearance(with_knee(design.geometry, knee), weight, 0.005)
     assert nearly is not None
     assert nearly.clear_depth >= found.clear_depth
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_the_robot_of_appendix_4_comes_close_to_it(assembly) -> None:
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_the_robot_of_appendix_4_comes_close_to_it(knee) -> None:
     weight = Counterweight("b3", 7, 0.2, 1.0)
-    found = met(APPENDIX_4, weight, assembly, np.random.default_rng(1), 300_000)
-    room = counterweight_clearance(APPENDIX_4.geometry, weight, assembly)
+    found = met(with_knee(APPENDIX_4, knee), weight, np.random.default_rng(1), 300_000)
+    room = counterweight_clearance(with_knee(APPENDIX_4.geometry, knee), weight)
     assert found is not None
     assert room is not None
     for name in ("inward", "outward", "low", "high", "clear_depth"):
@@ -97,8 +97,8 @@ def test_the_robot_of_appendix_4_comes_close_to_it(assembly) -> None:
 
 def test_a_disc_needs_its_radius_more() -> None:
     weight = Counterweight("b8", 8, 0.2, 1.0)
-    point = counterweight_clearance(APPENDIX_4.geometry, weight, KneeBranch.LOWER)
-    disc = counterweight_clearance(APPENDIX_4.geometry, weight, KneeBranch.LOWER, 0.05)
+    point = counterweight_clearance(APPENDIX_4.geometry, weight)
+    disc = counterweight_clearance(APPENDIX_4.geometry, weight, 0.05)
     assert point is not None
     assert disc is not None
     assert disc.inward == pytest.approx(point.inward + 0.05)
@@ -110,7 +110,4 @@ def test_a_disc_needs_its_radius_more() -> None:
 def test_a_robot_that_reaches_nothing_has_no_room() -> None:
     short = replace(APPENDIX_4.geometry, crank_length=0.01, coupler_length=0.9)
     weight = Counterweight("b8", 8, 0.2, 1.0)
-    assert (
-        counterweight_clearance(replace(short, axis_clearance=0.7), weight, KneeBranch.LOWER)
-        is None
-    )
+    assert counterweight_clearance(replace(short, axis_clearance=0.7), weight) is None

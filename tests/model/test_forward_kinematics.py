@@ -33,7 +33,7 @@ def apart(a: Any, b: Any) -> Any:
 @given(case=cases())
 def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
     pose = case.poses(32)
-    actuators = inverse_kinematics(case.geometry, pose, case.assembly).actuators
+    actuators = inverse_kinematics(case.geometry, pose).actuators
     found = forward_kinematics(case.geometry, actuators)
     assert found.pose.shape == (32, 2, 4)
     distance = np.where(found.valid, apart(found.pose, pose[:, None]), np.inf)
@@ -41,7 +41,7 @@ def test_forward_after_inverse_finds_the_pose(case: Case) -> None:
 
 
 @given(case=cases())
-def test_every_assembly_found_has_these_actuators(case: Case) -> None:
+def test_every_assembly_mode_found_has_these_actuators(case: Case) -> None:
     """Also for actuators that were not made from a pose: both closure and inverse agree."""
     rng = np.random.default_rng(case.seed)
     chosen = inverse_kinematics(case.geometry, case.poses(32)).actuators + rng.normal(
@@ -63,7 +63,7 @@ def test_every_assembly_found_has_these_actuators(case: Case) -> None:
 
 
 @given(case=cases())
-def test_an_assembly_is_valid_where_all_legs_point_at_the_platform(case: Case) -> None:
+def test_an_assembly_mode_is_valid_where_all_legs_point_at_the_platform(case: Case) -> None:
     """The other solutions of Eq. 16 have a leg turned round, with joint 5 behind its axis."""
     rng = np.random.default_rng(case.seed)
     chosen = rng.uniform(-1, 1, (200, 4)) * rng.choice([0.3, np.pi], (200, 1))
@@ -153,7 +153,7 @@ def test_continuing_follows_a_path_around_the_workspace() -> None:
         assert_within(pose, wanted, 1e-12)
 
 
-def test_the_nearer_of_two_assemblies_is_taken() -> None:
+def test_the_nearer_of_two_assembly_modes_is_taken() -> None:
     geometry = APPENDIX_4.geometry
     actuators = inverse_kinematics(geometry, BY_HAND).actuators
     found = forward_kinematics(geometry, actuators)

@@ -90,12 +90,12 @@ def test_it_grows_with_speed_without_a_jump(friction: Friction, speed: np.ndarra
 def test_it_adds_to_the_torque_what_the_speeds_ask(case: Case, friction: Friction) -> None:
     pose, v, a = case.states()
     design = replace(case.design, friction=friction)
-    plain = inverse_dynamics(case.design, pose, v, a, case.assembly)
-    full = inverse_dynamics(design, pose, v, a, case.assembly)
+    plain = inverse_dynamics(case.design, pose, v, a)
+    full = inverse_dynamics(design, pose, v, a)
     added = friction_torque(friction, actuator_velocity(design, pose, v))
     assert_close(full.torque, plain.torque + added, 1e-13)
     np.testing.assert_array_equal(full.multipliers, plain.multipliers)
-    parts = torque_breakdown(design, pose, v, a, case.assembly)
+    parts = torque_breakdown(design, pose, v, a)
     np.testing.assert_array_equal(parts.friction, added)
 
 

@@ -30,6 +30,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from tests.model.cases import BOTH, Case, cases
+from tests.samples import with_knee
 
 VALUES = {
     "x": np.linspace(-0.25, 0.3, 4),
@@ -48,19 +49,19 @@ def near(got: Any, expected: Any, relative: float = 1e-11) -> None:
     np.testing.assert_allclose(got, expected, rtol=relative, atol=relative * size)
 
 
-def check_field(field: Field, design: Design, pose: Any, assembly: KneeBranch) -> None:
+def check_field(field: Field, design: Design, pose: Any) -> None:
     """Compare a field with the pointwise functions at its poses."""
     geometry = design.geometry
     reach = check_reach(geometry, pose)
     np.testing.assert_array_equal(field.status, reach.status)
     np.testing.assert_array_equal(field.leg, reach.leg)
     near(field.margin, reach.margins.min(axis=(-1, -2)))
-    gamma = unit_torques(geometry, pose, assembly)
+    gamma = unit_torques(geometry, pose)
     near(field.gamma, np.moveaxis(gamma, -1, 0))
     measured = measure_singularity(geometry, pose)
     near(field.determinant, measured.determinant)
     near(field.condition, measured.condition, 1e-9)
-    torque = np.moveaxis(static_torques(design, pose, assembly), -1, 0)
+    torque = np.moveaxis(static_torques(design, pose), -1, 0)
     near(field.torques(design), torque)
     expected = {
         Quantity.TAU_1: torque[0],
@@ -94,7 +95,7 @@ def test_any_axes_in_any_order(names: tuple[str, ...]) -> None:
         if name not in names:
             np.testing.assert_array_equal(pose[..., index], FIXED[index])
     field = solve_field(APPENDIX_4.geometry, grid, dexterity=True)
-    check_field(field, APPENDIX_4, pose, KneeBranch.LOWER)
+    check_field(field, APPENDIX_4, pose)
     assert field.gamma.shape == (4, *grid.shape)
     torques = rotary_torques(APPENDIX_4, grid)
     near(torques, field.torques(APPENDIX_4)[:3])
@@ -109,9 +110,9 @@ def test_any_robot(case: Case, names: tuple[str, ...]) -> None:
     # off the center, where legs would tie for the worst
     fixed = [0.011 * g.base_radius, -0.023 * g.base_radius, 0.1, -0.6 * g.coupler_length]
     grid = Grid.over(fixed, **axes)
-    field = solve_field(g, grid, case.assembly, dexterity=True)
-    check_field(field, case.design, grid.poses(), case.assembly)
-    assert (field.geometry, field.assembly, field.grid) == (g, case.assembly, grid)
+    field = solve_field(g, grid, dexterity=True)
+    check_field(field, case.design, grid.poses())
+    assert (field.geometry, field.grid) == (g, grid)
 
 
 @pytest.mark.parametrize("numpy", [False, True])
@@ -144,7 +145,7 @@ def test_blocks_and_threads_change_nothing(
 
 
 @BOTH
-def test_masked_cells_carry_their_reason(assembly: KneeBranch) -> None:
+def test_masked_cells_carry_their_reason(knee: KneeBranch) -> None:
     """Stretched, folded, guide, axis, not finite and singular ones in one map; no warning."""
     design = APPENDIX_4.vary(
         {
@@ -155,14 +156,14 @@ def test_masked_cells_carry_their_reason(assembly: KneeBranch) -> None:
     )
     x = np.array([0.0, 0.25, 0.45, np.nan])
     z = np.array([-1.2, -0.5, -0.0275])
-    field = solve_field(design.geometry, Grid.over([0.0, 0.0, 0.0, 0.0], z=z, x=x), assembly)
+    field = solve_field(with_knee(design.geometry, knee), Grid.over([0.0, 0.0, 0.0, 0.0], z=z, x=x))
     words = [[Limit(s).word for s in row] for row in field.status]
     assert words == [
         ["stretched", "stretched", "stretched", "not-finite"],
         ["ok", "singular", "stretched", "not-finite"],
         ["ok", "folded", "guide", "not-finite"],
     ]
-    on_axis = solve_field(design.geometry, Grid.over([0.0, 0.25, 0.0, -0.5]), assembly)
+    on_axis = solve_field(with_knee(design.geometry, knee), Grid.over([0.0, 0.25, 0.0, -0.5]))
     assert on_axis.status == Limit.AXIS
     assert on_axis.leg == 2
     assert np.isnan(field.gamma).any(axis=0).tolist() == (field.status != Limit.OK).tolist()

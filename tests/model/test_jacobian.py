@@ -34,9 +34,9 @@ def eight(pose: Any, actuators: Any) -> list[Any]:
 @given(case=cases())
 def test_closure_is_zero_on_every_posture(case: Case) -> None:
     pose = case.poses(32)
-    for assembly_pose in (pose, pose + np.array([0.0, 0.0, 2 * np.pi, 0.0])):
-        actuators = inverse_kinematics(case.geometry, assembly_pose, case.assembly).actuators
-        s = closure(case.geometry, assembly_pose, actuators)
+    for turned in (pose, pose + np.array([0.0, 0.0, 2 * np.pi, 0.0])):
+        actuators = inverse_kinematics(case.geometry, turned).actuators
+        s = closure(case.geometry, turned, actuators)
         assert_within(s, np.zeros_like(s), 1e-14)
 
 

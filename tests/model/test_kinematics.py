@@ -13,6 +13,7 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, Limit, inver
 from paminsa_viz.model.kinematics import wrap
 from tests import oracle
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
+from tests.samples import with_knee
 
 JOINTS = (2, 3, 4, 5, 7, 8, 9)
 
@@ -25,7 +26,7 @@ def length(a: Any, b: Any) -> Any:
 def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
     g, k = case.geometry, case.geometry.magnification
     pose = case.poses(32)
-    configuration = inverse_kinematics(g, pose, case.assembly)
+    configuration = inverse_kinematics(g, pose)
     assert sorted(configuration.points) == list(JOINTS)
     p = configuration.points
     rounding = 1e-13 * (g.crank_length + g.coupler_length)
@@ -65,7 +66,7 @@ def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
 def test_joint_5_turns_with_the_platform(case: Case) -> None:
     pose = case.poses()
     g = case.geometry
-    p5 = inverse_kinematics(g, pose, case.assembly).points[5]
+    p5 = inverse_kinematics(g, pose).points[5]
     angle = pose[:, 2:3] + oracle.AXIS_ANGLES
     x = pose[:, 0:1] + g.platform_radius * np.cos(angle)
     y = pose[:, 1:2] + g.platform_radius * np.sin(angle)
@@ -76,10 +77,10 @@ def test_joint_5_turns_with_the_platform(case: Case) -> None:
 @given(case=cases())
 def test_points_and_actuators_are_those_of_first_principles(case: Case) -> None:
     pose = case.poses()
-    configuration = inverse_kinematics(case.geometry, pose, case.assembly)
+    configuration = inverse_kinematics(case.geometry, pose)
     size = case.geometry.crank_length + case.geometry.coupler_length
     for index in range(3):
-        leg = oracle.leg(case.design, oracle.split(pose), index, case.assembly)
+        leg = oracle.leg(case.design, oracle.split(pose), index)
         for number, point in leg.points.items():
             expected = np.stack(np.broadcast_arrays(*point, pose[:, 0])[:3], -1)
             assert_within(configuration.points[number][:, index], expected, 1e-13 * size)
@@ -90,7 +91,7 @@ def test_points_and_actuators_are_those_of_first_principles(case: Case) -> None:
 
 @given(case=cases())
 def test_angles_are_the_elevations_of_the_bars(case: Case) -> None:
-    configuration = inverse_kinematics(case.geometry, case.poses(), case.assembly)
+    configuration = inverse_kinematics(case.geometry, case.poses())
     p = configuration.points
     for angle, start, end in ((configuration.psi, 9, 5), (configuration.phi, 8, 9)):
         bar = p[end] - p[start]
@@ -104,18 +105,18 @@ def test_angles_are_the_elevations_of_the_bars(case: Case) -> None:
 
 
 @given(case=cases())
-def test_the_assembly_decides_the_side_of_the_knee(case: Case) -> None:
+def test_the_branch_decides_the_side_of_the_knee(case: Case) -> None:
     pose = case.poses()
-    for assembly in KneeBranch:
-        p = inverse_kinematics(case.geometry, pose, assembly).points
+    for knee in KneeBranch:
+        p = inverse_kinematics(with_knee(case.geometry, knee), pose).points
         line = p[5] - p[8]
-        knee = p[9] - p[8]
+        bar = p[9] - p[8]
         # vertical distance of the knee from the line 8-5, above it positive
-        ahead = np.hypot(knee[..., 0], knee[..., 1]) * np.sign(
-            np.sum(knee[..., :2] * line[..., :2], -1)
+        ahead = np.hypot(bar[..., 0], bar[..., 1]) * np.sign(
+            np.sum(bar[..., :2] * line[..., :2], -1)
         )
-        above = knee[..., 2] - line[..., 2] * ahead / np.hypot(line[..., 0], line[..., 1])
-        assert np.all(above * assembly.sign < 0)
+        above = bar[..., 2] - line[..., 2] * ahead / np.hypot(line[..., 0], line[..., 1])
+        assert np.all(above * knee.sign < 0)
 
 
 @given(case=cases())
@@ -124,8 +125,8 @@ def test_the_mirror_image_has_the_other_knee(case: Case) -> None:
     pose = case.poses()
     mirrored = pose.copy()
     mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
-    one = inverse_kinematics(case.geometry, pose, case.assembly)
-    two = inverse_kinematics(case.geometry, mirrored, OTHER[case.assembly])
+    one = inverse_kinematics(case.geometry, pose)
+    two = inverse_kinematics(with_knee(case.geometry, OTHER[case.knee]), mirrored)
     for number in (3, 4, 5, 7, 8, 9):
         assert_within(two.points[number], one.points[number] * [1, 1, -1], 1e-13)
     assert_within(two.actuators[:, :3], one.actuators[:, :3], 1e-14)
@@ -142,8 +143,8 @@ def test_a_third_of_a_turn_renames_the_legs(case: Case, turns: int) -> None:
     around = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     turned = pose.copy()
     turned[:, :2] = pose[:, :2] @ around[:2, :2].T
-    one = inverse_kinematics(case.geometry, pose, case.assembly)
-    two = inverse_kinematics(case.geometry, turned, case.assembly)
+    one = inverse_kinematics(case.geometry, pose)
+    two = inverse_kinematics(case.geometry, turned)
     # Leg 1 at 210 degrees goes to leg 2 at 330, that to leg 3 at 90.
     legs = (np.arange(3) + turns) % 3
     for number in JOINTS:
@@ -160,7 +161,7 @@ def test_a_third_of_a_turn_renames_the_legs(case: Case, turns: int) -> None:
 def test_whole_turns_of_the_platform_change_nothing(case: Case, turns: int) -> None:
     pose = case.poses()
     turned = pose + np.array([0.0, 0.0, 2 * np.pi * turns, 0.0])
-    one, two = (inverse_kinematics(case.geometry, p, case.assembly) for p in (pose, turned))
+    one, two = (inverse_kinematics(case.geometry, p) for p in (pose, turned))
     assert_within(two.actuators, one.actuators, 1e-12)
 
 
@@ -197,9 +198,9 @@ def test_actuators_stay_within_half_a_turn_of_home() -> None:
 
 
 @BOTH
-def test_outside_its_reach_a_posture_is_nan_and_says_why(assembly: KneeBranch) -> None:
+def test_outside_its_reach_a_posture_is_nan_and_says_why(knee: KneeBranch) -> None:
     configuration = inverse_kinematics(
-        APPENDIX_4.geometry, [[0.0, 0.0, 0.0, -1.2], *BY_HAND], assembly
+        with_knee(APPENDIX_4.geometry, knee), [[0.0, 0.0, 0.0, -1.2], *BY_HAND]
     )
     assert configuration.reach.status.tolist() == [Limit.STRETCHED, 0, 0, 0]
     for number in (4, 7, 9):

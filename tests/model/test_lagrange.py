@@ -25,18 +25,19 @@ from paminsa_viz.model import (
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.model import paper
 from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
+from tests.samples import with_knee
 
 
 def solve_eq_15(
-    design: Design, states: Any, assembly: KneeBranch, misprints: Misprint = Misprint.NONE
+    design: Design, states: Any, misprints: Misprint = Misprint.NONE
 ) -> tuple[Any, Any]:
     """Multipliers from the first four Lagrange equations, torques from the last four."""
     pose, v, a = (np.asarray(s, float) for s in states)
-    motion = joint_rates(design.geometry, pose, v, a, assembly)
+    motion = joint_rates(design.geometry, pose, v, a)
     q = np.concatenate([pose, motion.configuration.actuators], -1)
     v8 = np.concatenate([v, motion.actuators_velocity], -1)
     a8 = np.concatenate([a, motion.actuators_acceleration], -1)
-    left = paper.lagrange(design, q, v8, a8, assembly, misprints)
+    left = paper.lagrange(design, q, v8, a8, misprints)
     coefficients = paper.slopes(
         lambda p: paper.closure(design.geometry, p), list(np.moveaxis(q, -1, 0))
     )
@@ -49,8 +50,8 @@ def solve_eq_15(
 @given(case=cases())
 def test_multipliers_and_torques_are_those_of_the_papers_equations(case: Case) -> None:
     states = case.states()
-    multipliers, torque = solve_eq_15(case.design, states, case.assembly)
-    result = inverse_dynamics(case.design, *states, case.assembly)
+    multipliers, torque = solve_eq_15(case.design, states)
+    result = inverse_dynamics(case.design, *states)
     assert_close(result.torque, torque, 1e-10)
     assert_close(result.multipliers, multipliers, 1e-10)
 
@@ -58,7 +59,7 @@ def test_multipliers_and_torques_are_those_of_the_papers_equations(case: Case) -
 @given(case=cases())
 def test_the_papers_equations_agree_with_first_principles(case: Case) -> None:
     """Two derivations that share no formula, neither of them the package's."""
-    _, torque = solve_eq_15(case.design, case.states(), case.assembly)
+    _, torque = solve_eq_15(case.design, case.states())
     assert_close(torque, case.driving_torques(), 1e-10)
 
 
@@ -66,8 +67,8 @@ def test_the_papers_equations_agree_with_first_principles(case: Case) -> None:
 @given(case=cases())
 def test_the_formulae_as_printed_are_those_of_the_text(misprints: Misprint, case: Case) -> None:
     states = case.states()
-    multipliers, torque = solve_eq_15(case.design, states, case.assembly, misprints)
-    result = inverse_dynamics(case.design, *states, case.assembly, misprints)
+    multipliers, torque = solve_eq_15(case.design, states, misprints)
+    result = inverse_dynamics(case.design, *states, misprints)
     assert_close(result.torque, torque, 1e-10)
     assert_close(result.multipliers, multipliers, 1e-10)
 
@@ -76,8 +77,8 @@ def test_the_formulae_as_printed_are_those_of_the_text(misprints: Misprint, case
 def test_the_closure_forces_do_no_work(case: Case) -> None:
     """sum lambda_i A_ij q_j' = 0: what they take from the platform they give to the actuators."""
     pose, v, a = case.states()
-    result = inverse_dynamics(case.design, pose, v, a, case.assembly)
-    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
+    result = inverse_dynamics(case.design, pose, v, a)
+    motion = joint_rates(case.geometry, pose, v, a)
     matrix = closure_matrix(case.geometry, pose, motion.configuration.actuators)
     forces = np.einsum("nij,ni->nj", matrix, result.multipliers)
     given_away = np.sum(forces[:, :4] * v, axis=-1)
@@ -87,13 +88,13 @@ def test_the_closure_forces_do_no_work(case: Case) -> None:
 
 
 @BOTH
-def test_with_a_heavy_platform_alone_the_multipliers_carry_it(assembly: KneeBranch) -> None:
+def test_with_a_heavy_platform_alone_the_multipliers_carry_it(knee: KneeBranch) -> None:
     """Newton's law of the platform: sum lambda_i A_ij (j = x, y, theta, z) = (m a, m (g + a_z))."""
     design = APPENDIX_4.vary(dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 7.0})
     design = design.vary({"platform.inertia": 0.3})
     v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
-    result = inverse_dynamics(design, BY_HAND, v, a, assembly)
-    motion = joint_rates(design.geometry, BY_HAND, v, a, assembly)
+    result = inverse_dynamics(with_knee(design, knee), BY_HAND, v, a)
+    motion = joint_rates(with_knee(design.geometry, knee), BY_HAND, v, a)
     matrix = closure_matrix(design.geometry, BY_HAND, motion.configuration.actuators)[..., :4]
     forces = np.einsum("nij,ni->nj", matrix, result.multipliers)
     wanted = [7.0 * a[0], 7.0 * a[1], 0.3 * a[2], 7.0 * (a[3] + design.gravity)]

@@ -34,6 +34,7 @@ from paminsa_viz.model.lumped import (
 from tests import oracle, samples
 from tests.model import paper
 from tests.model.cases import Case, cases
+from tests.samples import with_knee
 
 GOLDEN = {
     # Appendix 2 [N]
@@ -158,17 +159,17 @@ def only(design: Design, path: str) -> Design:
 @given(case=cases())
 def test_each_mass_alone_has_the_energies_of_its_rigid_body(case: Case) -> None:
     """One unit mass or inertia at a time, placed and moved by first principles."""
-    assembly, geometry = case.assembly, case.geometry
+    geometry = case.geometry
     pose, velocity, _ = case.states(4)
     height = case.design.gravity * (geometry.coupler_length + geometry.shaft_length)
     for path in MASS_PATHS:
         design = only(case.design, path)
-        expected = oracle.kinetic(design, pose, velocity, assembly)
-        got = kinetic_energy(design, pose, velocity, assembly)
+        expected = oracle.kinetic(design, pose, velocity)
+        got = kinetic_energy(design, pose, velocity)
         size = np.sum(velocity**2, axis=-1).max()
         np.testing.assert_allclose(got, expected, rtol=1e-12, atol=1e-13 * size, err_msg=path)
-        expected = np.broadcast_to(oracle.potential(design, pose, assembly), got.shape)
-        got = potential_energy(design, pose, assembly)
+        expected = np.broadcast_to(oracle.potential(design, pose), got.shape)
+        got = potential_energy(design, pose)
         np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * height, err_msg=path)
 
 
@@ -176,11 +177,11 @@ def test_each_mass_alone_has_the_energies_of_its_rigid_body(case: Case) -> None:
 def test_the_energies_are_those_of_the_rigid_bodies(case: Case) -> None:
     for states in (case.states(32), (case.poses(32), *case.states(32)[1:])):
         pose, velocity, _ = states
-        expected = oracle.kinetic(case.design, pose, velocity, case.assembly)
-        got = kinetic_energy(case.design, pose, velocity, case.assembly)
+        expected = oracle.kinetic(case.design, pose, velocity)
+        got = kinetic_energy(case.design, pose, velocity)
         np.testing.assert_allclose(got, expected, rtol=1e-12)
-        expected = oracle.potential(case.design, pose, case.assembly)
-        got = potential_energy(case.design, pose, case.assembly)
+        expected = oracle.potential(case.design, pose)
+        got = potential_energy(case.design, pose)
         np.testing.assert_allclose(got, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
 
 
@@ -195,21 +196,23 @@ def test_energy_terms_are_linear_in_the_coefficients(misprints: Misprint) -> Non
     assert (np.abs(matrix).sum(axis=0) > 0).all() or misprints & Misprint.EQ14_PHI_SPEED
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_the_energies_do_not_know_the_unit_of_length(assembly: KneeBranch) -> None:
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_the_energies_do_not_know_the_unit_of_length(knee: KneeBranch) -> None:
     """In millimeters T and V are a million times larger, if inertias are kg mm^2.
 
     Appendix 4 prints kg/m^2; with such a unit the numbers would have to become smaller instead.
     """
     rng = np.random.default_rng(5)
-    pose, velocity, _ = samples.random_states(rng, APPENDIX_4, assembly, 20)
+    pose, velocity, _ = samples.random_states(rng, with_knee(APPENDIX_4, knee), 20)
     scale = np.array([1e3, 1e3, 1.0, 1e3])
     changes = {p.path: p.default * {"m": 1e3, "m/s^2": 1e3}.get(p.unit, 1.0) for p in PARAMETERS}
     power = {}
     for exponent in (2, -2):
         inertia = {p.path: p.default * 1e3**exponent for p in PARAMETERS if p.unit == "kg m^2"}
         millimeters = APPENDIX_4.vary(changes | inertia)
-        power[exponent] = kinetic_energy(millimeters, pose * scale, velocity * scale, assembly)
-    meters = kinetic_energy(APPENDIX_4, pose, velocity, assembly)
+        power[exponent] = kinetic_energy(
+            with_knee(millimeters, knee), pose * scale, velocity * scale
+        )
+    meters = kinetic_energy(with_knee(APPENDIX_4, knee), pose, velocity)
     np.testing.assert_allclose(power[2], 1e6 * meters, rtol=1e-12)
     assert np.abs(power[-2] / (1e6 * meters) - 1).min() > 1e-3

@@ -26,17 +26,18 @@ from paminsa_viz.model import (
 from tests import oracle
 from tests.model import paper
 from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
+from tests.samples import with_knee
 
 
 @given(case=cases())
 def test_it_is_symmetric_and_positive_definite(case: Case) -> None:
-    matrix = mass_matrix(case.design, case.poses(64), case.assembly)
+    matrix = mass_matrix(case.design, case.poses(64))
     np.testing.assert_array_equal(matrix, np.swapaxes(matrix, -1, -2))
     assert (np.linalg.eigvalsh(matrix) > 0).all()
 
 
 @BOTH
-def test_it_is_so_at_every_pose_that_can_be_taken(assembly: KneeBranch) -> None:
+def test_it_is_so_at_every_pose_that_can_be_taken(knee: KneeBranch) -> None:
     """Type-2 singularities included: the platform has inertia wherever it is.
 
     With joint 5 on its leg axis (type 1) the smallest motion would turn the leg without bound.
@@ -49,7 +50,7 @@ def test_it_is_so_at_every_pose_that_can_be_taken(assembly: KneeBranch) -> None:
     ok &= measure_singularity(APPENDIX_4.geometry, pose).serial_distance > 1e-6  # type 1
     assert ok[-2:].all()
     assert 1000 < ok.sum() < len(pose) / 2
-    matrix = mass_matrix(APPENDIX_4, pose, assembly)[ok]
+    matrix = mass_matrix(with_knee(APPENDIX_4, knee), pose)[ok]
     assert (np.linalg.eigvalsh(matrix) > 0).all()
 
 
@@ -57,11 +58,11 @@ def test_it_is_so_at_every_pose_that_can_be_taken(assembly: KneeBranch) -> None:
 def test_it_has_the_kinetic_energy_of_the_bodies(case: Case) -> None:
     """T = v.M v/2 = Eqs. 12-14 with Appendix 3 = the sum over rigid bodies."""
     pose, v, _ = case.states()
-    matrix = mass_matrix(case.design, pose, case.assembly)
+    matrix = mass_matrix(case.design, pose)
     from_matrix = np.einsum("ni,nij,nj->n", v, matrix, v) / 2
-    term_by_term = kinetic_energy(case.design, pose, v, case.assembly)
+    term_by_term = kinetic_energy(case.design, pose, v)
     np.testing.assert_allclose(from_matrix, term_by_term, rtol=1e-12)
-    exact = oracle.kinetic(case.design, pose, v, case.assembly)
+    exact = oracle.kinetic(case.design, pose, v)
     np.testing.assert_allclose(from_matrix, exact, rtol=1e-12)
 
 
@@ -69,10 +70,10 @@ def test_it_has_the_kinetic_energy_of_the_bodies(case: Case) -> None:
 def test_its_entries_are_second_differences_of_the_energy(case: Case) -> None:
     """T is a polynomial of second degree in the speeds, so that large steps are exact."""
     pose = case.poses()
-    matrix = mass_matrix(case.design, pose, case.assembly)
+    matrix = mass_matrix(case.design, pose)
 
     def energy(v: Any) -> Any:
-        return kinetic_energy(case.design, pose, v, case.assembly)
+        return kinetic_energy(case.design, pose, v)
 
     e = np.eye(4)
     for i in range(4):
@@ -86,10 +87,10 @@ def test_its_entries_are_second_differences_of_the_energy(case: Case) -> None:
 def test_the_inertial_torque_is_the_matrix_times_the_acceleration(case: Case) -> None:
     """G^T Q_inertial = M a, and of the speeds G^T Q_velocity = M' v - grad T."""
     pose, v, a = case.states()
-    parts = torque_breakdown(case.design, pose, v, a, case.assembly)
+    parts = torque_breakdown(case.design, pose, v, a)
     g = inverse_jacobian(case.geometry, pose)
     forces = np.einsum("nji,nj->ni", g, parts.inertial)
-    matrix = mass_matrix(case.design, pose, case.assembly)
+    matrix = mass_matrix(case.design, pose)
     assert_close(forces, np.einsum("nij,nj->ni", matrix, a), 1e-11)
 
     h = 1e-4
@@ -97,14 +98,9 @@ def test_the_inertial_torque_is_the_matrix_times_the_acceleration(case: Case) ->
     def slope(f: Any) -> Any:
         return (8 * (f(h) - f(-h)) - f(2 * h) + f(-2 * h)) / (12 * h)
 
-    momentum = slope(
-        lambda t: np.einsum("nij,nj->ni", mass_matrix(case.design, pose + t * v, case.assembly), v)
-    )
+    momentum = slope(lambda t: np.einsum("nij,nj->ni", mass_matrix(case.design, pose + t * v), v))
     gradient = np.stack(
-        [
-            slope(lambda t, e=e: kinetic_energy(case.design, pose + t * e, v, case.assembly))
-            for e in np.eye(4)
-        ],
+        [slope(lambda t, e=e: kinetic_energy(case.design, pose + t * e, v)) for e in np.eye(4)],
         axis=-1,
     )
     forces = np.einsum("nji,nj->ni", g, parts.velocity)
@@ -118,42 +114,42 @@ def test_forward_dynamics_is_its_inverse_times_the_forces(case: Case) -> None:
     pose, v, _ = case.states()
     rng = np.random.default_rng(case.seed)
     push = rng.normal(size=pose.shape)
-    bias = inverse_dynamics(case.design, pose, v, np.zeros(4), case.assembly).torque
-    a = forward_dynamics(case.design, pose, v, bias + push, case.assembly)
+    bias = inverse_dynamics(case.design, pose, v, np.zeros(4)).torque
+    a = forward_dynamics(case.design, pose, v, bias + push)
     forces = np.einsum("nji,nj->ni", inverse_jacobian(case.geometry, pose), push)
-    matrix = mass_matrix(case.design, pose, case.assembly)
+    matrix = mass_matrix(case.design, pose)
     assert_close(a, np.linalg.solve(matrix, forces[..., None])[..., 0], 1e-9)
 
 
 @pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
 @BOTH
 def test_with_misprints_it_is_the_second_degree_of_the_printed_energy(
-    misprints: Misprint, assembly: KneeBranch
+    misprints: Misprint, knee: KneeBranch
 ) -> None:
     """Eq. 13's Z' is linear and has no place in a mass matrix; everything else has."""
     v = np.array([0.3, -0.2, 0.8, 0.1])
     rates = inverse_jacobian(APPENDIX_4.geometry, BY_HAND) @ v
-    actuators = inverse_kinematics(APPENDIX_4.geometry, BY_HAND, assembly).actuators
+    actuators = inverse_kinematics(with_knee(APPENDIX_4.geometry, knee), BY_HAND).actuators
     q = list(np.concatenate([BY_HAND, actuators], -1).T)
     qdot = np.concatenate([np.broadcast_to(v, (3, 4)), rates], -1)
-    typed = paper.kinetic(APPENDIX_4, q, list(qdot.T), assembly, misprints)
-    term_by_term = kinetic_energy(APPENDIX_4, BY_HAND, v, assembly, misprints)
+    typed = paper.kinetic(with_knee(APPENDIX_4, knee), q, list(qdot.T), misprints)
+    term_by_term = kinetic_energy(with_knee(APPENDIX_4, knee), BY_HAND, v, misprints)
     np.testing.assert_allclose(term_by_term, typed, rtol=1e-12)
     linear = 0.0
     if Misprint.EQ13_LIFT_SPEED in misprints:
         linear = 3 * APPENDIX_4.links.b1 / 8 * rates[:, 3]
-    matrix = mass_matrix(APPENDIX_4, BY_HAND, assembly, misprints)
+    matrix = mass_matrix(with_knee(APPENDIX_4, knee), BY_HAND, misprints)
     np.testing.assert_allclose(v @ matrix @ v / 2 + linear, typed, rtol=1e-12)
 
 
 @BOTH
-def test_out_of_reach_there_is_no_acceleration(assembly: KneeBranch) -> None:
+def test_out_of_reach_there_is_no_acceleration(knee: KneeBranch) -> None:
     pose = np.array([[0.0, 0.0, 0.0, -1.2], BY_HAND[1], [0.0, np.nan, 0.0, -0.5]])
-    assert np.isnan(mass_matrix(APPENDIX_4, pose, assembly)[[0, 2]]).all()
-    a = forward_dynamics(APPENDIX_4, pose, np.zeros(4), np.zeros(4), assembly)
+    assert np.isnan(mass_matrix(with_knee(APPENDIX_4, knee), pose)[[0, 2]]).all()
+    a = forward_dynamics(with_knee(APPENDIX_4, knee), pose, np.zeros(4), np.zeros(4))
     assert np.isnan(a[[0, 2]]).all()
     assert np.isfinite(a[1]).all()
-    status = inverse_dynamics(APPENDIX_4, pose, np.zeros(4), np.zeros(4), assembly).status
+    status = inverse_dynamics(with_knee(APPENDIX_4, knee), pose, np.zeros(4), np.zeros(4)).status
     assert status.tolist() == [Limit.STRETCHED, Limit.OK, Limit.NOT_FINITE]
 
 

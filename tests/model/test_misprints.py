@@ -1,7 +1,7 @@
 """What each misprint of the paper does, and that correcting all of them is what it takes.
 
 The move: 1 s along a quintic, over 0.225 m with a peak acceleration of 1.3 m/s^2 and turned by
-0.6 rad, by the robot of Appendix 4 in the paper's assembly. Its dynamic part (what the torques are
+0.6 rad, by the robot of Appendix 4 in the paper's knee. Its dynamic part (what the torques are
 above holding the weight) is up to 0.84, 2.36 and 1.75 N m on M1..M3 and 9.8 N on M4.
 
 The misprints of Appendix 1 (indices) and Appendix 4 (kg/m^2) are looked at in `test_appendix_1` and
@@ -28,6 +28,7 @@ from paminsa_viz.model import (
 )
 from tests import oracle
 from tests.model.cases import BOTH, Case, assert_close, cases
+from tests.samples import with_knee
 
 START = np.array([-0.09, -0.045, -0.3, -0.62])
 END = np.array([0.09, 0.045, 0.3, -0.52])
@@ -70,19 +71,19 @@ ALONE = {
     Misprint.EQ14_PHI_SPEED: (0.0412, 0.2323, 0.1776, 0.4503),
     Misprint.EQ14_SINE_SIGNS: (0.0223, 0.0526, 0.0246, 0.0768),
 }
-"""Measured once against the oracle, to four decimals; both tables in the paper's assembly."""
+"""Measured once against the oracle, to four decimals; both tables in the paper's knee."""
 
 
 @cache
-def exact(assembly: KneeBranch) -> Any:
+def exact(knee: KneeBranch) -> Any:
     """The torques of the move from first principles, (n, 4)."""
-    return oracle.inverse_dynamics(APPENDIX_4, *STATES, assembly)
+    return oracle.inverse_dynamics(with_knee(APPENDIX_4, knee), *STATES)
 
 
-def disagreement(misprints: Misprint, assembly: KneeBranch = KneeBranch.LOWER) -> Any:
+def disagreement(misprints: Misprint, knee: KneeBranch = KneeBranch.LOWER) -> Any:
     """Largest error on each actuator during the move, (4,) [N m, N]."""
-    torque = inverse_dynamics(APPENDIX_4, *STATES, assembly, misprints).torque
-    return np.abs(torque - exact(assembly)).max(axis=0)
+    torque = inverse_dynamics(with_knee(APPENDIX_4, knee), *STATES, misprints).torque
+    return np.abs(torque - exact(knee)).max(axis=0)
 
 
 def test_the_move_is_the_one_stated() -> None:
@@ -117,11 +118,11 @@ def test_each_alone(misprint: Misprint) -> None:
 
 
 @BOTH
-def test_only_without_any_misprint_is_the_model_right(assembly: KneeBranch) -> None:
+def test_only_without_any_misprint_is_the_model_right(knee: KneeBranch) -> None:
     """All 31 ways to leave some in."""
     for value in range(1, Misprint.ALL.value + 1):
-        assert disagreement(Misprint(value), assembly).max() > 1e-3
-    assert disagreement(Misprint.NONE, assembly).max() < 1e-12
+        assert disagreement(Misprint(value), knee).max() > 1e-3
+    assert disagreement(Misprint.NONE, knee).max() < 1e-12
 
 
 def test_m_c4_and_eq_14_together_are_a_tenth_of_the_dynamic_torque() -> None:
@@ -135,11 +136,13 @@ def test_m_c4_and_eq_14_together_are_a_tenth_of_the_dynamic_torque() -> None:
 
 
 @BOTH
-def test_standing_still_no_misprint_matters(assembly: KneeBranch) -> None:
+def test_standing_still_no_misprint_matters(knee: KneeBranch) -> None:
     still = np.zeros(4)
-    right = inverse_dynamics(APPENDIX_4, STATES[0], still, still, assembly).torque
+    right = inverse_dynamics(with_knee(APPENDIX_4, knee), STATES[0], still, still).torque
     for misprint in (*TABLE, Misprint.ALL):
-        printed = inverse_dynamics(APPENDIX_4, STATES[0], still, still, assembly, misprint).torque
+        printed = inverse_dynamics(
+            with_knee(APPENDIX_4, knee), STATES[0], still, still, misprint
+        ).torque
         np.testing.assert_array_equal(printed, right)
 
 
@@ -147,11 +150,11 @@ def test_standing_still_no_misprint_matters(assembly: KneeBranch) -> None:
 def test_the_kinetic_energy_is_right_only_without_misprints(case: Case) -> None:
     """Of random robots in random motion, against the sum over rigid bodies."""
     pose, v, _ = case.states()
-    energy = oracle.kinetic(case.design, pose, v, case.assembly)
-    right = kinetic_energy(case.design, pose, v, case.assembly)
+    energy = oracle.kinetic(case.design, pose, v)
+    right = kinetic_energy(case.design, pose, v)
     assert_close(right, energy, 1e-12)
     for value in range(1, Misprint.ALL.value + 1):
-        printed = kinetic_energy(case.design, pose, v, case.assembly, Misprint(value))
+        printed = kinetic_energy(case.design, pose, v, Misprint(value))
         assert np.abs(printed / energy - 1).max() > 1e-6
 
 

@@ -13,6 +13,7 @@ from paminsa_viz.model.kinematics import LEG_AXES, wrap
 from paminsa_viz.model.leg import leg_motion, leg_position, mechanism
 from tests import oracle
 from tests.model.cases import BOTH, BY_HAND, Case, assert_within, cases
+from tests.samples import with_knee
 
 JOINTS = (2, 3, 4, 5, 7, 8, 9)
 
@@ -21,18 +22,16 @@ def largest(*arrays: Any) -> float:
     return max(float(np.abs(a).max()) for a in arrays)
 
 
-def joint_jets(design: Design, pose: Any, v: Any, a: Any, assembly: KneeBranch) -> list[Any]:
-    return [
-        oracle.leg(design, oracle.jets(pose, v, a), index, assembly).points for index in range(3)
-    ]
+def joint_jets(design: Design, pose: Any, v: Any, a: Any) -> list[Any]:
+    return [oracle.leg(design, oracle.jets(pose, v, a), index).points for index in range(3)]
 
 
 @given(case=cases())
 def test_joints_move_as_first_principles_say(case: Case) -> None:
     """Exact derivatives of the oracle's joint points along the motion."""
     pose, v, a = case.states()
-    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
-    legs = joint_jets(case.design, pose, v, a, case.assembly)
+    motion = joint_rates(case.geometry, pose, v, a)
+    legs = joint_jets(case.design, pose, v, a)
     for number in JOINTS:
         for index, points in enumerate(legs):
             for ours, of in ((motion.velocity, oracle.rate), (motion.acceleration, oracle.second)):
@@ -45,10 +44,10 @@ def test_joints_move_as_first_principles_say(case: Case) -> None:
 def test_bars_turn_as_first_principles_say(case: Case) -> None:
     """psi' and phi' from the directions of B4 and B8; the leg plane from its heading."""
     pose, v, a = case.states()
-    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
+    motion = joint_rates(case.geometry, pose, v, a)
     q = oracle.jets(pose, v, a)
     for index in range(3):
-        leg = oracle.leg(case.design, q, index, case.assembly)
+        leg = oracle.leg(case.design, q, index)
         h = leg.heading
         spin = oracle.cross(oracle.value(h), oracle.rate(h))[2]
         growth = oracle.cross(oracle.value(h), oracle.second(h))[2]
@@ -65,7 +64,7 @@ def test_bars_turn_as_first_principles_say(case: Case) -> None:
             # cos and sin of an angle: c s'' - s c'' = angle''
             exact = along.a * up.second - up.a * along.second
             assert_within(second[:, index], exact, 1e-10 * largest(exact, spin * spin))
-    top = oracle.leg(case.design, q, 0, case.assembly).points[2][2]
+    top = oracle.leg(case.design, q, 0).points[2][2]
     assert_within(motion.actuators_velocity[:, 3], top.rate, 1e-13)
     assert_within(motion.actuators_acceleration[:, 3], top.second, 1e-12)
 
@@ -82,11 +81,11 @@ def differences(f: Callable[[float], Any], h: float = 5e-4) -> tuple[Any, Any]:
 def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
     """Nothing but `inverse_kinematics` itself, a little before and after."""
     pose, v, a = case.states()
-    motion = joint_rates(case.geometry, pose, v, a, case.assembly)
-    now = inverse_kinematics(case.geometry, pose, case.assembly)
+    motion = joint_rates(case.geometry, pose, v, a)
+    now = inverse_kinematics(case.geometry, pose)
 
     def at(t: float, of: Callable[[Any], Any]) -> Any:
-        return of(inverse_kinematics(case.geometry, pose + v * t + a * t * t / 2, case.assembly))
+        return of(inverse_kinematics(case.geometry, pose + v * t + a * t * t / 2))
 
     def check(of: Callable[[Any], Any], rate: Any, second: Any) -> None:
         first, twice = differences(lambda t: at(t, of))
@@ -110,7 +109,7 @@ def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
 def test_the_formulae_carry_complex_steps(case: Case) -> None:
     """`leg_position` on complex numbers differentiates itself, to rounding."""
     pose, v, a = case.states()
-    m, step = mechanism(case.geometry, case.assembly), 1e-30
+    m, step = mechanism(case.geometry), 1e-30
 
     def leg(p: Any) -> Any:
         x, y, theta, z = np.moveaxis(p, -1, 0)[..., None]
@@ -139,14 +138,14 @@ def test_the_formulae_carry_complex_steps(case: Case) -> None:
 
 
 @BOTH
-def test_a_robot_at_rest_does_not_move(assembly: KneeBranch) -> None:
+def test_a_robot_at_rest_does_not_move(knee: KneeBranch) -> None:
     still = np.zeros(4)
-    motion = joint_rates(APPENDIX_4.geometry, BY_HAND, still, still, assembly)
+    motion = joint_rates(with_knee(APPENDIX_4.geometry, knee), BY_HAND, still, still)
     for points in (*motion.velocity.values(), *motion.acceleration.values()):
         np.testing.assert_array_equal(points, np.zeros((3, 3, 3)))
     np.testing.assert_array_equal(motion.actuators_velocity, np.zeros((3, 4)))
     np.testing.assert_array_equal(motion.configuration.pose, BY_HAND)
-    assert motion.configuration.assembly is assembly
+    assert motion.configuration.geometry.knee is knee
 
 
 def test_the_lift_copies_the_height_divided_by_k() -> None:

@@ -180,7 +180,7 @@ def test_the_bars_close_exactly_where_reach_says_so(case: Case) -> None:
     """By the triangle inequality, and by whether the configuration has a knee."""
     g, pose = case.geometry, wide_poses(case)
     margins = check_reach(g, pose).margins
-    knee = inverse_kinematics(g, pose, case.assembly).points[9]
+    knee = inverse_kinematics(g, pose).points[9]
     clear = np.abs(margins[..., :2]).min(axis=-1) > 1e-9
     closes = (margins[..., :2] > 0).all(axis=-1)
     np.testing.assert_array_equal(np.isfinite(knee).all(axis=-1)[clear], closes[clear])

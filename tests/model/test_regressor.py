@@ -27,22 +27,23 @@ from paminsa_viz.model import regressor as module
 from paminsa_viz.model.regressor import regressor_torques
 from tests import samples
 from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
+from tests.samples import with_knee
 
 
 @given(case=cases(), flags=st.integers(0, Misprint.ALL.value).map(Misprint))
 def test_both_routes_agree_with_any_of_the_misprints(case: Case, flags: Misprint) -> None:
     """Jourdain's principle against Lagrange's multipliers."""
     states, gravity = case.states(), case.design.gravity
-    y = torque_regressor(case.geometry, *states, case.assembly, gravity=gravity, misprints=flags)
+    y = torque_regressor(case.geometry, *states, gravity=gravity, misprints=flags)
     assert y.shape == (8, 4, 18)
     torque = y @ lumped_coefficients(case.design, flags)
-    expected = inverse_dynamics(case.design, *states, case.assembly, flags).torque
+    expected = inverse_dynamics(case.design, *states, flags).torque
     assert_close(torque, expected, 1e-11)
 
 
 @given(case=cases())
 def test_the_route_agrees_with_first_principles(case: Case) -> None:
-    y = torque_regressor(case.geometry, *case.states(), case.assembly, gravity=case.design.gravity)
+    y = torque_regressor(case.geometry, *case.states(), gravity=case.design.gravity)
     assert_close(y @ lumped_coefficients(case.design), case.driving_torques(), 1e-11)
 
 
@@ -50,35 +51,35 @@ def test_the_route_agrees_with_first_principles(case: Case) -> None:
 def test_one_regressor_serves_all_masses(case: Case, other: int) -> None:
     """Another robot's masses on the same trajectory: one product, and no new Y."""
     states = case.states()
-    y = torque_regressor(case.geometry, *states, case.assembly, gravity=case.design.gravity)
+    y = torque_regressor(case.geometry, *states, gravity=case.design.gravity)
     masses = samples.random_design(np.random.default_rng(other))
     design = replace(masses, geometry=case.geometry, gravity=case.design.gravity)
     c = lumped_matrix(case.geometry, design.gravity) @ mass_vector(design)
     torque = regressor_torques(y, c)
     assert_close(torque, y @ c, 1e-13)
-    expected = inverse_dynamics(design, *states, case.assembly).torque
+    expected = inverse_dynamics(design, *states).torque
     assert_close(torque, expected, 1e-11)
 
 
 @BOTH
-def test_at_rest_its_columns_are_the_static_maps(assembly: KneeBranch) -> None:
+def test_at_rest_its_columns_are_the_static_maps(knee: KneeBranch) -> None:
     still = np.zeros(4)
-    y = torque_regressor(APPENDIX_4.geometry, BY_HAND, still, still, assembly)
+    y = torque_regressor(with_knee(APPENDIX_4.geometry, knee), BY_HAND, still, still)
     named = dict(zip(COEFFICIENTS, np.moveaxis(y, -1, 0), strict=True))
     lift = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (3, 4))
     assert_within(named["Mp1"], 9 * lift, 1e-14)  # 3 legs times k
     assert_within(named["Mp3"], 3 * lift, 1e-14)
-    assert_within(named["Mp2"], unit_torques(APPENDIX_4.geometry, BY_HAND, assembly), 1e-13)
+    assert_within(named["Mp2"], unit_torques(with_knee(APPENDIX_4.geometry, knee), BY_HAND), 1e-13)
     assert_within(named["m_pl"], 9.81 * 3 * lift, 1e-13)
     for name in (*(f"Mc{i}" for i in range(1, 14)), "I_pl"):
         np.testing.assert_array_equal(named[name], 0.0)
 
 
 @BOTH
-def test_gravity_enters_through_the_platforms_mass_alone(assembly: KneeBranch) -> None:
+def test_gravity_enters_through_the_platforms_mass_alone(knee: KneeBranch) -> None:
     v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
     heavy, light = (
-        torque_regressor(APPENDIX_4.geometry, BY_HAND, v, a, assembly, gravity=g)
+        torque_regressor(with_knee(APPENDIX_4.geometry, knee), BY_HAND, v, a, gravity=g)
         for g in (9.81, 1.62)
     )
     change = heavy - light

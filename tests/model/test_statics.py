@@ -24,6 +24,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests import oracle
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_close, assert_within, cases
+from tests.samples import with_knee
 
 BODIES = tuple(p.path for p in PARAMETERS if p.group in ("joints", "links"))
 
@@ -37,7 +38,7 @@ def massless(design: Design, **changes: float) -> Design:
 @given(case=cases())
 def test_static_torques_are_those_of_first_principles(case: Case) -> None:
     for natural in (False, True):
-        got = static_torques(case.design, case.poses(natural=natural), case.assembly)
+        got = static_torques(case.design, case.poses(natural=natural))
         assert_close(got, case.static_torques(natural=natural), 1e-11)
 
 
@@ -45,21 +46,18 @@ def test_static_torques_are_those_of_first_principles(case: Case) -> None:
 def test_static_torques_are_the_slope_of_the_potential_energy(case: Case) -> None:
     """G^T Q = dV/d(x, y, theta, z): complex steps through the oracle, differences through ours."""
     pose, step = case.poses(), 1e-30
-    torque = static_torques(case.design, pose, case.assembly)
+    torque = static_torques(case.design, pose)
     g = inverse_jacobian(case.geometry, pose)
     forces = np.einsum("nji,nj->ni", g, torque)
     exact = np.stack(
-        [
-            oracle.potential(case.design, pose + 1j * step * e, case.assembly).imag / step
-            for e in np.eye(4)
-        ],
+        [oracle.potential(case.design, pose + 1j * step * e).imag / step for e in np.eye(4)],
         axis=-1,
     )
     assert_close(forces, exact, 1e-11)
     h = 1e-4
 
     def potential(n: int, e: Any) -> Any:
-        return potential_energy(case.design, pose + n * h * e, case.assembly)
+        return potential_energy(case.design, pose + n * h * e)
 
     slope = np.stack(
         [
@@ -76,7 +74,7 @@ def test_static_torques_are_the_slope_of_the_potential_energy(case: Case) -> Non
 def test_torques_of_m1_to_m3_are_one_number_times_a_map_of_the_geometry(case: Case) -> None:
     """Q_j = M_p2 Gamma_j, and F_4 the same plus a constant; Gamma knows no mass."""
     pose, design = case.poses(), case.design
-    gamma = unit_torques(case.geometry, pose, case.assembly)
+    gamma = unit_torques(case.geometry, pose)
     k, g = case.geometry.magnification, design.gravity
     m, mb = design.joints, design.links
     mp1 = m.j5 + (m.j2 + m.j3 + m.j4 + m.j7) / k + mb.b4 / 2 + (mb.b1 + mb.b7) / (2 * k)
@@ -87,22 +85,22 @@ def test_torques_of_m1_to_m3_are_one_number_times_a_map_of_the_geometry(case: Ca
     constant = g * (k * (carried + 3 * mp1) + 3 * mb.b1 / 2)
     assert lift_constant(design) == pytest.approx(constant, rel=1e-13)
     expected = g * mp2 * gamma + np.array([0.0, 0.0, 0.0, constant])
-    assert_close(static_torques(design, pose, case.assembly), expected, 1e-13)
+    assert_close(static_torques(design, pose), expected, 1e-13)
     # Gamma is the torque of a robot that has only a knee of 1 N
     knee = massless(design, joints__j9=1 / g)
-    assert_close(gamma, oracle.static_torques(knee, pose, case.assembly), 1e-11)
+    assert_close(gamma, oracle.static_torques(knee, pose), 1e-11)
 
 
 @given(case=cases(), scale=st.floats(0.01, 100.0))
 def test_gamma_scales_the_map(case: Case, scale: float) -> None:
     """All masses times a factor, and gravity times a factor, do the same to all torques."""
     pose, design = case.poses(), case.design
-    torque = static_torques(design, pose, case.assembly)
+    torque = static_torques(design, pose)
     heavier = design.vary({path: scale * design.value(path) for path in MASS_PATHS})
-    assert_close(static_torques(heavier, pose, case.assembly), scale * torque, 1e-12)
+    assert_close(static_torques(heavier, pose), scale * torque, 1e-12)
     elsewhere = design.vary({"gravity": scale * design.gravity})
-    assert_close(static_torques(elsewhere, pose, case.assembly), scale * torque, 1e-12)
-    floating = static_torques(design.vary({"gravity": 0.0}), pose, case.assembly)
+    assert_close(static_torques(elsewhere, pose), scale * torque, 1e-12)
+    floating = static_torques(design.vary({"gravity": 0.0}), pose)
     np.testing.assert_array_equal(floating, 0.0)
 
 
@@ -110,15 +108,15 @@ def test_gamma_scales_the_map(case: Case, scale: float) -> None:
 def test_platform_and_payload_ask_nothing_of_m1_to_m3(case: Case, mass: float) -> None:
     """Eq. 4, to the last bit; M4 carries k times their weight."""
     pose = case.poses()
-    light = static_torques(case.design, pose, case.assembly)
+    light = static_torques(case.design, pose)
     k, g = case.geometry.magnification, case.design.gravity
     for path in ("platform.mass", "payload.mass"):
         heavy = case.design.vary({path: case.design.value(path) + mass})
-        torque = static_torques(heavy, pose, case.assembly)
+        torque = static_torques(heavy, pose)
         np.testing.assert_array_equal(torque[:, :3], light[:, :3])
         assert_within(torque[:, 3] - light[:, 3], np.full(8, k * g * mass), 1e-10 * (1 + mass))
     alone = massless(case.design, payload__mass=mass)
-    np.testing.assert_array_equal(static_torques(alone, pose, case.assembly)[:, :3], 0.0)
+    np.testing.assert_array_equal(static_torques(alone, pose)[:, :3], 0.0)
 
 
 @given(case=cases())
@@ -127,8 +125,8 @@ def test_the_mirror_image_has_the_opposite_torques(case: Case) -> None:
     pose = case.poses()
     mirrored = pose.copy()
     mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
-    one = unit_torques(case.geometry, pose, case.assembly)
-    two = unit_torques(case.geometry, mirrored, OTHER[case.assembly])
+    one = unit_torques(case.geometry, pose)
+    two = unit_torques(with_knee(case.geometry, OTHER[case.knee]), mirrored)
     assert_within(two, one * [-1, -1, -1, 1], 1e-12 * np.abs(one).max())
 
 
@@ -139,8 +137,8 @@ def test_a_third_of_a_turn_renames_the_actuators(case: Case, turns: int) -> None
     c, s = np.cos(angle), np.sin(angle)
     turned = pose.copy()
     turned[:, :2] = pose[:, :2] @ np.array([[c, s], [-s, c]])
-    one = static_torques(case.design, pose, case.assembly)
-    two = static_torques(case.design, turned, case.assembly)
+    one = static_torques(case.design, pose)
+    two = static_torques(case.design, turned)
     renamed = np.concatenate([np.roll(one[:, :3], turns, axis=1), one[:, 3:]], -1)
     assert_close(two, renamed, 1e-11)
 
@@ -148,10 +146,10 @@ def test_a_third_of_a_turn_renames_the_actuators(case: Case, turns: int) -> None
 @given(case=cases())
 def test_the_parts_add_up(case: Case) -> None:
     pose = case.poses()
-    parts = static_breakdown(case.design, pose, case.assembly)
+    parts = static_breakdown(case.design, pose)
     assert parts.names == BODIES
     assert parts.per_leg.shape == (8, 4, 3, 14)
-    total = static_torques(case.design, pose, case.assembly)
+    total = static_torques(case.design, pose)
     assert_close(parts.total, total, 1e-11)
     added = parts.per_leg.sum(axis=(-2, -1)) + parts.platform + parts.payload
     np.testing.assert_array_equal(parts.total, added)
@@ -167,11 +165,11 @@ def test_the_parts_add_up(case: Case) -> None:
 def test_each_part_is_the_torque_of_that_body_alone(case: Case) -> None:
     """Q_ikj of Eq. 1: the oracle with one mass in all legs."""
     pose = case.poses(4)
-    parts = static_breakdown(case.design, pose, case.assembly)
-    size = np.abs(static_torques(case.design, pose, case.assembly)).max()
+    parts = static_breakdown(case.design, pose)
+    size = np.abs(static_torques(case.design, pose)).max()
     for number, path in enumerate(BODIES):
         alone = massless(case.design, **{path.replace(".", "__"): case.design.value(path)})
-        expected = oracle.static_torques(alone, pose, case.assembly)
+        expected = oracle.static_torques(alone, pose)
         assert_within(parts.per_leg[..., number].sum(axis=-1), expected, 1e-11 * size)
 
 
@@ -180,12 +178,12 @@ def test_each_part_is_the_torque_of_that_body_alone(case: Case) -> None:
 def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
     """m g dz/dq_j of one body of one leg, through the oracle's places of the mass centers."""
     pose, step = case.poses(4), 1e-30
-    parts = static_breakdown(case.design, pose, case.assembly)
-    size = np.abs(static_torques(case.design, pose, case.assembly)).max()
+    parts = static_breakdown(case.design, pose)
+    size = np.abs(static_torques(case.design, pose)).max()
     inverse = np.linalg.inv(oracle.actuator_jacobian(case.design, pose))
     slopes = {}
     for j, e in enumerate(np.eye(4)):
-        moved = oracle.bodies(case.design, oracle.split(pose + 1j * step * e), case.assembly)
+        moved = oracle.bodies(case.design, oracle.split(pose + 1j * step * e))
         for body in moved:
             height = np.broadcast_to(body.center[2], len(pose))
             slopes[body.name, j] = body.mass * case.design.gravity * height.imag / step
@@ -199,9 +197,9 @@ def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
 
 
 @BOTH
-def test_bodies_that_stay_at_their_height_ask_for_nothing(assembly: KneeBranch) -> None:
+def test_bodies_that_stay_at_their_height_ask_for_nothing(knee: KneeBranch) -> None:
     """Joint 8 and the guide link only turn and slide in their plane."""
-    parts = static_breakdown(APPENDIX_4, BY_HAND, assembly)
+    parts = static_breakdown(with_knee(APPENDIX_4, knee), BY_HAND)
     for path in ("joints.j8", "links.b10"):
         np.testing.assert_array_equal(parts.per_leg[..., parts.names.index(path)], 0.0)
     # what stands on the leg axis is lifted by M4 alone

@@ -25,6 +25,7 @@ from paminsa_viz.model import (
     sweep_blocks,
 )
 from tests.model.cases import BOTH, Case, cases
+from tests.samples import with_knee
 
 ALL = tuple(Quantity)
 AXES = {
@@ -36,9 +37,9 @@ AXES = {
 FIXED = (0.0, 0.0, 0.0, -0.5)
 
 
-def pointwise(case_design: Any, pose: Any, assembly: Any) -> tuple[Any, dict[Quantity, Any]]:
+def pointwise(case_design: Any, pose: Any) -> tuple[Any, dict[Quantity, Any]]:
     """Status and every quantity at every pose, from the pointwise functions."""
-    torque = static_torques(case_design, pose, assembly)
+    torque = static_torques(case_design, pose)
     reach = check_reach(case_design.geometry, pose)
     measured = measure_singularity(case_design.geometry, pose)
     return reach.status, {
@@ -63,16 +64,16 @@ def pointwise(case_design: Any, pose: Any, assembly: Any) -> tuple[Any, dict[Qua
 def test_the_summary_is_that_of_numpy(
     case: Case, names: tuple[str, ...], block: int, threads: int | None
 ) -> None:
-    design, assembly = case.design, case.assembly
+    design = case.design
     size = design.geometry.base_radius / 0.35
     scale = {"x": size, "y": size, "theta": 1.0, "z": design.geometry.coupler_length / 0.6}
     fixed = np.array(FIXED) * [1, 1, 1, scale["z"]]
     # a little off, so that no pose is exactly symmetrical and no two values tie
     axes = {name: (AXES[name][:4] + 0.00123 * (1 + len(name))) * scale[name] for name in names}
     grid = Grid.over(fixed, **axes)
-    summary = sweep(design, grid, ALL, assembly, block=block, threads=threads)
+    summary = sweep(design, grid, ALL, block=block, threads=threads)
     pose = grid.poses().reshape(-1, 4)
-    status, quantities = pointwise(design, pose, assembly)
+    status, quantities = pointwise(design, pose)
     assert summary.poses == len(pose) == grid.size
     assert list(summary.counts) == list(Limit)
     for limit in Limit:
@@ -95,22 +96,22 @@ def test_the_summary_is_that_of_numpy(
         assert summary.rms[quantity] == pytest.approx(rms, rel=rough, abs=spread)
         place = np.array(summary.largest_at[quantity])
         assert (np.abs(pose[ok] - place).max(axis=-1) == 0).sum() == 1
-        there = pointwise(design, place[None], assembly)[1][quantity][0]
+        there = pointwise(design, place[None])[1][quantity][0]
         assert there == pytest.approx(largest, rel=rough, abs=spread)
 
 
 @BOTH
 @pytest.mark.parametrize("block", [1, 7, 56, 300, 10**6])
-def test_blocks_make_up_the_grid(assembly: Any, block: int) -> None:
+def test_blocks_make_up_the_grid(knee: Any, block: int) -> None:
     grid = Grid.over(FIXED, theta=AXES["theta"], z=AXES["z"], x=AXES["x"])
     whole = np.full((len(ALL), *grid.shape), -1.0)
     status = np.full(grid.shape, 99)
-    for index, field, values in sweep_blocks(APPENDIX_4, grid, ALL, assembly, block=block):
+    for index, field, values in sweep_blocks(with_knee(APPENDIX_4, knee), grid, ALL, block=block):
         assert field.status.size <= block
         status[index] = field.status
         for number, quantity in enumerate(ALL):
             whole[(number, *index)] = values[quantity]
-    expected, quantities = pointwise(APPENDIX_4, grid.poses().reshape(-1, 4), assembly)
+    expected, quantities = pointwise(with_knee(APPENDIX_4, knee), grid.poses().reshape(-1, 4))
     np.testing.assert_array_equal(status.ravel(), expected)
     for number, quantity in enumerate(ALL):
         np.testing.assert_allclose(

@@ -8,13 +8,15 @@ import numpy as np
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, Quantity, solve_field, xy_grid
+from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.from_model import TORQUES, map_data
-from paminsa_viz.plots.maps import MapData, Provenance
+from paminsa_viz.plots.map_data import TORQUES, MapData, Provenance, map_data
 from paminsa_viz.plots.scale import Scale
 
-SOURCE = Provenance("Sample", "printed", "0.0.1", (("M", 1.25, "N"),), (("links.b3 [kg]", 0.4),))
+SOURCE = Provenance(
+    "Sample", KneeBranch.LOWER, "0.0.1", (("M", 1.25, "N"),), (("links.b3 [kg]", 0.4),)
+)
 
 
 def made_up(nx: int = 31, ny: int = 27, panels: int = 3, **changes: Any) -> MapData:

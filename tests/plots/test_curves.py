@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from matplotlib.transforms import Bbox
 from PIL import Image
 
-from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, KneeBranch, Misprint
+from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, Misprint
 from paminsa_viz.plots.curves import KINDS, OtherTorques, curve_data, figure_bytes
 from paminsa_viz.plots.curves_axes import value_scale
 from paminsa_viz.plots.curves_data import Panel, Trace, extremes
@@ -38,7 +38,7 @@ ACROSS = (0.45, 0.05, 0.3, 0.02)
 
 @pytest.fixture(scope="module")
 def motion():
-    return PRESET["paper-like"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200)
+    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(200)
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +121,7 @@ def test_differences_are_against_the_engine_first(analysis, everything) -> None:
 
 
 def test_a_stopped_simulation_ends_where_it_stopped() -> None:
-    circle = PRESET["circle"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(100)
+    circle = PRESET["circle"].build(APPENDIX_4.geometry).sample(100)
     blind = Controller(Control.FEED_FORWARD)
     run = simulate(APPENDIX_4, circle, controller=blind, offset=(0.01, 0.0, 0.02, 0.0))
     assert run.stopped is not None
@@ -244,7 +244,7 @@ def test_another_motion_is_refused(analysis, failing) -> None:
 
 @pytest.mark.parametrize(("field", "changes"), [("width_mm", {"width_mm": 55.0}),
                                                 ("dpi", {"dpi": 5.0}),
-                                                ("kind", {"format": "gif"})])  # fmt: skip
+                                                ("format", {"format": "gif"})])  # fmt: skip
 def test_impossible_files_are_refused(field, changes, analysis) -> None:
     with pytest.raises(InvalidInput) as caught:
         figure_bytes("pose", analysis, **changes)

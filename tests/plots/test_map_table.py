@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.model import APPENDIX_4, Quantity
+from paminsa_viz.plots.map_data import MapData, difference
 from paminsa_viz.plots.map_table import map_table, value_columns
-from paminsa_viz.plots.maps import MapData, difference
 from tests.plots.samples import SOURCE, made_up, real
 
 COLUMNS = ["x_m", "y_m", "theta_rad", "z_m", "tau1_Nm", "tau2_Nm", "tau3_Nm", "status"]

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Quantity
-from paminsa_viz.plots.ranges import NEGLIGIBLE, choose_scales, per_panel, robust_range
-from paminsa_viz.plots.scale import InvalidScale, Scale, ScaleChoice
+from paminsa_viz.plots.ranges import NEGLIGIBLE, ScaleChoice, choose_scales, per_panel, robust_range
+from paminsa_viz.plots.scale import InvalidScale, Scale
 from tests.plots.samples import made_up, real
 
 seeds = st.integers(0, 2**32 - 1)

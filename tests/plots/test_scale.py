@@ -10,10 +10,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model.errors import PaminsaError
-from paminsa_viz.palette import INK
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import colors
-from paminsa_viz.plots.paper_bar import matplotlib_colors
-from paminsa_viz.plots.scale import InvalidScale, Scale, ScaleChoice
+from paminsa_viz.plots.ranges import ScaleChoice
+from paminsa_viz.plots.scale import (
+    OVER,
+    SINGULAR,
+    UNDER,
+    UNREACHED,
+    InvalidScale,
+    Scale,
+    color_codes,
+    map_pixels,
+)
 from tests.plots.samples import scales
 
 NAN, INF = float("nan"), float("inf")
@@ -23,7 +33,7 @@ NAN, INF = float("nan"), float("inf")
 def test_positions_are_those_of_matplotlib_s_norm(scale: Scale, seed: int) -> None:
     span = scale.high - scale.low
     values = np.random.default_rng(seed).uniform(scale.low - span, scale.high + span, 200)
-    norm, _ = matplotlib_colors(scale)
+    norm, _ = scale.matplotlib_colors()
     assert np.allclose(scale.position(values), np.ma.getdata(norm(values)), rtol=0, atol=1e-9)
 
 
@@ -129,3 +139,54 @@ def test_nonsense_is_refused(arguments: tuple[Any, ...]) -> None:
 def test_nonsense_choices_are_refused(choice: dict[str, Any]) -> None:
     with pytest.raises(InvalidScale):
         ScaleChoice(**choice)
+
+
+@given(scales(), st.integers(0, 2**32 - 1))
+def test_pixels_are_those_of_matplotlib(scale: Scale, seed: int) -> None:
+    span = scale.high - scale.low
+    values = np.random.default_rng(seed).uniform(scale.low - span, scale.high + span, (12, 17))
+    values.flat[:2] = scale.low, scale.high
+    norm, table = scale.matplotlib_colors()
+    theirs = table(norm(values))
+    ours = map_pixels(values, None, scale)
+    # Where a value falls on the edge of two colors, rounding may decide either way.
+    where = scale.position(values) * 256
+    sure = np.abs(where - np.round(where)) > 1e-6
+    assert np.abs(ours[sure] / 255 - theirs[sure]).max() <= 0.5 / 255 + 1e-6
+
+
+@given(scales(), st.integers(0, 2**32 - 1))
+def test_masks_stay_masked(scale: Scale, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    values = rng.uniform(scale.low, scale.high, (9, 11))
+    status = rng.integers(0, 7, (9, 11)).astype(np.uint8)
+    values[rng.random((9, 11)) < 0.2] = np.nan
+    cells = color_codes(values, status, scale)
+    singular = (status == Limit.SINGULAR) | ((status == 0) & np.isnan(values))
+    unreached = (status != 0) & (status != Limit.SINGULAR)
+    assert (cells[unreached] == UNREACHED).all()
+    assert (cells[singular] == SINGULAR).all()
+    assert (cells[~unreached & ~singular] <= OVER).all()
+    assert ((map_pixels(values, status, scale)[..., 3] == 0) == unreached).all()
+
+
+def test_values_beyond_the_range_have_their_own_colors() -> None:
+    scale = Scale(-2.0, 2.0)
+    pixels = map_pixels(np.array([[-2.1, -2.0, 2.0, 2.1]]), None, scale)[0, :, :3]
+    under, inside_low, inside_high, over = (tuple(pixel) for pixel in pixels)
+    assert (under, over) == tuple(rgb(color) for color in scale.beyond)
+    assert not {inside_low, inside_high} & {under, over}
+
+
+@given(scales())
+def test_infinite_values_are_beyond_the_range(scale: Scale) -> None:
+    cells = color_codes(np.array([[-np.inf, np.inf]]), None, scale)
+    assert cells.tolist() == [[UNDER, OVER]]
+
+
+def test_row_zero_of_the_pixels_is_the_smallest_y() -> None:
+    values = np.broadcast_to(np.linspace(-1, 1, 27)[:, None], (27, 31))
+    pixels = map_pixels(values, np.zeros((27, 31), np.uint8), Scale(-2.0, 2.0))
+    assert (pixels.shape, pixels.dtype) == ((27, 31, 4), np.uint8)
+    assert pixels[0, 0, 2] > pixels[0, 0, 0]  # negative, blue
+    assert pixels[-1, 0, 0] > pixels[-1, 0, 2]  # positive, red

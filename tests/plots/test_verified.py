@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.engines.verification import verify
-from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
+from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.plots import verified
 from paminsa_viz.plots.verified import engine_torques, verified_curves
 from paminsa_viz.trajectory import Trajectory, analyze, paper_like
@@ -42,7 +42,7 @@ def test_an_engine_is_not_asked_for_hours(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 def test_a_verification_is_drawn_engine_by_engine_then_as_printed() -> None:
-    found = verify(APPENDIX_4, KneeBranch.LOWER, MOTION, poses=5, misprints=())
+    found = verify(APPENDIX_4, MOTION, poses=5, misprints=())
     figures = verified_curves(found)
     assert len(figures) == len(found.engines) + 1
     assert figures[0].stem == "formulae_mujoco"

@@ -15,7 +15,7 @@ import pytest
 
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, UnreachablePose, static_imbalance
+from paminsa_viz.model import APPENDIX_4, Design, UnreachablePose, static_imbalance
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.report import ReportRequest, report_html
 from paminsa_viz.report.balance_section import balance_section, contributions
@@ -35,14 +35,11 @@ HEAVY = replace(
 WHEN = datetime(2025, 3, 4, 5, 6, tzinfo=UTC)
 
 
-def request_for(
-    design: Design = HEAVY, assembly: KneeBranch = KneeBranch.LOWER, **more: Any
-) -> ReportRequest:
+def request_for(design: Design = HEAVY, **more: Any) -> ReportRequest:
     return ReportRequest(
         design=design,
-        assembly=assembly,
-        pose=tuple(home(design.geometry, assembly).tolist()),
-        trajectory=paper_like(design.geometry, assembly).lasting(0.4).sample(100),
+        pose=tuple(home(design.geometry).tolist()),
+        trajectory=paper_like(design.geometry).lasting(0.4).sample(100),
         made=WHEN,
         command="paminsa-viz report --out a_b.html",
         **more,

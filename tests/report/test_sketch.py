@@ -15,10 +15,11 @@ from tests import samples
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch), ids=lambda a: a.value)
-def test_bars_have_their_projected_lengths(assembly: KneeBranch) -> None:
-    pose = samples.random_poses(np.random.default_rng(4), assembly=assembly)[0]
-    configuration = inverse_kinematics(APPENDIX_4.geometry, pose, assembly)
+@pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
+def test_bars_have_their_projected_lengths(knee: KneeBranch) -> None:
+    design = APPENDIX_4.with_knee(knee)
+    pose = samples.random_poses(np.random.default_rng(4), design)[0]
+    configuration = inverse_kinematics(design.geometry, pose)
     root = ET.fromstring(sketch(configuration))
     width, height = map(float, root.attrib["viewBox"].split()[2:])
     circle = root.find(f"{SVG}circle")

@@ -39,7 +39,7 @@ from paminsa_viz.studies import (
 )
 from paminsa_viz.studies.motion_metrics import samples_hash
 from paminsa_viz.trajectory import PRESET, Trajectory, analyze, check_path
-from tests.samples import random_design
+from tests.samples import random_design, with_knee
 
 NAMES = [metric.column for metric in METRICS]
 GRID = DesignGrid(
@@ -59,7 +59,7 @@ RANDOM = replace(
 )
 
 
-MOTION = PRESET["arch"].build(APPENDIX_4.geometry, KneeBranch.LOWER).sample(200.0)
+MOTION = PRESET["arch"].build(APPENDIX_4.geometry).sample(200.0)
 MOVED = replace(
     RANDOM,
     trajectory=MOTION,
@@ -103,12 +103,12 @@ def test_random_values_fill_their_ranges_evenly() -> None:
     assert abs(np.corrcoef(drawn.T)[0, 1]) < 0.1
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
+@pytest.mark.parametrize("knee", list(KneeBranch))
 @pytest.mark.parametrize("seed", range(6))
-def test_metrics_are_those_of_the_poses(seed, assembly) -> None:
+def test_metrics_are_those_of_the_poses(seed, knee) -> None:
     rng = np.random.default_rng(seed)
     design = random_design(rng)
-    middle = default_region(design, assembly)
+    middle = default_region(with_knee(design, knee))
     region = Region(
         radius=rng.uniform(0.2, 0.8) * design.geometry.base_radius,
         theta=(-0.3, 0.7),
@@ -116,12 +116,14 @@ def test_metrics_are_those_of_the_poses(seed, assembly) -> None:
         cells=11,
         max_condition=6.0,
     )
-    found = dict(zip(NAMES, measure_design(design, region, assembly, base_mass=2.0), strict=True))
+    found = dict(
+        zip(NAMES, measure_design(with_knee(design, knee), region, base_mass=2.0), strict=True)
+    )
 
     side = region.radius * (np.arange(11) - 5) / 5.5
     x, y, theta, z = np.meshgrid(side, side, region.theta, region.z, indexing="ij")
     pose = np.stack([x, y, theta, z], axis=-1)[np.hypot(x, y) <= region.radius]
-    torque = static_torques(design, pose, assembly)
+    torque = static_torques(with_knee(design, knee), pose)
     reach, near = check_reach(design.geometry, pose), measure_singularity(design.geometry, pose)
     ok = np.isfinite(torque).all(axis=-1)
     usable = ok & (near.condition <= 6.0)
@@ -312,7 +314,7 @@ def test_every_difference_makes_another_table() -> None:
         replace(SMALL, design=APPENDIX_4.vary({"links.b4": 0.5})),
         replace(SMALL, design=replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1),))),
         replace(SMALL, region=replace(SMALL.region, cells=9)),
-        replace(SMALL, assembly=KneeBranch.UPPER),
+        replace(SMALL, design=APPENDIX_4.with_knee(KneeBranch.UPPER)),
         replace(SMALL, scale_bars=True),
         replace(SMALL, variation=DesignGrid(GRID.axes[:1])),
         RANDOM,

@@ -22,6 +22,7 @@ from paminsa_viz.trajectory import (
     through,
 )
 from paminsa_viz.trajectory.supremum import GAP
+from tests.samples import with_knee
 
 A = np.array([-0.08, 0.03, -0.3, -0.55])
 B = np.array([0.07, -0.05, 0.4, -0.45])
@@ -66,8 +67,8 @@ ALL_PRESETS = pytest.mark.parametrize("preset", [pytest.param(p, id=p.key) for p
 """Runs a test with every preset."""
 
 
-def preset_plan(preset: Any, assembly: KneeBranch = KneeBranch.LOWER) -> Plan:
-    return preset.build(APPENDIX_4.geometry, assembly)
+def preset_plan(preset: Any, knee: KneeBranch = KneeBranch.LOWER) -> Plan:
+    return preset.build(with_knee(APPENDIX_4.geometry, knee))
 
 
 def inside(plan: Plan, count: int = 7) -> Any:

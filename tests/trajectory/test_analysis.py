@@ -28,6 +28,7 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory.integrals import rms, running_integral
 from tests.model.cases import Case, assert_close, cases
+from tests.samples import with_knee
 from tests.trajectory.plans import (
     ALL_PRESETS,
     FRICTION,
@@ -44,25 +45,27 @@ RATE = 100.0
 
 
 @ALL_PRESETS
-@pytest.mark.parametrize("assembly", KneeBranch)
+@pytest.mark.parametrize("knee", KneeBranch)
 @pytest.mark.parametrize("misprints", [Misprint.NONE, Misprint.ALL, *Misprint])
-def test_both_routes_give_the_same_torques(preset, assembly, misprints) -> None:
+def test_both_routes_give_the_same_torques(preset, knee, misprints) -> None:
     """The regressor's product, and inverse dynamics by multipliers."""
-    samples = preset_plan(preset, assembly).sample(RATE)
-    found = analyze(ROUGH, samples, assembly, misprints=misprints)
+    samples = preset_plan(preset, knee).sample(RATE)
+    found = analyze(with_knee(ROUGH, knee), samples, misprints=misprints)
     exact = inverse_dynamics(
-        ROUGH, samples.pose, samples.velocity, samples.acceleration, assembly, misprints
+        with_knee(ROUGH, knee), samples.pose, samples.velocity, samples.acceleration, misprints
     )
     assert found.check.ok
     assert_close(found.torque, exact.torque, 1e-12)
 
 
 @ALL_PRESETS
-@pytest.mark.parametrize("assembly", KneeBranch)
-def test_parts_add_up_and_are_those_of_the_model(preset, assembly) -> None:
-    samples = preset_plan(preset, assembly).sample(RATE)
-    found = analyze(ROUGH, samples, assembly)
-    exact = torque_breakdown(ROUGH, samples.pose, samples.velocity, samples.acceleration, assembly)
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_parts_add_up_and_are_those_of_the_model(preset, knee) -> None:
+    samples = preset_plan(preset, knee).sample(RATE)
+    found = analyze(with_knee(ROUGH, knee), samples)
+    exact = torque_breakdown(
+        with_knee(ROUGH, knee), samples.pose, samples.velocity, samples.acceleration
+    )
     size = np.abs(found.torque).max(axis=0)
     for part in PARTS:
         wrong = getattr(found.breakdown, part) - getattr(exact, part)
@@ -78,10 +81,8 @@ def test_random_robots(case: Case) -> None:
     size = case.geometry.base_radius
     step = np.array([0.02, -0.01, 0.04, 0.02]) * [size, size, 1, size]
     samples = move(start, start + step, 0.3).sample(200)
-    found = analyze(case.design, samples, case.assembly, clearance=0.0)
-    exact = inverse_dynamics(
-        case.design, samples.pose, samples.velocity, samples.acceleration, case.assembly
-    )
+    found = analyze(case.design, samples, clearance=0.0)
+    exact = inverse_dynamics(case.design, samples.pose, samples.velocity, samples.acceleration)
     assert_close(found.torque, exact.torque, 1e-9)
     residual = np.abs(found.energy_residual).max()
     assert residual <= 1e-4 * np.abs(found.power).sum(axis=1).max() * samples.duration
@@ -119,7 +120,7 @@ def test_a_kept_solution_serves_nothing_else() -> None:
     longer = APPENDIX_4.vary({"geometry.base_radius": 0.36})
     others = (
         analyze(longer, samples, keep=solved),
-        analyze(APPENDIX_4, samples, KneeBranch.UPPER, keep=solved),
+        analyze(with_knee(APPENDIX_4, KneeBranch.UPPER), samples, keep=solved),
         analyze(APPENDIX_4, move(A, B).sample(20), keep=solved),
         analyze(APPENDIX_4, samples, misprints=Misprint.EQ14_SINE_SIGNS, keep=solved),
     )
@@ -135,11 +136,11 @@ def test_a_kept_solution_serves_nothing_else() -> None:
     [circle(C, 0.07, 2.0), through([A, B, C, A], 3.0), round_trip(move(A, B, 0.8))],
     ids=["circle", "waypoints", "there and back"],
 )
-@pytest.mark.parametrize("assembly", KneeBranch)
-def test_energy_over_a_closed_path(plan, assembly) -> None:
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_energy_over_a_closed_path(plan, knee) -> None:
     """Without friction no work is done on balance; with it, all of it is lost to friction."""
     samples = plan.sample(1000)
-    free = analyze(APPENDIX_4, samples, assembly)
+    free = analyze(with_knee(APPENDIX_4, knee), samples)
     turnover = sum(s.driven - s.braked for s in free.summary)
     assert turnover > 1.0
     assert abs(sum(s.work for s in free.summary)) <= 1e-7 * turnover
@@ -147,7 +148,7 @@ def test_energy_over_a_closed_path(plan, assembly) -> None:
     assert free.energy[-1] == pytest.approx(free.energy[0], abs=1e-9)
 
     viscous = APPENDIX_4.vary({k: v for k, v in FRICTION.items() if "viscous" in k})
-    rough = analyze(viscous, samples, assembly)
+    rough = analyze(with_knee(viscous, knee), samples)
     speed = rough.solved.speed
     factors = [0.7] * 3 + [40.0]
     lost = np.trapezoid((factors * speed**2).sum(axis=1), samples.t)

@@ -7,6 +7,7 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.trajectory import PRESET, check_path, home, paper_like
+from tests.samples import with_knee
 from tests.trajectory.plans import ALL_PRESETS, place, preset_plan
 
 LENGTHS = (
@@ -16,19 +17,21 @@ LENGTHS = (
 
 
 @ALL_PRESETS
-@pytest.mark.parametrize("assembly", KneeBranch)
+@pytest.mark.parametrize("knee", KneeBranch)
 @pytest.mark.parametrize("scale", [1.0, 2.5])
-def test_the_robot_can_run_it_and_so_can_one_of_another_size(preset, assembly, scale) -> None:
+def test_the_robot_can_run_it_and_so_can_one_of_another_size(preset, knee, scale) -> None:
     geometry = APPENDIX_4.vary(
         {f"geometry.{name}": scale * APPENDIX_4.value(f"geometry.{name}") for name in LENGTHS}
     ).geometry
-    plan = preset.build(geometry, assembly)
+    plan = preset.build(with_knee(geometry, knee))
     check = check_path(geometry, plan.sample())
     assert check.ok
     assert check.closest.margin > 0.05 * scale * APPENDIX_4.geometry.base_radius
     np.testing.assert_allclose(
         plan.curve(np.array([0.0, 1.0]))[:, [0, 1, 3]] / scale,
-        preset.build(APPENDIX_4.geometry, assembly).curve(np.array([0.0, 1.0]))[:, [0, 1, 3]],
+        preset.build(with_knee(APPENDIX_4.geometry, knee)).curve(np.array([0.0, 1.0]))[
+            :, [0, 1, 3]
+        ],
         atol=1e-12,
     )
 
@@ -36,13 +39,13 @@ def test_the_robot_can_run_it_and_so_can_one_of_another_size(preset, assembly, s
 def test_home() -> None:
     np.testing.assert_allclose(home(APPENDIX_4.geometry), [0, 0, 0, -0.5], atol=1e-15)
     height = APPENDIX_4.geometry.platform_joint_height
-    mirror = home(APPENDIX_4.geometry, KneeBranch.UPPER)
+    mirror = home(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER))
     assert mirror[3] + height == pytest.approx(0.5 - height)
 
 
-@pytest.mark.parametrize("assembly", KneeBranch)
-def test_paper_like_accelerates_at_1_meter_per_second_squared(assembly: KneeBranch) -> None:
-    plan = paper_like(APPENDIX_4.geometry, assembly)
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_paper_like_accelerates_at_1_meter_per_second_squared(knee: KneeBranch) -> None:
+    plan = paper_like(with_knee(APPENDIX_4.geometry, knee))
     peaks = plan.duration * np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
     np.testing.assert_allclose(place(plan.at(peaks).acceleration), 1.0, rtol=1e-14)
     t = np.linspace(0, plan.duration, 20001)

@@ -37,6 +37,7 @@ from paminsa_viz.trajectory import (
 from paminsa_viz.trajectory import plant as formulae
 from paminsa_viz.trajectory.equations import robot_numbers
 from tests.model.cases import Case, assert_close, cases
+from tests.samples import with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
 
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
@@ -61,16 +62,16 @@ def run(design=APPENDIX_4, trajectory=SHORT, control=Control.PD, **options) -> S
 @given(cases())
 def test_plant_formulae_are_the_models(case: Case) -> None:
     design = case.design.vary(FRICTION)
-    robot = robot_numbers(design, case.assembly)
+    robot = robot_numbers(design)
     m, e, o = robot
     for pose, velocity, acceleration in zip(*case.states(3), strict=True):
         inverse = formulae.inverse_torques(m, e, o, pose, velocity, acceleration)
-        exact = inverse_dynamics(design, pose, velocity, acceleration, case.assembly).torque
+        exact = inverse_dynamics(design, pose, velocity, acceleration).torque
         assert_close(inverse, exact, 1e-10)
         loss = friction_torque(design.friction, actuator_velocity(design, pose, velocity))
         forward = formulae.acceleration_under(m, e, o.gravity, pose, velocity, exact - loss)
         assert_close(forward, acceleration, 1e-8)
-        assert_close(forward_dynamics(design, pose, velocity, exact, case.assembly), forward, 1e-8)
+        assert_close(forward_dynamics(design, pose, velocity, exact), forward, 1e-8)
 
 
 @given(st.integers(0, 10**6))
@@ -83,18 +84,18 @@ def test_solve(seed: int) -> None:
 
 
 @controls
-@pytest.mark.parametrize("assembly", KneeBranch)
-def test_with_an_exact_model_the_robot_tracks(control: Control, assembly: KneeBranch) -> None:
-    samples = preset_plan(PRESET["paper-like"], assembly).sample(200)
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_with_an_exact_model_the_robot_tracks(control: Control, knee: KneeBranch) -> None:
+    samples = preset_plan(PRESET["paper-like"], knee).sample(200)
     rough = APPENDIX_4.vary(FRICTION)
     for design in (APPENDIX_4, rough):
-        found = simulate(design, samples, assembly, controller=Controller(control))
+        found = simulate(with_knee(design, knee), samples, controller=Controller(control))
         assert found.stopped is None
         assert found.t.size == samples.size
         assert found.distance.max() < 1e-6  # a micrometer; without feedback errors grow by e^7
         assert np.abs(found.energy_drift).max() < 1e-6
         exact = inverse_dynamics(
-            design, samples.pose, samples.velocity, samples.acceleration, assembly
+            with_knee(design, knee), samples.pose, samples.velocity, samples.acceleration
         ).torque
         size = np.abs(exact).max(axis=0)
         assert (np.abs(found.torque - exact) <= 1e-3 * size).all()
@@ -158,10 +159,10 @@ def test_computed_torque_brings_an_error_back_as_designed() -> None:
 
 
 def test_pd_gains_follow_the_inertia() -> None:
-    k = Controller(bandwidth=3.0, damping=0.7).gains(APPENDIX_4, A, KneeBranch.LOWER)
+    k = Controller(bandwidth=3.0, damping=0.7).gains(APPENDIX_4, A)
     j, m = jacobian(APPENDIX_4.geometry, A), mass_matrix(APPENDIX_4, A)
     inertia = np.diag(j.T @ m @ j)
-    np.testing.assert_allclose(actuator_inertia(APPENDIX_4, A, KneeBranch.LOWER), inertia)
+    np.testing.assert_allclose(actuator_inertia(APPENDIX_4, A), inertia)
     np.testing.assert_allclose([k.p1, k.p2, k.p3, k.p4], (6 * np.pi) ** 2 * inertia)
     np.testing.assert_allclose([k.d1, k.d2, k.d3, k.d4], 2 * 0.7 * 6 * np.pi * inertia)
 

@@ -21,6 +21,7 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory.limits import QUANTITIES
 from tests.model.cases import Case, cases
+from tests.samples import with_knee
 from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
 
 VISCOUS = {name: value for name, value in FRICTION.items() if "viscous" in name}
@@ -32,11 +33,11 @@ DESIGNS = {
 ROUNDING = 1e-9
 
 
-def used(plan: Plan, t, limits: MotionLimits, design=APPENDIX_4, assembly=KneeBranch.LOWER):
+def used(plan: Plan, t, limits: MotionLimits, design=APPENDIX_4):
     """Share of each limit that is used at times (n,), (n, 10) in the order of QUANTITIES."""
     state, jerk = plan.at(t), plan.jerk(t)
     rates = [f(x) for x in (state.velocity, state.acceleration, jerk) for f in (place, turn)]
-    torque = np.abs(inverse_dynamics(design, *state, assembly).torque)
+    torque = np.abs(inverse_dynamics(design, *state).torque)
     shares = [rate / limit for rate, limit in zip(rates, limits.rates.ravel(), strict=True)]
     return np.column_stack([*shares, torque / limits.actuators])
 
@@ -84,18 +85,22 @@ def test_limits_of_jerk(plan: Plan) -> None:
 
 @PLANS
 @pytest.mark.parametrize("robot", DESIGNS)
-@pytest.mark.parametrize("assembly", KneeBranch)
-def test_limits_of_torque(plan: Plan, robot: str, assembly: KneeBranch) -> None:
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     design = DESIGNS[robot]
-    still = inverse_dynamics(design, plan.curve(np.linspace(0, 1, 200)), [0] * 4, [0] * 4, assembly)
+    still = inverse_dynamics(
+        with_knee(design, knee), plan.curve(np.linspace(0, 1, 200)), [0] * 4, [0] * 4
+    )
     top = np.abs(still.torque).max(axis=0)
     limits = MotionLimits(torque=1.5 * top[:3].max(), force=1.1 * top[3])
-    found = shortest(plan, limits, design, assembly)
+    found = shortest(plan, limits, with_knee(design, knee))
     assert found.quantity.split()[0] in ("torque", "force")
-    assert_at_its_limit(found, limits, design, assembly)
+    assert_at_its_limit(found, limits, with_knee(design, knee))
     for factor in (1.001, 1.3, 4.0, 50.0):  # every longer duration keeps them too
         slower = found.plan.lasting(factor * found.plan.duration)
-        assert used(slower, dense(slower, 500), limits, design, assembly).max() <= 1 + ROUNDING
+        assert (
+            used(slower, dense(slower, 500), limits, with_knee(design, knee)).max() <= 1 + ROUNDING
+        )
 
 
 @pytest.mark.parametrize("plan", [all_plans()[0], all_plans()[3]], ids=["move", "arch"])
@@ -114,13 +119,11 @@ def test_random_robots(case: Case, law: TimeLaw, spare: float) -> None:
     start = np.array(case.poses(1, natural=True)[0])
     size = design.geometry.base_radius
     plan = move(start, start + np.array([0.01, -0.02, 0.03, 0.015]) * [size, size, 1, size], 1, law)
-    still = inverse_dynamics(
-        design, plan.curve(np.linspace(0, 1, 50)), [0] * 4, [0] * 4, case.assembly
-    )
+    still = inverse_dynamics(design, plan.curve(np.linspace(0, 1, 50)), [0] * 4, [0] * 4)
     top = spare * np.abs(still.torque).max(axis=0)
     limits = MotionLimits(torque=top[:3].max(), force=top[3])
-    found = shortest(plan, limits, design, case.assembly, clearance=0.0)
-    assert_at_its_limit(found, limits, design, case.assembly)
+    found = shortest(plan, limits, design, clearance=0.0)
+    assert_at_its_limit(found, limits, design)
 
 
 @pytest.mark.parametrize("profile", [Profile.TRAPEZOID, Profile.S_CURVE])

@@ -44,7 +44,7 @@ def make_job(state: State, task: Task) -> Job:
     document = state.document
     found = motions.planned(state)
     return Job(
-        task, document.design, document.assembly, *document.pose[2:], found.trajectory,
+        task, document.design, *document.pose[2:], found.trajectory,
         found.problem, state.balancing.settings,
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ from enum import Enum
 
 from paminsa_viz.balancing import Front, Optimum, Tornado
 from paminsa_viz.explorer.balancing.settings import BalanceSettings
-from paminsa_viz.model import Design, KneeBranch, PaminsaError
+from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.trajectory import Trajectory
 
 
@@ -27,9 +27,8 @@ class Job:
     Attributes:
         task: What is computed.
         design: The robot as it is.
-        assembly: Root of the knee.
-        theta, z: The plane of poses of the static torques, that of the maps
-            [rad, m].
+                theta, z: The plane of poses of the static torques, that of the maps
+                [rad, m].
         trajectory: The current motion, or None.
         problem: Why there is no motion.
         settings: What a person set.
@@ -37,7 +36,6 @@ class Job:
 
     task: Task
     design: Design
-    assembly: KneeBranch
     theta: float
     z: float
     trajectory: Trajectory | None

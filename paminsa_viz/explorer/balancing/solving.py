@@ -34,7 +34,6 @@ from paminsa_viz.model import (
     Geometry,
     Grid,
     InvalidInput,
-    KneeBranch,
     Limit,
     PaminsaError,
     measure_singularity,
@@ -43,7 +42,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.plots.map_window import cell_centers, half_width
+from paminsa_viz.plots.map_data import cell_centers, half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 
 FRONT_POINTS = 12
@@ -114,7 +113,7 @@ def _tornado(job: Job) -> Outcome:
         trajectory = motion(job).trajectory
     except PaminsaError:  # what it matters to the motion then has no value
         trajectory = None
-    found = tornado(design, middle(job), trajectory, job.assembly, change=settings.variation)
+    found = tornado(design, middle(job), trajectory, change=settings.variation)
     return Outcome(job, tornado=found)
 
 
@@ -194,16 +193,14 @@ def motion(job: Job) -> SolvedTrajectory:
     if job.trajectory is None:
         raise InvalidInput("motion", job.problem or "there is none yet")
     design = job.design
-    solved = _solved(design.geometry, job.trajectory, job.assembly, design.gravity)
+    solved = _solved(design.geometry, job.trajectory, design.gravity)
     solved.check.require()
     return solved
 
 
 @lru_cache(maxsize=2)
-def _solved(
-    geometry: Geometry, trajectory: Trajectory, assembly: KneeBranch, gravity: float
-) -> SolvedTrajectory:
-    return solve_trajectory(geometry, trajectory, assembly, gravity=gravity)
+def _solved(geometry: Geometry, trajectory: Trajectory, gravity: float) -> SolvedTrajectory:
+    return solve_trajectory(geometry, trajectory, gravity=gravity)
 
 
 def plane(job: Job) -> Field:
@@ -211,14 +208,14 @@ def plane(job: Job) -> Field:
 
     Torques have no bound there: a peak would be that of the cell that happens to come nearest.
     """
-    return _plane(job.design.geometry, job.assembly, job.theta, job.z)
+    return _plane(job.design.geometry, job.theta, job.z)
 
 
 @lru_cache(maxsize=2)
-def _plane(geometry: Geometry, assembly: KneeBranch, theta: float, z: float) -> Field:
+def _plane(geometry: Geometry, theta: float, z: float) -> Field:
     centers = cell_centers(half_width(geometry), COARSE)
     grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid, assembly)
+    field = solve_field(geometry, grid)
     near = near_singularity(measure_singularity(geometry, grid.poses()))
     status = np.where(near & (field.status == Limit.OK), np.uint8(Limit.SINGULAR), field.status)
     return replace(field, status=status)

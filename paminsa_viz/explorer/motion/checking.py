@@ -62,8 +62,8 @@ class EngineTorques:
     @cached_property
     def _scale(self) -> Array:
         thinned, good = self.thinned, self._good
-        poses, assembly = thinned.trajectory.pose[good], thinned.solved.assembly
-        return torque_scale(thinned.design, poses, self.engine.torque[good], assembly)
+        poses = thinned.trajectory.pose[good]
+        return torque_scale(thinned.design, poses, self.engine.torque[good])
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +86,7 @@ class Answer:
         """Whether it holds for a design on a motion, and is not another's."""
         own = self.analysis
         return self.missing or (
-            own.trajectory is analysis.trajectory
-            and own.solved.assembly is analysis.solved.assembly
-            and own.design == analysis.design
+            own.trajectory is analysis.trajectory and own.design == analysis.design
         )
 
 
@@ -100,7 +98,7 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
 
     try:
         kept, motion = _thinned(analysis.trajectory)
-        thinned = analyze(analysis.design, motion, analysis.solved.assembly)
+        thinned = analyze(analysis.design, motion)
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
         found = EngineTorques(thinned, kept, engine_torques(thinned), TOLERANCE)

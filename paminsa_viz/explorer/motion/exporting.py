@@ -70,8 +70,7 @@ def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: 
         raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
     analysis, title = torques.thinned, f"Formulae and {torques.engine.name}"
     if found.printed is not None:
-        motion, assembly = analysis.trajectory, analysis.solved.assembly
-        analysis = analyze(analysis.design, motion, assembly, misprints=Misprint.ALL)
+        analysis = analyze(analysis.design, analysis.trajectory, misprints=Misprint.ALL)
         title = f"Formulae as printed and {torques.engine.name}"
     content = figure_bytes(
         "comparison", analysis, engine=torques.engine, title=title,
@@ -110,7 +109,7 @@ def page(state: State) -> File:
 
     found = _analyzed(state)
     document = state.document
-    content = motion_html(document.design, document.assembly, found.present.trajectory)
+    content = motion_html(document.design, found.present.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from paminsa_viz.explorer.motion.description import MOST_SAMPLES, Kind, Motion, Pose, Timing
-from paminsa_viz.model import Design, Geometry, InvalidInput, KneeBranch, PaminsaError
+from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError
 from paminsa_viz.trajectory import (
     PRESET,
     ImpossibleTrajectory,
@@ -49,28 +49,26 @@ class Planned:
     bound: str = ""
 
 
-def planned(motion: Motion, design: Design, assembly: KneeBranch) -> Planned:
+def planned(motion: Motion, design: Design) -> Planned:
     """Return the trajectory of a described motion for a robot; raises nothing."""
     # Masses matter only where torques bound the duration: other trajectories stay while a mass
     # changes, and with them all that was solved along them.
     shown = motion.timing is Timing.SHORTEST and motion.limits.needs_torques
-    return _planned(motion, design.geometry, assembly, design if shown else None)
+    return _planned(motion, design.geometry, design if shown else None)
 
 
 @lru_cache(maxsize=_KEPT)
-def _planned(
-    motion: Motion, geometry: Geometry, assembly: KneeBranch, design: Design | None
-) -> Planned:
+def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Planned:
     try:
         if motion.kind is Kind.TABLE:
             return _from_table(motion)
-        plan = make_plan(motion, geometry, assembly)
+        plan = make_plan(motion, geometry)
     except PaminsaError as error:
         return Planned(None, str(error))
     problem = bound = ""
     if motion.timing is Timing.SHORTEST:
         try:
-            found = shortest(plan, motion.limits, design, assembly)
+            found = shortest(plan, motion.limits, design)
             plan, bound = found.plan, found.explanation
         except ImpossibleTrajectory:
             bound = "no shortest duration, since the robot cannot run the path"
@@ -92,14 +90,14 @@ def _rate(rate: float, duration: float) -> float:
     return min(rate, (MOST_SAMPLES - 1) / duration)
 
 
-def make_plan(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> Plan:
+def make_plan(motion: Motion, geometry: Geometry) -> Plan:
     """Return the plan of a described motion, before a shortest duration is looked for.
 
     Raises:
         PaminsaError: If its numbers make no motion.
     """
     law, duration = TimeLaw(motion.profile), motion.duration
-    start, goal = ends(motion, geometry, assembly)
+    start, goal = ends(motion, geometry)
     if motion.kind is Kind.MOVE:
         return move(start, goal, duration, law)
     if motion.kind is Kind.LINE:
@@ -107,26 +105,26 @@ def make_plan(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> Plan:
     if motion.kind is Kind.ARCH:
         return arch(start, goal, motion.height, duration, law)
     if motion.kind is Kind.CIRCLE:
-        return circle(center(motion, geometry, assembly), motion.radius, duration, law)
+        return circle(center(motion, geometry), motion.radius, duration, law)
     if motion.kind is Kind.WAYPOINTS:
         if len(motion.waypoints) < 2:
             raise InvalidInput("waypoints", "two or more are needed; move the robot and add them")
         return through(np.reshape(motion.waypoints, (-1, 4)), duration)
-    plan = PRESET[motion.preset].build(geometry, assembly)
+    plan = PRESET[motion.preset].build(geometry)
     return plan.lasting(duration) if motion.timing is Timing.GIVEN else plan
 
 
-def ends(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> tuple[Pose, Pose]:
+def ends(motion: Motion, geometry: Geometry) -> tuple[Pose, Pose]:
     """Return start and goal of a motion from pose to pose, also where they were not chosen."""
-    room = Room(geometry, assembly)
+    room = Room(geometry)
     start = motion.start or _pose(room.pose(-0.1, 0.0, 0.0, 0.0))
     goal = motion.goal or _pose(room.pose(0.1, 0.0, 0.0, 0.0))
     return start, goal
 
 
-def center(motion: Motion, geometry: Geometry, assembly: KneeBranch) -> Pose:
+def center(motion: Motion, geometry: Geometry) -> Pose:
     """Return the center of a circle, also where it was not chosen."""
-    return motion.center or _pose(Room(geometry, assembly).home)
+    return motion.center or _pose(Room(geometry).home)
 
 
 def _pose(values: np.ndarray) -> Pose:

@@ -30,7 +30,7 @@ from paminsa_viz.trajectory import PRESET, Trajectory
 def planned(state: State) -> Planned:
     """Return the trajectory of a state."""
     document = state.document
-    return planning.planned(document.motion, document.design, document.assembly)
+    return planning.planned(document.motion, document.design)
 
 
 def duration(state: State) -> float:
@@ -103,7 +103,7 @@ def end_here(state: State) -> State:
 
 def _ends(state: State) -> tuple[Pose, Pose]:
     document = state.document
-    return planning.ends(document.motion, document.design.geometry, document.assembly)
+    return planning.ends(document.motion, document.design.geometry)
 
 
 def swap_ends(state: State) -> State:
@@ -241,7 +241,7 @@ def wanted_job(state: State) -> Job:
     """
     document = state.document
     settings = state.simulating.settings
-    return make_job(document.design, planned(state).trajectory, document.assembly, settings)
+    return make_job(document.design, planned(state).trajectory, settings)
 
 
 def simulate(state: State) -> State:

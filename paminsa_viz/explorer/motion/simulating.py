@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from paminsa_viz.model import Design, Friction, InvalidInput, KneeBranch, PaminsaError
+from paminsa_viz.model import Design, Friction, InvalidInput, PaminsaError
 from paminsa_viz.trajectory import Control, Controller, Simulation, Trajectory, simulate
 
 BANDWIDTHS = (0.0, 50.0)
@@ -48,14 +48,12 @@ class Job:
 
     design: Design
     trajectory: Trajectory
-    assembly: KneeBranch
     settings: SimulationSettings
 
     def same(self, other: Job) -> bool:
         """Whether another job has the same result."""
         return (
             self.trajectory is other.trajectory
-            and self.assembly is other.assembly
             and self.settings == other.settings
             and self.design == other.design
         )
@@ -88,7 +86,6 @@ class Simulating:
 def make_job(
     design: Design,
     trajectory: Trajectory | None,
-    assembly: KneeBranch,
     settings: SimulationSettings,
 ) -> Job:
     """Return a job.
@@ -100,7 +97,7 @@ def make_job(
         raise InvalidInput("motion", "there is none to simulate yet")
     if trajectory.duration > LONGEST:
         raise InvalidInput("motion", f"at most {LONGEST:g} s can be simulated here")
-    return Job(design, trajectory, assembly, settings)
+    return Job(design, trajectory, settings)
 
 
 def run(job: Job) -> Outcome:
@@ -111,7 +108,7 @@ def run(job: Job) -> Outcome:
     try:
         payload = replace(model.payload, mass=model.payload.mass + settings.extra_load)
         simulation = simulate(
-            replace(job.design, payload=payload), job.trajectory, job.assembly, model=model,
+            replace(job.design, payload=payload), job.trajectory, model=model,
             controller=settings.controller(), offset=(settings.offset, 0.0, 0.0, 0.0),
         )  # fmt: skip
         return Outcome(job, simulation)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import Design, KneeBranch, Misprint
+from paminsa_viz.model import Design, Misprint
 from paminsa_viz.trajectory import (
     Simulation,
     SolvedTrajectory,
@@ -47,10 +47,10 @@ class MotionStore:
     def present(self, state: State) -> TrajectoryAnalysis | None:
         """Return the present design on the present motion, or None without a motion."""
         document = state.document
-        found = planned(document.motion, document.design, document.assembly)
+        found = planned(document.motion, document.design)
         if found.trajectory is None:
             return None
-        return self._analysis("present", document.design, found.trajectory, document.assembly)
+        return self._analysis("present", document.design, found.trajectory)
 
     def all(self, state: State) -> Analyzed | None:
         """Return everything that is plotted, or None without a motion."""
@@ -60,11 +60,9 @@ class MotionStore:
         document, motion = state.document, present.trajectory
         reference = printed = None
         if document.reference is not None:
-            reference = self._analysis("reference", document.reference, motion, document.assembly)
+            reference = self._analysis("reference", document.reference, motion)
         if state.plots.printed:
-            printed = self._analysis(
-                "printed", document.design, motion, document.assembly, Misprint.ALL
-            )
+            printed = self._analysis("printed", document.design, motion, Misprint.ALL)
         outcome = state.simulating.outcome
         answer = state.engine_answer
         if answer is not None and not answer.serves(present):
@@ -77,16 +75,13 @@ class MotionStore:
         role: str,
         design: Design,
         trajectory: Trajectory,
-        assembly: KneeBranch,
         misprints: Misprint = Misprint.NONE,
     ) -> TrajectoryAnalysis:
-        key = (design, trajectory, assembly, misprints)
+        key = (design, trajectory, misprints)
         known = self._last.get(role)
         if known is not None and known[0] == key:
             return known[1]
-        found = analyze(
-            design, trajectory, assembly, misprints=misprints, keep=self._solved.get(role)
-        )
+        found = analyze(design, trajectory, misprints=misprints, keep=self._solved.get(role))
         self._solved[role] = found.solved
         self._last[role] = (key, found)
         return found

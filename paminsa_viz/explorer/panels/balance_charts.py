@@ -17,6 +17,7 @@ from paminsa_viz.explorer.panels.balance_text import variable_html
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import INK, MUTED, REFERENCE
+from paminsa_viz.plots.hover import FONT
 from paminsa_viz.units import number, symbols_html, unit_text
 
 FRONT = "front"
@@ -36,7 +37,7 @@ AXIS: dict[str, Any] = {
 }  # fmt: skip
 
 LAYOUT: dict[str, Any] = {
-    "font": {"family": "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif", "size": 12},
+    "font": {"family": FONT, "size": 12},
     "dragmode": False, "hovermode": "closest",
     "margin": {"l": 8, "r": 26, "t": 8, "b": 8}, "showlegend": True,
     "paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)",

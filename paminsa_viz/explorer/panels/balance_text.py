@@ -61,7 +61,7 @@ def _headline(outcome: Outcome, after: Design, current: Design) -> tuple[str, st
     left, goal = static_imbalance(after), _goal(outcome)
     if abs(left) <= BALANCED:
         found = "ok", "Statically balanced", Markup(
-            "in every pose, in both assembly modes (<i>M</i><sub>p2</sub> = 0)"
+            "in every pose, on both branches of the knee (<i>M</i><sub>p2</sub> = 0)"
         )  # fmt: skip
     elif goal.static:
         head = f"As near to balance as the bounds allow: {number(left)} N"
@@ -209,7 +209,6 @@ def sensitivity_html(frame: Frame) -> str:
 
 def counterweights_html(frame: Frame) -> str:
     """Return what the rows of the counterweights hold, and the clearance that the discs need."""
-    document = frame.state.document
-    geometry, branch = document.design.geometry, document.assembly
-    needs = [room_words(geometry, weight, branch) for weight in document.design.counterweights]
+    design = frame.state.document.design
+    needs = [room_words(design.geometry, weight) for weight in design.counterweights]
     return render("counterweights.j2", needs=needs)

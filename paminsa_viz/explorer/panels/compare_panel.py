@@ -111,14 +111,16 @@ def _names(frame: Frame) -> str:
 
 def _compared_with(state: State) -> tuple[Design, str]:
     reference = state.document.reference
-    return (APPENDIX_4, "App. 4") if reference is None else (reference, "reference")
+    if reference is not None:
+        return reference, "reference"
+    return APPENDIX_4.with_knee(state.document.design.geometry.knee), "App. 4"
 
 
 def _torques(frame: Frame) -> str:
     reference, title = _compared_with(frame.state)
     standing = frame.state.standing
     # The frame's own torques are None both without a reference and where it cannot stand.
-    held = static_torques(reference, standing.pose, standing.assembly)
+    held = static_torques(reference, standing.pose)
     return torques_html(frame.torques, held, frame.state.document.design, reference, title)
 
 

@@ -11,12 +11,12 @@ import numpy as np
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import LARGEST_END
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput, Quantity
 from paminsa_viz.plots import ticks
+from paminsa_viz.plots.ranges import LARGEST_END
 from paminsa_viz.units import display_unit
 
 FIG_3_ANGLE = np.pi / 3

@@ -12,15 +12,16 @@ import numpy as np
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.panels.hover import HoverFigure
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, MUTED
-from paminsa_viz.plots.layout import Layout
-from paminsa_viz.plots.live import Way, live_image, marks, screen_layout
-from paminsa_viz.plots.maps import MapData
+from paminsa_viz.plots.contours import joined
+from paminsa_viz.plots.hover import HoverFigure
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_figure import PAGE_EM, FloorPath, LiveMaps
+from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import number
@@ -116,6 +117,7 @@ class MapPicture:
         gui = session.client.gui
         self._gui, self._store, self._slots = gui, store, slots
         self._name, self._quantities, self._motions = name, quantities, motions
+        self._live = LiveMaps()
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
         gui.add_html(marker(name, arrangement.share) + arrangement.style(name))
@@ -124,7 +126,7 @@ class MapPicture:
         self._marks = gui.add_html("")
         self._place = gui.add_folder(None)
         self._hover: Any = None
-        self._layout: Layout | None = None
+        self._layout: MapLayout | None = None
         self._caption = gui.add_html("")
         self._drawn: tuple[Any, ...] = ()
         self._offered: tuple[Any, ...] = ()
@@ -140,7 +142,7 @@ class MapPicture:
         motion = self._motions.present(state) if "path" in state.layers else None
         # Where the robot stands is not part of it: the mark lies over the picture.
         shown = (
-            document.design, document.assembly, document.pose[2:], reference, view, quantities,
+            document.design, document.pose[2:], reference, view, quantities,
             width, self._slots.ratio, motion and motion.trajectory,
         )  # fmt: skip
         if self._drawn and self._drawn[0] == shown and (moving or self._drawn[1]):
@@ -149,14 +151,14 @@ class MapPicture:
         data = self._store.data(state, COARSE if moving else FULL, quantities)
         scales = self._store.scales(state, data, quantities)
         ratio = 1.0 if moving else self._slots.ratio
-        way = None if motion is None else way_of(motion)
-        picture = live_image(data, scales, round(width * ratio), pixel_ratio=ratio, way=way)
+        path = None if motion is None else floor_path(motion)
+        picture = self._live.draw(data, scales, width, ratio, path)
         if not moving:
             opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
         self._image.image = picture
         self.data, self.scales = data, scales
-        self._layout = screen_layout(data, scales, width)
+        self._layout = map_layout(data, scales, width, PAGE_EM)
         self._mark(state)
         self._say(state, data)
         # All that the values depend on; how finely they are drawn is not part of it.
@@ -173,7 +175,7 @@ class MapPicture:
         if html != self._marks.content:
             self._marks.content = html
 
-    def _offer_values(self, data: MapData, layout: Layout) -> None:
+    def _offer_values(self, data: MapData, layout: MapLayout) -> None:
         figure = cast(Any, HoverFigure(data, layout, self._name))
         height = layout.height / layout.width
         if self._hover is None:
@@ -191,14 +193,14 @@ class MapPicture:
             self._caption.content = text
 
 
-def marks_html(data: MapData, layout: Layout) -> str:
+def marks_html(data: MapData, layout: MapLayout) -> str:
     """Return the marks of the pose, to be laid over a picture that has this layout."""
     rings = f"0 0 0 2.3px #fff,0 0 0 3.8px {INK},0 0 0 4.8px #fff"
     spots = "".join(
         f'<i style="position:absolute;left:{100 * x:.3f}%;top:{100 * y:.3f}%;width:3.4px;'
         f"height:3.4px;margin:-1.7px 0 0 -1.7px;border-radius:50%;background:{INK};"
         f'box-shadow:{rings}"></i>'
-        for x, y in marks(data, layout)
+        for x, y in layout.positions(data)
     )
     return (
         '<div class="paminsa-marks" style="position:relative;'
@@ -206,11 +208,11 @@ def marks_html(data: MapData, layout: Layout) -> str:
     )
 
 
-def way_of(motion: TrajectoryAnalysis) -> Way:
+def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
     """Return a motion as it is drawn on maps."""
     found = cut(motion)
-    above = found.place[:, :2]
-    return Way(tuple(above[run] for run in found.good), tuple(above[run] for run in found.bad))
+    good, bad = ([found.place[run, :2] for run in runs] for runs in (found.good, found.bad))
+    return FloorPath(joined(good), joined(bad))
 
 
 def caption(state: State, data: MapData) -> str:

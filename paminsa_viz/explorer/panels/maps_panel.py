@@ -21,7 +21,7 @@ from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.model import Quantity
-from paminsa_viz.plots.from_model import TORQUES
+from paminsa_viz.plots.map_data import TORQUES
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 

@@ -194,15 +194,15 @@ def _law(motion: Motion) -> str:
 def poses_html(state: State) -> str:
     """Return the poses of a motion that is built, or what is known of a file's."""
     document = state.document
-    motion, geometry, assembly = document.motion, document.design.geometry, document.assembly
+    motion, geometry = document.motion, document.design.geometry
     lines: list[str] = []
     if motion.kind.has_ends:
-        start, goal = planning.ends(motion, geometry, assembly)
+        start, goal = planning.ends(motion, geometry)
         if motion.kind is Kind.LINE:
             goal = (goal[0], goal[1], start[2], goal[3])
         lines = [f"<b>from</b> {pose_words(start)}", f"<b>to</b> {pose_words(goal)}"]
     elif motion.kind is Kind.CIRCLE:
-        lines = [f"<b>center</b> {pose_words(planning.center(motion, geometry, assembly))}"]
+        lines = [f"<b>center</b> {pose_words(planning.center(motion, geometry))}"]
     elif motion.kind is Kind.WAYPOINTS:
         lines = [f"<b>{i}</b> {pose_words(p)}" for i, p in enumerate(motion.waypoints, 1)]
         lines = lines or ["none yet: move the robot, then add its pose"]

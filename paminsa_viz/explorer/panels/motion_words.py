@@ -6,17 +6,8 @@ import math
 
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.state import Pose, State
-from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import number
-
-_NAMES = {
-    Limit.STRETCHED: "a stretched pantograph",
-    Limit.FOLDED: "a folded pantograph",
-    Limit.GUIDE: "the end of a guide",
-    Limit.AXIS: "a leg axis",
-    Limit.SINGULAR: "a singular pose",
-}
 
 
 def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool, str]:
@@ -32,7 +23,7 @@ def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool
     near = check.closest
     leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
     words = f"{number(found.trajectory.duration, 4)} s, {found.trajectory.size} samples"
-    words += f"; nearest limit: {_NAMES.get(near.limit, 'a limit')}{leg}, "
+    words += f"; nearest limit: {near.limit.noun}{leg}, "
     words += f"{1e3 * near.margin:.0f} mm away at {number(near.t, 3)} s"
     return True, words
 

@@ -21,22 +21,22 @@ Range = tuple[float, float]
 
 
 @lru_cache(maxsize=64)
-def pose_limits(geometry: Geometry, assembly: KneeBranch) -> tuple[Range, Range, Range, Range]:
+def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
     radius = float(ceil(1e3 * workspace_radius(geometry) / GRAIN) * GRAIN)
-    return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry, assembly)
+    return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry)
 
 
-def heights(geometry: Geometry, assembly: KneeBranch) -> Range:
+def heights(geometry: Geometry) -> Range:
     """Return the platform heights that the slider offers, which are clear of the frame [mm].
 
     Home is always among them. The frame is drawn for machines like the paper's; to others it may
     leave less room, or none.
     """
-    place = layout(geometry, assembly)
+    place = layout(geometry)
     low = ceil(1e3 * place.platform_low / GRAIN) * GRAIN
     high = floor(1e3 * place.platform_high / GRAIN) * GRAIN
-    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry, assembly)[3])
+    return holding((low, max(high, low + GRAIN)), 1e3 * home_pose(geometry)[3])
 
 
 def holding(ends: Range, value: float) -> Range:
@@ -53,7 +53,7 @@ def _slider(index: int, label: str, unit: str, step: float, hint: str) -> Slider
 
     def limits(state: State) -> Range:
         document = state.document
-        return pose_limits(document.design.geometry, document.assembly)[index]
+        return pose_limits(document.design.geometry)[index]
 
     return Slider(
         f"pose.{coordinate}", label, unit=display_unit(unit), step=step, hint=hint,
@@ -79,7 +79,7 @@ POSE = (
             "upper knee (mirrored)": KneeBranch.UPPER,
         },
         hint="Which root of Appendix 1 the knee 9 takes; switching mirrors the height",
-        read=lambda state: state.document.assembly, apply=actions.assemble,
+        read=lambda state: state.document.design.geometry.knee, apply=actions.set_knee,
     ),
     ButtonGroup(
         "pose.steps", "Steps",

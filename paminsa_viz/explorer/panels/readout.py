@@ -7,17 +7,9 @@ import numpy as np
 from paminsa_viz.explorer.entries import Html
 from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.panels.render import render
-from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.model.reach import MARGINS
 
 LEVELS = {Health.OK: "ok", Health.NEAR: "warn", Health.UNREACHABLE: "bad"}
-
-LIMITS = {
-    "stretch": Limit.STRETCHED,
-    "fold": Limit.FOLDED,
-    "guide": Limit.GUIDE,
-    "axis": Limit.AXIS,
-}
-"""Columns of the legs' margins."""
 
 
 def status_html(frame: Frame) -> str:
@@ -41,7 +33,7 @@ def quality_html(frame: Frame) -> str:
     return render(
         "quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
         margins=frame.configuration.reach.margins,
-        limits={name: MARGINS.index(limit) for name, limit in LIMITS.items()},
+        limits={limit.label: index for index, limit in enumerate(MARGINS)},
     )  # fmt: skip
 
 

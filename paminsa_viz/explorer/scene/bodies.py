@@ -51,13 +51,10 @@ class BodyNodes:
     Args:
         scene: Scene of a client or a server.
         geometry: Lengths to build the bodies for.
-        assembly: KneeBranch mode, which decides on the frame.
         root: Name of the node that holds all others.
     """
 
-    def __init__(
-        self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch, root: str = "/robot"
-    ) -> None:
+    def __init__(self, scene: SceneApi, geometry: Geometry, root: str = "/robot") -> None:
         self._scene = scene
         self._root = root
         self._top = scene.add_frame(root, show_axes=False)
@@ -71,9 +68,8 @@ class BodyNodes:
         self._hung: dict[str, GlbHandle] = {}
         self._hung_data: dict[str, bytes] = {}
         self._geometry = geometry
-        self._assembly = assembly
         self._fine = False
-        self.rebuild(geometry, assembly)
+        self.rebuild(geometry)
 
     @property
     def visible(self) -> bool:
@@ -96,15 +92,15 @@ class BodyNodes:
             for body in self._built:
                 self._make(body)
 
-    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> tuple[str, ...]:
+    def rebuild(self, geometry: Geometry) -> tuple[str, ...]:
         """Remake the bodies whose defining lengths differ; return their names.
 
         The nodes keep their place until the next `pose`.
         """
-        self._geometry, self._assembly = geometry, assembly
+        self._geometry = geometry
         changed = []
         for body in (*STANDING, *_HANGING_ORDER):
-            wanted = shapes.lengths_of(body, geometry, assembly)
+            wanted = shapes.lengths_of(body, geometry)
             if self._built.get(body) != wanted:
                 self._make(body)
                 self._built[body] = wanted
@@ -119,7 +115,7 @@ class BodyNodes:
 
     def _make(self, body: str) -> None:
         """Make or replace one node; a replaced one keeps its pose and what hangs from it."""
-        data = shapes.body_glb(body, self._geometry, self._assembly, fine=self._fine)
+        data = shapes.body_glb(body, self._geometry, fine=self._fine)
         old = self._nodes.get(body)
         if old is not None:
             old.glb_data = data
@@ -195,8 +191,8 @@ class BodyNodes:
             name = f"{node_name('platform', self._root)}/payload"
             node = self._scene.add_glb(name, load.payload_glb())
             self._nodes["payload"] = node
-        node.position = load.payload_offset(self._geometry, self._assembly)
-        over = self._assembly is KneeBranch.UPPER
+        node.position = load.payload_offset(self._geometry)
+        over = self._geometry.knee is KneeBranch.UPPER
         node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
         node.scale = load.payload_scale(self._payload_mass)
         node.visible = True

@@ -39,7 +39,6 @@ class View:
 def preset(
     name: str,
     geometry: Geometry,
-    assembly: KneeBranch = KneeBranch.LOWER,
     configuration: Configuration | None = None,
     aspect: float = 1.5,
 ) -> View:
@@ -49,7 +48,6 @@ def preset(
         name: One of `VIEWS`. "Leg k" faces the leg's plane as the paper's Fig. 2 does, from the
             side where the mast does not stand in the way.
         geometry: Lengths of the robot.
-        assembly: KneeBranch mode.
         configuration: With it, "Leg k" squares up to the plane as it is now; without, as at home.
         aspect: Width of the picture divided by its height.
 
@@ -65,36 +63,36 @@ def preset(
         )
         side = -90.0 if leg == 0 else 90.0
         return _fitted(
-            np.degrees(heading) + side, 5.0, _leg_outline(geometry, assembly, leg, heading), aspect
+            np.degrees(heading) + side, 5.0, _leg_outline(geometry, leg, heading), aspect
         )
     azimuth, elevation = {"3D": (-52.0, 15.0), "Front": (-90.0, 4.0), "Top": (-90.0, 89.95)}[name]
-    return _fitted(azimuth, elevation, _outline(geometry, assembly), aspect)
+    return _fitted(azimuth, elevation, _outline(geometry), aspect)
 
 
-def _outline(geometry: Geometry, assembly: KneeBranch) -> Array:
+def _outline(geometry: Geometry) -> Array:
     """Return points around the whole machine, (n, 3) [m]."""
-    place = layout(geometry, assembly)
+    place = layout(geometry)
     angle = np.linspace(0.0, 2 * np.pi, 24, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     reach = geometry.base_radius + max(geometry.guide_link_length, geometry.crank_length)
     rings = [
-        (plinth_radius(geometry, assembly), place.ground - 0.02),
+        (plinth_radius(geometry), place.ground - 0.02),
         (reach + 0.02, 0.0),
-        (reach + 0.02, -assembly.sign * geometry.crank_length),
-        (0.04, lift_motor_height(geometry, assembly) + 0.06),
+        (reach + 0.02, -geometry.knee.sign * geometry.crank_length),
+        (0.04, lift_motor_height(geometry) + 0.06),
     ]
     return np.vstack([np.column_stack([r * ring, np.full(24, z)]) for r, z in rings])
 
 
-def _leg_outline(geometry: Geometry, assembly: KneeBranch, leg: int, heading: float) -> Array:
+def _leg_outline(geometry: Geometry, leg: int, heading: float) -> Array:
     """Return points around one leg in its plane, from the knee to the platform, (n, 3) [m]."""
     axis = geometry.base_radius * np.array([np.cos(AXIS_ANGLES[leg]), np.sin(AXIS_ANGLES[leg])])
     along = np.array([np.cos(heading), np.sin(heading)])
-    place = layout(geometry, assembly)
+    place = layout(geometry)
     outer = -max(geometry.guide_link_length, geometry.crank_length) - 0.03
     inner = geometry.base_radius + geometry.platform_radius
-    far = place.platform_low if assembly is KneeBranch.LOWER else -0.16
-    near = place.lift_high if assembly is KneeBranch.LOWER else place.lift_high - 0.1
+    far = place.platform_low if geometry.knee is KneeBranch.LOWER else -0.16
+    near = place.lift_high if geometry.knee is KneeBranch.LOWER else place.lift_high - 0.1
     corners = [(r, z) for r in (outer, inner) for z in (far, near)]
     return np.array([[*(axis + r * along), z] for r, z in corners])
 

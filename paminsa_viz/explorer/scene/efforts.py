@@ -10,7 +10,7 @@ from viser import MeshHandle, SceneApi
 
 from paminsa_viz import palette
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 
 Array = NDArray[np.float64]
@@ -101,23 +101,20 @@ class EffortArrows:
     Args:
         scene: Scene of a client or a server.
         geometry: Says where the leg axes are.
-        assembly: The arcs lie on the actuators' side of the base plate.
     """
 
-    def __init__(
-        self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch, root: str = "/efforts"
-    ) -> None:
+    def __init__(self, scene: SceneApi, geometry: Geometry, root: str = "/efforts") -> None:
         self._scene = scene
         self._root = root
         self._nodes: list[MeshHandle] = []
         self._fractions = np.zeros(4)
         self._visible = False
         self._lift = 0.0
-        self.rebuild(geometry, assembly)
+        self.rebuild(geometry)
 
-    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> None:
+    def rebuild(self, geometry: Geometry) -> None:
         """Move the arrows to the leg axes of a geometry."""
-        height = ARC_HEIGHT * assembly.sign
+        height = ARC_HEIGHT * geometry.knee.sign
         self._seats = [
             (
                 geometry.base_radius * float(np.cos(a)),

@@ -21,10 +21,9 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.plots import colors, lines
-from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.raster import map_image
-from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots import contours
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import Scale, map_pixels
 
 ABOVE: Final = {
     "map": 0.0024,
@@ -89,7 +88,7 @@ class FloorMap:
         """Draw what has changed; nothing is computed for layers that are hidden."""
         state = frame.state
         layers, standing = state.layers, state.standing
-        self._stand(layout(standing.geometry, standing.assembly).ground)
+        self._stand(layout(standing.geometry).ground)
         x, y = standing.pose[:2]
         _put(self._ring, x, y, self._height + ABOVE["ring"])
         if not moving or time.monotonic() >= self._due:
@@ -118,7 +117,7 @@ class FloorMap:
         document, view, opacity = state.document, state.map_view, state.floor_opacity
         reference = document.reference if shows_difference(state) else None
         theta, z = document.pose[2:]
-        shown = (document.design, document.assembly, theta, z, reference, view, opacity)
+        shown = (document.design, theta, z, reference, view, opacity)
         if self._key and self._key[0] == shown and (moving or self._key[1]):
             return
         quantities = (view.quantity,)
@@ -133,25 +132,26 @@ class FloorMap:
 
     def _draw_legend(self, data: MapData, scale: Scale, state: State) -> None:
         geometry = state.standing.geometry
-        key = (data.names, scale, geometry, state.standing.assembly)
+        key = (data.names, scale, geometry)
         if key == self._legend_key:
             return
         self._legend_key = key
         self._legend.draw(data, scale)
-        self._legend.stand(geometry, state.standing.assembly, self._height + ABOVE["legend"])
+        self._legend.stand(geometry, self._height + ABOVE["legend"])
 
     def _draw_curves(self, state: State, moving: bool) -> None:
         document = state.document
         theta, z = document.pose[2:]
-        shown = (document.design.geometry, document.assembly, theta, z)
+        shown = (document.design.geometry, theta, z)
         if self._curves_key and self._curves_key[0] == shown and (moving or self._curves_key[1]):
             return
         # Shapes of the reach alone: the same for every quantity, and without a reference.
         cells = COARSE if moving else FULL
         data = self._store.present(state, cells, (Quantity.REACH_MARGIN,))
-        outline = [thinned(line, OUTLINE) for line in lines.boundary(data)]
+        outline = [thinned(line, OUTLINE) for line in contours.pieces(contours.boundary(data))]
         self._boundary.draw(outline, self._height + ABOVE["boundary"])
-        self._circle.draw(lines.singular_circle(data), self._height + ABOVE["circle"])
+        circle = contours.pieces(contours.singular_circle(data))
+        self._circle.draw(circle, self._height + ABOVE["circle"])
         self._curves_key = (shown, not moving)
 
     def _click(self, event: Any) -> None:
@@ -162,11 +162,8 @@ class FloorMap:
 
 def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:
     """Return one map as RGBA with row 0 at the smallest y, clear where nothing is reached."""
-    pixels = map_image(data.values[0], data.status, scale)
-    clear = pixels[..., 3] == 0
-    # Pixels are blended with their neighbors on the screen, clear ones too.
-    pixels[clear, :3] = rgb(colors.REACHLESS)
-    pixels[~clear, 3] = round(255 * min(max(opacity, 0.0), 1.0))
+    pixels = map_pixels(data.values[0], data.status, scale)
+    pixels[pixels[..., 3] > 0, 3] = round(255 * min(max(opacity, 0.0), 1.0))
     return pixels
 
 

@@ -13,13 +13,11 @@ import viser
 from numpy.typing import NDArray
 
 from paminsa_viz.meshes.frame import plinth_radius
-from paminsa_viz.model import Geometry, KneeBranch
+from paminsa_viz.model import Geometry
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.plots import axes
-from paminsa_viz.plots.maps import MapData
-from paminsa_viz.plots.raster import OVER, UNDER, lut
-from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import OVER, UNDER, Scale, color_table
 from paminsa_viz.units import number
 
 LEGEND_SIZE: Final = (0.44, 0.04)
@@ -33,12 +31,12 @@ WORDS: Final = 0.72
 
 
 def legend_place(
-    geometry: Geometry, assembly: KneeBranch
+    geometry: Geometry,
 ) -> tuple[tuple[float, float], tuple[float, float, float, float]]:
     """Return where the legend's center lies (x, y) [m] and how it is turned (wxyz)."""
     half_width, height = LEGEND_SIZE[0] / 2, LEGEND_SIZE[1]
     # Beside the map, but not so far out that its outer corners leave the plinth.
-    outer = np.sqrt(max((plinth_radius(geometry, assembly) - 0.03) ** 2 - half_width**2, 0.0))
+    outer = np.sqrt(max((plinth_radius(geometry) - 0.03) ** 2 - half_width**2, 0.0))
     beside = workspace_radius(geometry) + height / 2 + 0.03
     radius = float(max(min(beside, outer - height / 2), height))
     turn = DIRECTION + np.pi / 2
@@ -53,7 +51,7 @@ def legend_image(scale: Scale) -> NDArray[np.uint8]:
     """
     rows = round(PIXELS * LEGEND_SIZE[1] / LEGEND_SIZE[0])
     arrow = round(0.8 * rows)
-    table = lut(scale)[:, :3]
+    table = color_table(scale)[:, :3]
     length = PIXELS - 2 * arrow
     image = np.zeros((rows, PIXELS, 4), dtype=np.uint8)
     image[..., :3] = rgb(INK)
@@ -97,14 +95,14 @@ class FloorLegend:
         words = {
             "low": number(scale.low * factor),
             "high": number(scale.high * factor),
-            "name": f"{data.names[0]}  {axes.unit_label(unit)}".rstrip(),
+            "name": f"{data.names[0]}  {f'[{unit}]' if unit else ''}".rstrip(),
         }
         for name, text in words.items():
             self._words[name].text = text
 
-    def stand(self, geometry: Geometry, assembly: KneeBranch, height: float) -> None:
+    def stand(self, geometry: Geometry, height: float) -> None:
         """Lie beside the map at a height [m]."""
-        (x, y), wxyz = legend_place(geometry, assembly)
+        (x, y), wxyz = legend_place(geometry)
         self.bar.position = (x, y, height)
         self.bar.wxyz = wxyz
 

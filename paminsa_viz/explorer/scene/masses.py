@@ -67,7 +67,7 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     legs = np.stack(centers, axis=1).reshape(-1, 3)
     x, y, _, z = configuration.pose
     platform = np.array([x, y, z])
-    load = platform + payload_center(geometry, configuration.assembly, design.payload.mass)
+    load = platform + payload_center(geometry, design.payload.mass)
     leg_colors = np.repeat(drawn(*palette.LEG_COLORS), len(masses), axis=0)
     ends = drawn(palette.INK, palette.WARN)
     weights = design.counterweights

@@ -128,7 +128,7 @@ class MotionPath:
         del moving
         state = frame.state
         analysis = self._store.present(state) if "path" in state.layers else None
-        height = layout(state.standing.geometry, state.standing.assembly).ground + ABOVE
+        height = layout(state.standing.geometry).ground + ABOVE
         key = (analysis, state.plots.color, height)
         if key == self._key:
             return

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.scene.labels import ActuatorLabels
 from paminsa_viz.explorer.scene.masses import MassLayers
 from paminsa_viz.explorer.scene.skeleton import Skeleton
 from paminsa_viz.explorer.scene.stage import SHADOW, Stage
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
 
 
@@ -45,22 +45,18 @@ class RobotScene:
     Args:
         scene: Scene of a client or a server.
         design: Lengths and masses to draw.
-        assembly: KneeBranch mode.
     """
 
-    def __init__(
-        self, scene: SceneApi, design: Design, assembly: KneeBranch = KneeBranch.LOWER
-    ) -> None:
+    def __init__(self, scene: SceneApi, design: Design) -> None:
         geometry = design.geometry
         self._design = design
-        self._assembly = assembly
         self._posture: Configuration | None = None
-        self._stage = Stage(scene, geometry, assembly)
-        self._bodies = BodyNodes(scene, geometry, assembly)
-        self._labels = ActuatorLabels(scene, geometry, assembly)
+        self._stage = Stage(scene, geometry)
+        self._bodies = BodyNodes(scene, geometry)
+        self._labels = ActuatorLabels(scene, geometry)
         self._skeleton = Skeleton(scene)
         self._masses = MassLayers(scene, design)
-        self._efforts = EffortArrows(scene, geometry, assembly)
+        self._efforts = EffortArrows(scene, geometry)
         self._bodies.payload(design.payload.mass)
         self._bodies.counterweights(design.counterweights)
 
@@ -68,11 +64,6 @@ class RobotScene:
     def design(self) -> Design:
         """The design that is drawn."""
         return self._design
-
-    @property
-    def assembly(self) -> KneeBranch:
-        """The assembly mode that is drawn."""
-        return self._assembly
 
     @property
     def configuration(self) -> Configuration | None:
@@ -86,12 +77,9 @@ class RobotScene:
             False if the bars cannot close there: the robot then stays where it was.
 
         Raises:
-            ValueError: If the configuration is of another geometry or assembly than that drawn.
+            ValueError: If the configuration is of another geometry than that drawn.
         """
-        if (
-            configuration.assembly is not self._assembly
-            or configuration.geometry != self._design.geometry
-        ):
+        if configuration.geometry != self._design.geometry:
             raise ValueError("the configuration belongs to another robot; call change() first")
         if not _drawable(configuration):
             return False
@@ -118,24 +106,22 @@ class RobotScene:
         )
         return named, {node_name(body): turn for body, turn in turns.items()}
 
-    def change(self, design: Design, assembly: KneeBranch | None = None) -> tuple[str, ...]:
-        """Take another design or assembly; remake only what differs in shape.
+    def change(self, design: Design) -> tuple[str, ...]:
+        """Take another design; remake only what differs in shape.
 
         A changed geometry needs a `pose` afterwards.
 
         Returns:
             Names of the bodies that were remade.
         """
-        assembly = self._assembly if assembly is None else assembly
         before, self._design = self._design, design
         remade: tuple[str, ...] = ()
-        if design.geometry != before.geometry or assembly is not self._assembly:
-            self._assembly = assembly
-            remade = self._bodies.rebuild(design.geometry, assembly)
-            if self._stage.rebuild(design.geometry, assembly):
+        if design.geometry != before.geometry:
+            remade = self._bodies.rebuild(design.geometry)
+            if self._stage.rebuild(design.geometry):
                 remade = ("ground", *remade)
-            self._labels.rebuild(design.geometry, assembly)
-            self._efforts.rebuild(design.geometry, assembly)
+            self._labels.rebuild(design.geometry)
+            self._efforts.rebuild(design.geometry)
         if design.payload.mass != before.payload.mass or remade:
             self._bodies.payload(design.payload.mass)
         if design.counterweights != before.counterweights:

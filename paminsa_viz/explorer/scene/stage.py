@@ -10,7 +10,7 @@ from viser import SceneApi
 
 from paminsa_viz.meshes.bodies import body_glb, lengths_of
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 
 SKY_PLAIN: Final = 1.75
 SKY_RICH: Final = 0.55
@@ -50,10 +50,9 @@ class Stage:
     Args:
         scene: Scene of a client or a server.
         geometry: Lengths that the plinth's size follows.
-        assembly: KneeBranch mode, which decides on the ground's height.
     """
 
-    def __init__(self, scene: SceneApi, geometry: Geometry, assembly: KneeBranch) -> None:
+    def __init__(self, scene: SceneApi, geometry: Geometry) -> None:
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
         self._scene = scene
@@ -64,10 +63,10 @@ class Stage:
             "/stage/key", intensity=2.1, position=KEY_LIGHT, cast_shadow=False
         )
         scene.add_light_directional("/stage/fill", intensity=0.7, position=FILL_LIGHT)
-        self._lengths = lengths_of("ground", geometry, assembly)
+        self._lengths = lengths_of("ground", geometry)
         self._ground = scene.add_glb(
             "/stage/ground",
-            body_glb("ground", geometry, assembly, fine=False),
+            body_glb("ground", geometry, fine=False),
             cast_shadow=False,
             receive_shadow=False,
         )
@@ -79,20 +78,20 @@ class Stage:
             cast_shadow=False,
             receive_shadow=False,
         )
-        self._place(geometry, assembly)
+        self._place(geometry)
 
-    def rebuild(self, geometry: Geometry, assembly: KneeBranch) -> bool:
+    def rebuild(self, geometry: Geometry) -> bool:
         """Remake the ground if its size or height changed; return whether it did."""
-        lengths = lengths_of("ground", geometry, assembly)
+        lengths = lengths_of("ground", geometry)
         if lengths == self._lengths:
             return False
         self._lengths = lengths
-        self._ground.glb_data = body_glb("ground", geometry, assembly, fine=False)
-        self._place(geometry, assembly)
+        self._ground.glb_data = body_glb("ground", geometry, fine=False)
+        self._place(geometry)
         return True
 
-    def _place(self, geometry: Geometry, assembly: KneeBranch) -> None:
-        self._height = layout(geometry, assembly).ground
+    def _place(self, geometry: Geometry) -> None:
+        self._height = layout(geometry).ground
         self._below.position = (0.0, 0.0, self._height + 0.0012)
 
     def pose(self, x: float, y: float) -> None:

@@ -32,11 +32,11 @@ def look(session: Session, name: str) -> None:
         name: One of `CAMERAS`.
     """
     client, standing = session.client, session.state.standing
-    configuration = inverse_kinematics(standing.geometry, standing.pose, standing.assembly)
+    configuration = inverse_kinematics(standing.geometry, standing.pose)
     width, height = client.camera.image_width, client.camera.image_height
     covered = covered_share(session.panel_width, height)
     aspect = width / (height * (1 - covered)) if height else 1.4
-    view = preset(name, standing.geometry, standing.assembly, configuration, aspect)
+    view = preset(name, standing.geometry, configuration, aspect)
     take(client, raised(view, covered))
 
 
@@ -85,8 +85,8 @@ class RobotView:
         del moving
         state = frame.state
         design = frame.standing_design
-        if design != self.scene.design or state.standing.assembly is not self.scene.assembly:
-            self.scene.change(design, state.standing.assembly)
+        if design != self.scene.design:
+            self.scene.change(design)
             self._efforts = None
         if frame.configuration is not self.scene.configuration:
             self.scene.pose(frame.configuration)

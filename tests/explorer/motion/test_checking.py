@@ -26,6 +26,7 @@ from paminsa_viz.explorer.panels.motion_numbers import difference_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.units import power_of_ten
+from tests.samples import with_knee
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
 
@@ -54,9 +55,9 @@ def answered(state: State) -> State:
 
 
 @needs_mujoco
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_numbers_are_those_of_a_verification(state: State, assembly: KneeBranch) -> None:
-    found = analyzed(answered(actions.assemble(state, assembly)))
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_numbers_are_those_of_a_verification(state: State, knee: KneeBranch) -> None:
+    found = analyzed(answered(actions.set_knee(state, knee)))
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
@@ -65,7 +66,7 @@ def test_numbers_are_those_of_a_verification(state: State, assembly: KneeBranch)
     assert motion.size == MOST_SAMPLES
     assert (motion.t[0], motion.t[-1]) == (0.0, found.present.trajectory.t[-1])
     design = found.present.design
-    known = verify(design, assembly, motion, poses=1, misprints=(Misprint.ALL,))
+    known = verify(with_knee(design, knee), motion, poses=1, misprints=(Misprint.ALL,))
     np.testing.assert_array_equal(torques.engine.torque, known.engines[0].dynamic.reference)
     own, printed = torques.comparison(found.present), torques.comparison(found.printed)
     assert own.agrees(TOLERANCE)
@@ -93,7 +94,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
         actions.vary(known, {"links.b3": 0.5}),
         actions.vary(known, {"geometry.crank_length": 0.44}),
         actions.vary(known, {"friction.coulomb_rotary": 0.1}),
-        actions.assemble(known, KneeBranch.UPPER),
+        actions.set_knee(known, KneeBranch.UPPER),
         requests.choose_preset(known, "circle"),
     ):
         found = analyzed(other)

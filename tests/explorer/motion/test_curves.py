@@ -15,7 +15,7 @@ from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job,
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.motion.traces import Chart, Trace, charts
 from paminsa_viz.explorer.state import State, initial_state
-from paminsa_viz.model import KneeBranch, Misprint
+from paminsa_viz.model import Misprint
 from paminsa_viz.trajectory import analyze
 
 
@@ -164,7 +164,7 @@ def test_simulations_say_what_came_of_them() -> None:
 def test_an_impossible_load_and_an_impossible_path_are_told(failing: State) -> None:
     motion = requests.planned(initial_state()).trajectory
     design = initial_state().document.design
-    lighter = make_job(design, motion, KneeBranch.LOWER, SimulationSettings(extra_load=-1.0))
+    lighter = make_job(design, motion, SimulationSettings(extra_load=-1.0))
     assert "payload" in run(lighter).problem
     job = requests.wanted_job(failing)
     assert "cannot be run" in run(job).problem

@@ -33,9 +33,9 @@ def failing() -> State:
 
 
 @pytest.mark.parametrize("key", [preset.key for preset in PRESETS])
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_scrubbing_stands_where_the_motion_is(key: str, assembly: KneeBranch) -> None:
-    state = actions.assemble(initial_state(), assembly)
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_scrubbing_stands_where_the_motion_is(key: str, knee: KneeBranch) -> None:
+    state = actions.set_knee(initial_state(), knee)
     state = requests.choose_preset(state, key)
     motion = trajectory(state)
     for share in (0.0, 0.31, 0.77, 1.0):

@@ -15,9 +15,9 @@ from paminsa_viz.model.kinematics import inverse_kinematics
 POSE = (0.05, -0.03, 0.4, -0.6)
 
 
-def solved(pose=POSE, design=APPENDIX_4, assembly=KneeBranch.LOWER):
+def solved(pose=POSE, design=APPENDIX_4, knee=KneeBranch.LOWER):
     """Return the configuration at a pose."""
-    return inverse_kinematics(design.geometry, pose, assembly)
+    return inverse_kinematics(design.with_knee(knee).geometry, pose)
 
 
 def nodes(server: viser.ViserServer) -> dict[str, object]:

@@ -15,14 +15,14 @@ from paminsa_viz.explorer.scene.robot import RobotScene
 from paminsa_viz.meshes.placement import BODIES, place_parts
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests.explorer.scene.seen import nodes, recorded, solved, world
-from tests.samples import random_poses
+from tests.samples import random_poses, with_knee
 
 
-@pytest.mark.parametrize("assembly", list(KneeBranch))
-def test_bodies_stand_where_the_model_says(server: viser.ViserServer, assembly: KneeBranch) -> None:
-    robot = RobotScene(server.scene, APPENDIX_4, assembly)
-    for pose in random_poses(np.random.default_rng(4), APPENDIX_4, assembly, 5):
-        configuration = solved(pose, assembly=assembly)
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_bodies_stand_where_the_model_says(server: viser.ViserServer, knee: KneeBranch) -> None:
+    robot = RobotScene(server.scene, with_knee(APPENDIX_4, knee))
+    for pose in random_poses(np.random.default_rng(4), with_knee(APPENDIX_4, knee), 5):
+        configuration = solved(pose, knee=knee)
         assert robot.pose(configuration)
         for body, place in place_parts(configuration).items():
             got = world(server, node_name(body))
@@ -87,7 +87,7 @@ def test_an_unreachable_pose_leaves_the_robot_standing(
 
 def test_a_posture_of_another_robot_is_refused(robot: RobotScene) -> None:
     with pytest.raises(ValueError, match="another robot"):
-        robot.pose(solved(assembly=KneeBranch.UPPER, pose=(0.0, 0.0, 0.0, 0.4)))
+        robot.pose(solved(knee=KneeBranch.UPPER, pose=(0.0, 0.0, 0.0, 0.4)))
     with pytest.raises(ValueError, match="another robot"):
         robot.pose(solved(design=APPENDIX_4.vary({"geometry.base_radius": 0.36})))
 
@@ -132,14 +132,14 @@ def test_a_longer_bar_changes_its_own_kind_on_every_leg(robot: RobotScene) -> No
     assert moving == {f"leg{leg}/{bar}" for leg in (1, 2, 3) for bar in ("b3", "b8")}
 
 
-def test_the_other_assembly_turns_the_machine_over(
+def test_the_other_knee_turns_the_machine_over(
     server: viser.ViserServer, robot: RobotScene
 ) -> None:
     robot.pose(solved())
     count = len(nodes(server))
-    remade = robot.change(APPENDIX_4, KneeBranch.UPPER)
+    remade = robot.change(with_knee(APPENDIX_4, KneeBranch.UPPER))
     assert {"base", "ground", "m1", "m2", "m3", "m4", "carriage"} <= set(remade)
-    configuration = solved((0.0, 0.0, 0.0, 0.4), assembly=KneeBranch.UPPER)
+    configuration = solved((0.0, 0.0, 0.0, 0.4), knee=KneeBranch.UPPER)
     assert robot.pose(configuration)
     assert len(nodes(server)) == count
     assert world(server, "/robot/platform")[2, 3] == pytest.approx(0.4)

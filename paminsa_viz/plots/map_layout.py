@@ -1,0 +1,128 @@
+"""Where the panels and color bars of a figure of maps lie, the same on a page and in print.
+
+Lengths are in points from the figure's top left corner; on a page, a point is one page pixel. They
+grow with the size of the letters, the em.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import Scale
+
+# In em.
+_LEFT = 4.7  # y numbers and label
+_RIGHT = 0.8
+_TOP = 1.9  # headings of the panels
+_AXIS = 3.1  # x numbers and label
+_GAP = 0.95  # between panels
+_BAR = 0.95  # thickness of a color bar
+_BAR_GAP = 0.85
+_BAR_TEXT = 4.6  # numbers at the right of a vertical bar
+_BAR_FOOT = 2.9  # numbers and unit below a horizontal bar
+_BOTTOM = 0.3
+_PANELS = (6.0, 42.0)  # least and largest width of a panel
+_VERTICAL = 42.0  # least width of a figure of several maps with a vertical bar
+
+
+@dataclass(frozen=True)
+class Rectangle:
+    """A rectangle by its left and top edge, width and height [points]."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+
+    @property
+    def right(self) -> float:
+        """Right edge."""
+        return self.left + self.width
+
+    @property
+    def bottom(self) -> float:
+        """Bottom edge."""
+        return self.top + self.height
+
+
+@dataclass(frozen=True)
+class MapLayout:
+    """The size of a figure, its panels, and its color bars: one, or one a panel [points]."""
+
+    em: float
+    width: float
+    height: float
+    panels: tuple[Rectangle, ...]
+    bars: tuple[Rectangle, ...]
+    vertical: bool
+
+    def positions(self, data: MapData) -> list[tuple[float, float]]:
+        """Return where the pose lies on each panel, as shares of the figure's width and height.
+
+        There is none where the pose is not on the map.
+        """
+        left, right, bottom, top = data.extent
+        x, y = (float(v) for v in data.pose[:2])
+        if not (left <= x <= right and bottom <= y <= top):
+            return []
+        across, down = (x - left) / (right - left), (top - y) / (top - bottom)
+        return [
+            (
+                (panel.left + across * panel.width) / self.width,
+                (panel.top + down * panel.height) / self.height,
+            )
+            for panel in self.panels
+        ]
+
+
+def map_layout(
+    data: MapData, scales: Sequence[Scale], width: float, em: float, head: float = 0.0
+) -> MapLayout:
+    """Place all panels in one row, at equal x and y scale.
+
+    A shared color bar stands at the right, or lies below in a narrow figure of several maps; bars
+    of their own lie below the panels.
+
+    Args:
+        data: The maps.
+        scales: Color scales, one a panel; if they differ, each panel has a bar.
+        width: Width of the figure [points].
+        em: Size of the letters [points].
+        head: Room above everything [points].
+
+    Raises:
+        InvalidInput: If the width is not enough for the panels.
+    """
+    count = data.panels
+    left, right, bottom, top = data.extent
+    own_bars = len(set(scales)) > 1
+    vertical = not own_bars and (count == 1 or width >= _VERTICAL * em)
+    beside = (_BAR_GAP + _BAR + _BAR_TEXT) * em if vertical else 0.0
+    free = width - (_LEFT + _RIGHT + _GAP * (count - 1)) * em - beside
+    each = min(free / count, _PANELS[1] * em)
+    if not each >= _PANELS[0] * em:
+        raise InvalidInput("width", f"too narrow for {count} panels side by side")
+    spare = (free - each * count) / 2  # keeps a wide figure's panels in the middle
+    tall = each * (top - bottom) / (right - left)
+    first, step = _LEFT * em + spare, each + _GAP * em
+    panels = tuple(Rectangle(first + i * step, head + _TOP * em, each, tall) for i in range(count))
+    last = panels[-1]
+    foot = last.bottom + _AXIS * em
+    if vertical:
+        bars = (Rectangle(last.right + _BAR_GAP * em, last.top, _BAR * em, tall),)
+    else:
+        # Their numbers need room beyond the ends.
+        spans = [(p.left, p.width, 0.04) for p in panels]
+        if not own_bars:
+            spans = [(first, last.right - first, 0.125)]
+        bars = tuple(
+            Rectangle(start + inset * span, foot + _BAR_GAP * em, (1 - 2 * inset) * span, _BAR * em)
+            for start, span, inset in spans
+        )
+        foot = bars[0].bottom + _BAR_FOOT * em
+    height = math.ceil(foot + _BOTTOM * em)  # whole pixels on a page
+    return MapLayout(em, width, height, panels, bars, vertical)

@@ -1,0 +1,44 @@
+"""Text that matplotlib is to write: measured, broken into lines, and limited to what it can write.
+
+The font is DejaVu Sans, which comes with matplotlib.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Literal
+
+from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.textpath import text_to_path
+
+Weight = Literal["normal", "bold"]
+
+
+def text_width(text: str, size: float, weight: Weight = "normal") -> float:
+    """Return how wide a text of some size is, in the unit of the size."""
+    font = FontProperties(family="DejaVu Sans", size=size, weight=weight)
+    return text_to_path.get_text_width_height_descent(text, font, False)[0]
+
+
+def printable(text: str) -> str:
+    """Return a text on one line, with what the font cannot write replaced by ``?``."""
+    known = _characters()
+    line = " ".join(word for row in text.splitlines() for word in row.split(" ") if word)
+    return "".join(c if ord(c) in known else "?" for c in line)
+
+
+def wrapped(text: str, size: float, width: float, weight: Weight = "normal") -> list[str]:
+    """Break a text into lines no wider than ``width``, in the unit of ``size``."""
+    lines: list[str] = []
+    for word in printable(text).split(" "):
+        longer = f"{lines[-1]} {word}" if lines else word
+        if lines and text_width(longer, size, weight) <= width:
+            lines[-1] = longer
+        elif word:
+            lines.append(word)
+    return lines
+
+
+@lru_cache(maxsize=1)
+def _characters() -> frozenset[int]:
+    return frozenset(get_font(findfont(FontProperties(family="DejaVu Sans"))).get_charmap())
