@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import viser
 
-from paminsa_viz.explorer.browser.backdrop import before_backdrop
+from paminsa_viz.explorer.browser.style import over_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes
@@ -20,11 +20,10 @@ from paminsa_viz.model import (
     Design,
     InvalidInput,
     PaminsaError,
-    Quantity,
     inverse_kinematics,
 )
-from paminsa_viz.plots.map_data import TORQUES
 from paminsa_viz.plots.map_table import map_table
+from paminsa_viz.quantities import TORQUES
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -84,13 +83,13 @@ def require_range(name: str, value: float, ends: tuple[float, float]) -> None:
         raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
 
 
-def shown_quantities(state: State, single: bool) -> tuple[Quantity, ...]:
+def shown_quantities(state: State, single: bool) -> tuple[str, ...]:
     """Return what the figure of one map, or of three torques, shows."""
     return (state.map_view.quantity,) if single else TORQUES
 
 
 def _what(state: State, single: bool) -> str:
-    what = state.map_view.quantity.value.replace("_", "-") if single else "torque-maps"
+    what = state.map_view.quantity.replace("_", "-") if single else "torque-maps"
     return f"{what}-difference" if shows_difference(state) else what
 
 
@@ -198,7 +197,7 @@ def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None)
         pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
         if pixels.dtype != np.uint8 or pixels.shape != (height, width, 4):
             raise ValueError(f"a picture of shape {pixels.shape}")
-        image = Image.fromarray(before_backdrop(pixels))
+        image = Image.fromarray(over_backdrop(pixels))
     except Exception as error:  # what a page sends may break any decoder in any way
         raise NoView(
             "the page did not give a picture of the 3D view; keep its tab in front and try again"

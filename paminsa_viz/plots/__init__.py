@@ -1,6 +1,7 @@
-"""Figures: results in, pictures out, for the screen (plotly, small rasters) and for files.
+"""Figures: results in, figures out, for the page, notebooks and files.
 
-`maps.MapData` is the one data object that all of them read. `scale` decides the colors, `screen`
-and `live` draw for the page, `paper` draws for print. Nothing is imported here, so that the page
-does not pay for matplotlib before somebody asks for a file.
+Maps: `map_data.MapData` is what all of them read, `ranges` and `scale` decide the colors,
+`contours` the lines, `map_layout` the places. `map_figure` draws for the page and for print,
+`interactive` for notebooks; `hover` is what the pointer reads. `formats` is the registry of file
+formats. Nothing is imported here, so that nobody waits for matplotlib who does not draw.
 """

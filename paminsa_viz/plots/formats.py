@@ -48,12 +48,12 @@ class FigureFormat:
 
     Attributes:
         name: matplotlib's name, which is also the file's ending.
-        metadata: What matplotlib is to write into the file.
+        metadata: What matplotlib is to write into the file; None if it can write nothing.
         pixels: Whether the whole figure is made of pixels.
     """
 
     name: str
-    metadata: Callable[[Credits], dict[str, Any]]
+    metadata: Callable[[Credits], dict[str, Any]] | None = None
     pixels: bool = False
 
     @property
@@ -160,6 +160,6 @@ def figure_file(figure: Figure, name: str, dpi: float, credits: Credits) -> byte
         credits: What the file says of itself.
     """
     stream = BytesIO()
-    metadata = figure_format(name).metadata(credits)
-    figure.savefig(stream, format=name, dpi=dpi, metadata=metadata)
+    metadata = figure_format(name).metadata
+    figure.savefig(stream, format=name, dpi=dpi, metadata=metadata and metadata(credits))
     return stream.getvalue()

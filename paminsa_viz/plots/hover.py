@@ -45,10 +45,8 @@ def emptiness(data: MapData, panel: int) -> str:
 
 def value_text(data: MapData, panel: int, value: str = "z") -> str:
     """Return plotly's template for a cell with a value."""
-    unit = data.display[1]
-    return (
-        f"<b>{data.names[panel]} = %{{{value}:.4~g}}{' ' + unit if unit else ''}</b>{_place(data)}"
-    )
+    quantity = f"{data.names[panel]} = %{{{value}:.4~g}} {data.display.text}".rstrip()
+    return f"<b>{quantity}</b>{_place(data)}"
 
 
 def reason_text(data: MapData) -> str:

@@ -14,13 +14,13 @@ from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Entry, Html, Num
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import exporting
-from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS
 from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.quantities import QUANTITIES
 
 log = logging.getLogger(__name__)
 
@@ -193,7 +193,7 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
 
 def _maps_heading(frame: Frame) -> str:
     state = frame.state
-    quantity = QUANTITY_LABELS[state.map_view.quantity]
+    quantity = QUANTITIES[state.map_view.quantity].label
     minus = ", minus the reference" if shows_difference(state) else ""
     text = f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
     return render("heading.j2", kind="pv-export", title="Maps", text=text)

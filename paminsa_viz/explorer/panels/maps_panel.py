@@ -14,14 +14,13 @@ from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_controls import MapControls
-from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
+from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
 from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.model import Quantity
-from paminsa_viz.plots.map_data import TORQUES
+from paminsa_viz.quantities import QUANTITIES, TORQUES
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
@@ -43,10 +42,14 @@ class MapsPanel:
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
                 session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES,
-                Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"), motions,
+                "below", motions,
             )  # fmt: skip
             self._torque_inputs = MapControls(
-                session, self._torques, "torque maps", lambda _: Quantity.TAU_1.unit, brief=True
+                session,
+                self._torques,
+                "torque maps",
+                lambda _: QUANTITIES["tau_1"].unit,
+                brief=True,
             )
             self._torque_inputs.range()
             self._torque_inputs.shared()
@@ -55,10 +58,10 @@ class MapsPanel:
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                Arrangement(share=0.52), motions,
+                "right", motions,
             )  # fmt: skip
             self._single_inputs = MapControls(
-                session, self._single, "single map", lambda s: s.map_view.quantity.unit
+                session, self._single, "single map", lambda s: QUANTITIES[s.map_view.quantity].unit
             )
             self._single_inputs.quantity()
             self._single_inputs.range()

@@ -1,49 +1,3 @@
-<style>
-#motion {
-  position: fixed; left: 0; right: 0; bottom: 0; z-index: 5; padding: 8px 16px 10px;
-  background: rgba(255, 255, 255, 0.88); border-top: 1px solid #d5dbe1;
-  color: #1f2933; font: 13px/1.4 system-ui, sans-serif;
-  max-height: 45vh; overflow: auto; overflow-wrap: anywhere;
-}
-#motion .row { display: flex; flex-wrap: wrap; align-items: center; gap: 6px 12px; }
-#motion .row + .row { margin-top: 5px; }
-#motion input[type=checkbox] { margin: 0 2px 0 0; vertical-align: -1px; }
-#motion b { font-size: 14px; }
-#motion button {
-  width: 34px; height: 28px; padding: 0; border: 1px solid #9aa5b1; border-radius: 4px;
-  background: #fff; cursor: pointer;
-}
-#motion button svg { display: block; width: 14px; height: 14px; margin: auto; fill: #1f2933; }
-#motion button[aria-label=Stop] .play, #motion button[aria-label=Play] .stop { display: none; }
-#motion input[type=range] { flex: 1 1 160px; min-width: 120px; accent-color: #0072b2; }
-#motion output { font-variant-numeric: tabular-nums; white-space: nowrap; }
-#motion #motion-torques { white-space: normal; }
-#motion #motion-torques span { display: inline-block; min-width: 8.8em; }
-#motion p { margin: 2px 0 0; color: #52606d; font-size: 12px; }
-</style>
-<div id="motion">
-  <div class="row">
-    <button id="motion-play" type="button" title="Play or stop (space)" aria-label="Stop">
-      <svg viewBox="0 0 14 14" aria-hidden="true">
-        <path class="play" d="M3 1v12l10-6z"/><path class="stop" d="M2 1h3.5v12H2zM8.5 1H12v12H8.5z"/>
-      </svg>
-    </button>
-    <input id="motion-time" type="range" min="0" step="any" value="0" aria-label="Time">
-    <output id="motion-clock"></output>
-    <label>Speed
-      <select id="motion-speed">
-        <option value="0.1">0.1×</option><option value="0.25">0.25×</option>
-        <option value="0.5">0.5×</option><option value="1" selected>1×</option>
-        <option value="2">2×</option>
-      </select>
-    </label>
-    <label><input id="motion-loop" type="checkbox" checked> Loop</label>
-  </div>
-  <div class="row"><b>@TITLE@</b><output id="motion-torques"></output></div>
-  @WORDS@
-</div>
-<script id="motion-data" type="application/json">@DATA@</script>
-<script>
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("motion-data").textContent);
@@ -53,6 +7,9 @@
   const positions = numbers(data.positions);
   const turns = numbers(data.turns);
   const torques = numbers(data.torques);
+
+  /** How long the scene may take to appear before the numbers go on without it [ms]. */
+  const PATIENCE = 20000;
 
   const slider = find("time");
   slider.max = data.duration;
@@ -88,11 +45,10 @@
 
   /** Move the nodes; false while the scene is still being made. */
   function draw() {
-    const viewer = window.__viserMutable;
-    if (!viewer) return false;
-    const poses = viewer.nodePoseData;
+    const { nodePoseData: poses, nodeRefFromName: nodes, requestRender } = window.__viserMutable || {};
+    if (!poses || !nodes || !requestRender) return false;
     const names = [...data.moved, ...data.turned];
-    if (!names.every((name) => poses[name] && viewer.nodeRefFromName[name])) return false;
+    if (!names.every((name) => poses[name] && nodes[name])) return false;
     const moved = sampler(positions, 3 * data.moved.length);
     data.moved.forEach((name, i) => { poses[name].position = positionOf(moved, i); });
     const turned = sampler(turns, 4 * data.turned.length);
@@ -102,7 +58,7 @@
         poses[name].poseUpdateState = "needsUpdate";
       }
     }
-    viewer.requestRender();
+    requestRender();
     return true;
   }
 
@@ -113,7 +69,7 @@
     return reading;
   });
 
-  function tell() {
+  function showNumbers() {
     slider.value = time;
     find("clock").value = `${time.toFixed(2)} / ${data.duration.toFixed(2)} s`;
     const sample = sampler(torques, 4);
@@ -147,9 +103,9 @@
         time = 0;
       }
     }
-    if (time !== drawn && draw()) {
+    if (time !== drawn && (draw() || now > PATIENCE)) {
       drawn = time;
-      tell();
+      showNumbers();
     }
     requestAnimationFrame(step);
   }
@@ -168,4 +124,3 @@
   });
   requestAnimationFrame(step);
 })();
-</script>

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import msgspec
+from PIL import Image
 from viser import GuiUploadButtonHandle
 
-from . import messages
 from .limits import Limits
-from .pictures import pixel_count
+from .messages import Decode
 
 _MANY_PARTS = 1024  # of one upload; viser's page sends one for each half megabyte
 _MANY_UPLOADS = 4  # of one page at a time
 
 
-def fits(handle: Any, value: object) -> bool:
-    """Say whether ``value`` is of the kind that an input holds.
+def matches_input(handle: Any, value: object) -> bool:
+    """Return whether ``value`` is of the kind that an input holds.
 
     Kind only: a finite number for a number, as many numbers as before for a vector, one of the
     options for a choice. The range is left to whoever reads the value, because what a person typed
@@ -39,6 +40,20 @@ def fits(handle: Any, value: object) -> bool:
     return isinstance(held, tuple) and isinstance(value, list) and len(value) == len(held)
 
 
+def pixel_count(data: bytes) -> int | None:
+    """Return how many pixels a still PNG or JPEG has, or None if it is not one.
+
+    Only the header is read: a few kilobytes can claim to be a picture of gigabytes, and viser
+    decodes what a page returns for ``get_render``.
+    """
+    try:
+        with Image.open(io.BytesIO(data), formats=("PNG", "JPEG")) as image:
+            still = not getattr(image, "is_animated", False)
+            return image.width * image.height if still else None
+    except Exception:  # whatever a broken file makes Pillow raise, a claim of gigabytes included
+        return None
+
+
 @dataclass
 class _Upload:
     part_count: int
@@ -50,19 +65,19 @@ class MessageFilter:
     """Lets through what a page of ours would send, in a form that can be read in one way only.
 
     Args:
+        decode: Reads one message, see `messages.page_decoder`.
         limits: How much is let through.
-        report: Told once if something is not.
+        report: Called once if something is not.
 
     Attributes:
         inputs: The session's own inputs by uuid, as viser keeps them; empty until it has started.
     """
 
-    def __init__(self, limits: Limits, report: Callable[[str], None]) -> None:
+    def __init__(self, decode: Decode, limits: Limits, report: Callable[[str], None]) -> None:
         self.inputs: Mapping[str, Any] = {}
-        self._limits = limits
-        self._report = report
+        self._decode, self._limits, self._report = decode, limits, report
         self._uploads: dict[str, _Upload] = {}
-        self._complained = False
+        self._reported = False
 
     def passed(self, raw: str | bytes) -> bytes | None:
         """Return the message to hand to viser, or None if it is to be dropped.
@@ -71,34 +86,38 @@ class MessageFilter:
             raw: One WebSocket message as it came.
         """
         try:
-            message = self._checked(messages.decode(raw)) if isinstance(raw, bytes) else None
+            message = self._checked(self._decode(raw)) if isinstance(raw, bytes) else None
         except (msgspec.MsgspecError, ValueError, RecursionError):
             message = None
         if message is not None:
-            return messages.encode(message)
-        if not self._complained:
-            self._complained = True
+            # Written again: of a key given twice, viser would take the other one.
+            return msgspec.msgpack.encode(message)
+        if not self._reported:
+            self._reported = True
             self._report("a connection sends messages that the page does not; they are dropped")
         return None
 
-    def _checked(self, message: messages.AnyPageMessage) -> messages.AnyPageMessage | None:
-        match message:
-            case messages.GuiUpdateMessage(uuid=uuid, updates=updates):
-                handle = self.inputs.get(uuid)
-                return message if handle is not None and fits(handle, updates.value) else None
-            case messages.FileTransferStartUpload():
+    def _checked(self, message: Any) -> Any:
+        match type(message).__name__:
+            case "GuiUpdateMessage":
+                handle = self.inputs.get(message.uuid)
+                passes = handle is not None and matches_input(handle, message.updates.value)
+            case "ScenePointerMessage":  # viser would fail on one without its ray or its corners
+                ray = message.ray_origin is not None and message.ray_direction is not None
+                click = message.event_type == "click"
+                passes = len(message.screen_pos) == (1 if click else 2) and (ray or not click)
+            case "FileTransferStartUpload":
                 return self._started(message)
-            case messages.FileTransferPart():
-                return message if self._expected(message) else None
-            case messages.GetRenderResponseMessage(payload=payload) if payload:
-                pixels = pixel_count(payload)
-                small = pixels is not None and pixels <= self._limits.render_pixels
-                return message if small else None
-        return message
+            case "FileTransferPart":
+                passes = self._expected(message)
+            case "GetRenderResponseMessage" if message.payload:
+                pixels = pixel_count(message.payload)
+                passes = pixels is not None and pixels <= self._limits.render_pixels
+            case _:
+                passes = True
+        return message if passes else None
 
-    def _started(
-        self, upload: messages.FileTransferStartUpload
-    ) -> messages.FileTransferStartUpload | None:
+    def _started(self, upload: Any) -> Any:
         # Only upload buttons: viser would put a file into a slider.
         if not isinstance(self.inputs.get(upload.source_component_uuid), GuiUploadButtonHandle):
             return None
@@ -111,7 +130,7 @@ class MessageFilter:
             self._uploads[upload.transfer_uuid] = _Upload(upload.part_count, upload.size_bytes)
         return upload
 
-    def _expected(self, part: messages.FileTransferPart) -> bool:
+    def _expected(self, part: Any) -> bool:
         upload = self._uploads.get(part.transfer_uuid)
         if upload is None or part.part_index in upload.parts:
             return False
