@@ -6,14 +6,15 @@ from typing import Any
 
 import viser
 
+from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE as MOTION_SLOT
-from paminsa_viz.explorer.panels.export_panel import ExportPanel
+from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_controls import MapControls
-from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
+from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
 from paminsa_viz.explorer.panels.validation import number
@@ -41,7 +42,7 @@ class MapsPanel:
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
                 session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES,
-                Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"), motions,
+                "below", motions,
             )  # fmt: skip
             self._torque_inputs = MapControls(
                 session,
@@ -57,7 +58,7 @@ class MapsPanel:
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                Arrangement(share=0.52), motions,
+                "right", motions,
             )  # fmt: skip
             self._single_inputs = MapControls(
                 session, self._single, "single map", lambda s: QUANTITIES[s.map_view.quantity].unit
@@ -69,7 +70,7 @@ class MapsPanel:
         with motion_tab:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            self.export = ExportPanel(session, self.store)
+            self.export = Panel(session, export_entries(self.store))
         panel.float(x=MARGIN, y=-MARGIN, width=width)
         bridge.on("click", self._click)
 
