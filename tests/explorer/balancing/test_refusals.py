@@ -7,7 +7,7 @@ import pytest
 from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal
-from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_words import details_html, status_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput, static_imbalance

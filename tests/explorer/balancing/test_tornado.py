@@ -13,7 +13,7 @@ from paminsa_viz.explorer.balancing import requests
 from paminsa_viz.explorer.balancing.jobs import Task
 from paminsa_viz.explorer.balancing.solving import middle
 from paminsa_viz.explorer.frame import near_singularity
-from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_tornado import TornadoFigure, words
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
