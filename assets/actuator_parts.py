@@ -6,18 +6,14 @@ color carry the material "accent".
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.part import Part
-from paminsa_viz.meshes.shading import is_plain
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import (
     ALONG,
     box,
-    circle,
-    loft,
+    is_plain,
     moved,
     prism,
     revolve,
@@ -26,19 +22,12 @@ from paminsa_viz.meshes.solids import (
     tube,
 )
 
-ROD_ANGLES: Final = tuple(np.radians([30.0, 150.0, 270.0]))
-"""Where M4's guide rods stand about the robot's axis, between the arms [rad]."""
-
-ROD_CIRCLE: Final = 0.0285
-ROD_RADIUS: Final = 0.0055
-SCREW_RADIUS: Final = 0.0075
-
 
 def bolts(
     radius: float, height: float, count: int, size: float = 0.0032, start: float = 0.0
-) -> Part:
+) -> MeshPart:
     """Return a circle of socket-head bolts about z, standing on ``height``."""
-    part = Part()
+    part = MeshPart()
     for i in range(count):
         angle = start + 2 * np.pi * i / count
         where = (radius * np.cos(angle), radius * np.sin(angle), height)
@@ -46,7 +35,7 @@ def bolts(
     return part
 
 
-def rotary_actuator() -> Part:
+def rotary_actuator() -> MeshPart:
     """Housing of M1..M3: a flat motor with a bore for the quill.
 
     Origin on the leg axis, on the face that lies on the base plate; +z away from the guides, the
@@ -68,7 +57,7 @@ def rotary_actuator() -> Part:
         (0.052, top),
         (bore, top),
     ]
-    part = Part().add("body", loft([circle(r, h, 24) for r, h in profile], closed=True))
+    part = MeshPart().add("body", revolve([*profile, profile[0]], 24))
     part.add("accent", tube(0.055, 0.0566, 0.0240, 0.0305, 0.0, 24))
     part.add("steel", tube(bore, 0.030, top - 0.001, top + 0.0012, 0.0, 16))
     part.join(bolts(0.0605, 0.007, 6, start=np.pi / 6))
@@ -77,13 +66,13 @@ def rotary_actuator() -> Part:
     return part.add("steel", gland)
 
 
-def quill() -> Part:
+def quill() -> MeshPart:
     """Return the hollow shaft that M1..M3 turn, with the block that holds the guide link.
 
     Origin on the leg axis at the height of the guides; +z toward the actuator, the guide link
     toward -x.
     """
-    part = Part()
+    part = MeshPart()
     part.add("steel", tube(at.QUILL_BORE, at.QUILL_RADIUS, -0.016, at.QUILL_TOP - 0.004, 0.0, 12))
     part.add("body", tube(at.QUILL_BORE, 0.026, at.QUILL_TOP - 0.0045, at.QUILL_TOP, 0.0, 16))
     half = at.CORE - 0.0005
@@ -96,30 +85,32 @@ def quill() -> Part:
     return part.add("accent", box((0.0065, 0.006, 0.0015), (0.021, 0.0, at.QUILL_TOP), 0.0))
 
 
-def lift_carriage() -> Part:
+def lift_carriage() -> MeshPart:
     """Return the carriage of M4; origin on the robot's axis at the height of the arms, +z up."""
     half = at.CARRIAGE_HALF
-    part = Part().add("accent", rod(0.042, -half, half, 0.003, 24))
+    part = MeshPart().add("accent", rod(0.042, -half, half, 0.003, 24))
     part.add("steel", rod(0.0165, half - 0.001, half + 0.008, 0.0, 14))
     part.add("steel", rod(0.0165, -half - 0.002, 0.001 - half, 0.0, 14))
-    for angle in ROD_ANGLES:
-        where = (ROD_CIRCLE * np.cos(angle), ROD_CIRCLE * np.sin(angle), 0.0)
+    for angle in at.ROD_ANGLES:
+        where = (at.ROD_CIRCLE * np.cos(angle), at.ROD_CIRCLE * np.sin(angle), 0.0)
         for side in (-1.0, 1.0):
             inner, outer = sorted((side * (half - 0.001), side * (half + 0.003)))
             part.add("dark", moved(rod(0.0098, inner, outer, 0.0, 10), where))
     return part
 
 
-def lift_foot() -> Part:
+def lift_foot() -> MeshPart:
     """Return the flange at the foot of M4's column; origin on the plate it stands on, +z up."""
     profile = [(0.052, 0.0), (0.052, 0.006), (0.050, 0.008), (0.0385, 0.009)]
     profile += [(0.0385, 0.018), (0.037, 0.0195), (0.0, 0.0195)]
-    return Part().add("body", revolve(profile, 22)).join(bolts(0.0465, 0.0082, 6, start=np.pi / 6))
+    return (
+        MeshPart().add("body", revolve(profile, 22)).join(bolts(0.0465, 0.0082, 6, start=np.pi / 6))
+    )
 
 
-def lift_motor() -> Part:
+def lift_motor() -> MeshPart:
     """Head of M4: end plate, coupling and motor; origin under the end plate, +z up."""
-    part = Part().add("body", rod(0.042, 0.0, 0.014, 0.002, 22))
+    part = MeshPart().add("body", rod(0.042, 0.0, 0.014, 0.002, 22))
     part.join(bolts(0.0362, 0.014, 6, start=0.0))
     body = prism(rounded_rectangle(0.054, 0.054, 0.010, steps=4), 0.018, 0.092, 0.002)
     part.add("body", rod(0.024, 0.013, 0.019, 0.0, 24), body)
@@ -130,10 +121,10 @@ def lift_motor() -> Part:
     return part
 
 
-def mast_foot() -> Part:
+def mast_foot() -> MeshPart:
     """Return the foot of the mast; origin on the ground in the mast's middle, +z up."""
     plate = prism(rounded_rectangle(0.170, 0.150, 0.022, steps=4), 0.0, 0.010, 0.002)
-    part = Part().add("body", plate)
+    part = MeshPart().add("body", plate)
     sleeve = prism(rounded_rectangle(0.106, 0.082, 0.016, steps=3), 0.009, 0.042, 0.002)
     part.add("body", sleeve)
     for x in (-0.068, 0.068):

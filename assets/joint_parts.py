@@ -6,13 +6,12 @@ color carry the material "accent".
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
-import trimesh
 
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.bodies import collar, pin
+from paminsa_viz.meshes.load import PAYLOAD_HEIGHT
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import (
     ACROSS,
     ALONG,
@@ -24,64 +23,34 @@ from paminsa_viz.meshes.solids import (
     rounded_rectangle,
 )
 
-LOAD_DENSITY: Final = 3500.0
-"""Density that turns the payload's mass into the size it is drawn at [kg/m^3]."""
 
-
-PAYLOAD_HEIGHT: Final = 1.25 * (1.0 / LOAD_DENSITY / (1.25 * np.pi)) ** (1 / 3)
-"""Height of a payload of 1 kg: a drum 1.25 times as high as its radius [m]."""
-
-
-def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Part:
-    """Return a joint pin across the leg plane from ``low`` to ``high`` [m].
-
-    Heads stand outside; an end without one is flush, where something else passes close by.
-    """
-    part = Part().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0, 8), rotation=ACROSS))
-    head = at.PIN_HEAD
-    for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):
-        if not headed:
-            continue
-        inner, outer = sorted((end - side * 0.0002, end + side * head))
-        part.add("steel", moved(rod(0.0105, inner, outer, 0.0, 10), rotation=ACROSS))
-        socket = end + side * head
-        inner, outer = sorted((socket - side * 0.001, socket + side * 0.0002))
-        part.add("dark", moved(rod(0.0048, inner, outer, 0.0, 4), rotation=ACROSS))
-    return part
-
-
-def collar(low: float, high: float) -> trimesh.Trimesh:
-    """Return a spacer on a pin across the leg plane."""
-    return moved(rod(0.0105, low, high, 0.0, 10), rotation=ACROSS)
-
-
-def barrel() -> Part:
+def barrel() -> MeshPart:
     """Return the bearing barrel at a joint of a bar; origin in its middle, its axis along y."""
     half, radius = at.BARREL / 2, at.BARREL_RADIUS
-    part = Part().add("steel", moved(rod(radius, -half, half, 0.0, 14), rotation=ACROSS))
+    part = MeshPart().add("steel", moved(rod(radius, -half, half, 0.0, 14), rotation=ACROSS))
     for side in (-1.0, 1.0):
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0004)))
         part.add("dark", moved(rod(0.0125, inner, outer, 0.0, 8), rotation=ACROSS))
     return part
 
 
-def bar_end() -> Part:
+def bar_end() -> MeshPart:
     """Return the socket between a barrel and a tube.
 
     Origin in the middle of the barrel, the tube toward +x. It is scaled to nothing: tubes of every
     bar fit into it.
     """
     profile = [(0.0130, 0.010), (0.0135, 0.0290)]
-    return Part().add("steel", moved(revolve(profile, 10), rotation=ALONG))
+    return MeshPart().add("steel", moved(revolve(profile, 10), rotation=ALONG))
 
 
-def slider() -> Part:
+def slider() -> MeshPart:
     """Slider with the pin of joint 8, which carries B8 on one side and B7 on the other.
 
     Origin at joint 8, x along the guide, y across the leg plane.
     """
     half = at.CORE
-    part = Part().add("body", box((2 * at.SLIDER_HALF - 0.008, 2 * half, 0.036), chamfer=0.003))
+    part = MeshPart().add("body", box((2 * at.SLIDER_HALF - 0.008, 2 * half, 0.036), chamfer=0.003))
     for end in (-1.0, 1.0):
         wiper = box(
             (0.0042, 2 * half - 0.004, 0.033), (end * (at.SLIDER_HALF - 0.002), 0.0, 0.0), 0.0
@@ -93,12 +62,12 @@ def slider() -> Part:
     return part.add("steel", collar(half - 0.001, at.span("b7")[0]))
 
 
-def shaft_end() -> Part:
+def shaft_end() -> MeshPart:
     """Return the head at the foot of shaft B2 with the pin of joint 3, which carries B3.
 
     Origin at joint 3, +z up the shaft, y across the leg plane.
     """
-    part = Part()
+    part = MeshPart()
     block = prism(rounded_rectangle(0.032, 2 * at.CORE - 0.001, 0.007), -0.0175, 0.019, 0.003)
     part.add("body", block)
     part.add(
@@ -110,10 +79,10 @@ def shaft_end() -> Part:
     return part.add("steel", collar(at.CORE - 0.001, low))
 
 
-def arm_bearing() -> Part:
+def arm_bearing() -> MeshPart:
     """Return the bearing of joint 2 at the tip of an arm; origin at joint 2, +z up."""
     half = at.ARM_BEARING_HALF
-    part = Part().add("accent", rod(0.0265, -half, half, 0.003, 16))
+    part = MeshPart().add("accent", rod(0.0265, -half, half, 0.003, 16))
     for side in (-1.0, 1.0):
         inner, outer = sorted((side * (half - 0.001), side * (half + 0.0006)))
         part.add("dark", rod(0.0205, inner, outer, 0.0, 14))
@@ -122,37 +91,35 @@ def arm_bearing() -> Part:
     return part
 
 
-def shaft_nut() -> Part:
+def shaft_nut() -> MeshPart:
     """Return the nut and collar that hold shaft B2 in joint 2; origin at joint 2, +z up."""
     half = at.ARM_BEARING_HALF + 0.0012
-    part = Part().add("steel", rod(0.0138, half, half + 0.008, 0.0, 6))
+    part = MeshPart().add("steel", rod(0.0138, half, half + 0.008, 0.0, 6))
     part.add("dark", rod(0.0102, half + 0.008, half + 0.0105, 0.0, 12))
     return part.add("steel", rod(0.0135, -half - 0.006, -half, 0.0, 14))
 
 
-def swivel() -> Part:
-    """Return the swivelling head of joint 5 on the platform, with the pin that carries B4.
+def swivel_disc() -> MeshPart:
+    """Return the round foot of the swivel of joint 5, which looks the same however it is turned.
 
-    Origin at joint 5, x and y along and across the leg plane; it turns about its z axis.
+    Origin at joint 5, +z up.
     """
-    return swivel_disc().join(swivel_head())
-
-
-def swivel_disc() -> Part:
-    """Return the round foot of `swivel`, which looks the same however it is turned."""
     floor = -at.PLATE_BELOW_5
-    part = Part().add("steel", rod(0.0175, floor - 0.0005, floor + 0.003, 0.0, 14))
+    part = MeshPart().add("steel", rod(0.0175, floor - 0.0005, floor + 0.003, 0.0, 14))
     return part.add("accent", rod(0.0205, floor + 0.003, floor + 0.0068, 0.0, 18))
 
 
-def swivel_head() -> Part:
-    """Return `swivel` without its foot."""
+def swivel_head() -> MeshPart:
+    """Return the head of the swivel of joint 5 on the platform, with the pin that carries B4.
+
+    Origin at joint 5, x and y along and across the leg plane; it turns about its z axis.
+    """
     floor = -at.PLATE_BELOW_5
     low, high = at.span("b4")
     half = low - 0.004
     # An upright cheek with a round head, its outline in (x, -z), its thickness along y.
     cheek = np.array([[x, y, 0.0] for x, y in _cheek(0.0115, -(floor + 0.006), 0.0125)])
-    part = Part().add("body", moved(prism(cheek, -half, half, 0.002), rotation=ACROSS))
+    part = MeshPart().add("body", moved(prism(cheek, -half, half, 0.002), rotation=ACROSS))
     part.join(pin(-half, high))
     return part.add("steel", collar(half - 0.001, low))
 
@@ -164,18 +131,18 @@ def _cheek(radius: float, depth: float, foot: float) -> list[tuple[float, float]
     return [*arc, (foot, depth), (-foot, depth)]
 
 
-def tool_flange() -> Part:
+def tool_flange() -> MeshPart:
     """Return the flange in the middle of the platform; origin on the plate's lower face, +z up."""
-    part = Part().add("body", rod(0.032, -0.009, 0.001, 0.0015, 24))
+    part = MeshPart().add("body", rod(0.032, -0.009, 0.001, 0.0015, 24))
     part.add("steel", rod(0.0215, -0.0115, -0.0085, 0.0, 20))
     return part
 
 
-def payload() -> Part:
+def payload() -> MeshPart:
     """Return a load of 1 kg at `LOAD_DENSITY`; origin in the middle of its upper face, +z up."""
     height = PAYLOAD_HEIGHT
     radius = height / 1.25
-    part = Part()
+    part = MeshPart()
     groove = [(0.955, 0.36), (0.955, 0.30)]
     side = [(0.94, 0.0), (1.0, 0.05), (1.0, 0.30)]
     profile = [(r * radius, -height + h * height) for r, h in side]
