@@ -6,13 +6,8 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from paminsa_viz.explorer import actions
-<<<<<<< HEAD
-from paminsa_viz.explorer.balancing import requests as balancing
-from paminsa_viz.explorer.motion import actions as motions
-=======
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.motion import requests
->>>>>>> main
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
