@@ -19,8 +19,8 @@ from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.plots.curves import CurveKind
 from paminsa_viz.plots.formats import figure_endings
+from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.trajectory import (
     PRESET,
     Control,
@@ -122,7 +122,7 @@ class Flags:
 
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
     """File to write; may be given several times."""
-    figure: CurveKind | None = None
+    figure: FigureKind | None = None
     """What figures show: torques, or with --simulate the tracking, if nothing else is said.
     A comparison is with --engine, else --printed, else --reference."""
     engine: Literal["mujoco", "pinocchio"] | None = None
@@ -185,7 +185,7 @@ class Flags:
         return getattr(self, name) is not None
 
     @property
-    def figure_kind(self) -> CurveKind:
+    def figure_kind(self) -> FigureKind:
         """What figures show."""
         if self.figure is not None:
             return self.figure

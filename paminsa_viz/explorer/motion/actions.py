@@ -1,0 +1,278 @@
+"""What a person can ask of a motion, each as a pure function from state to state."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+from paminsa_viz.explorer.actions import with_document
+from paminsa_viz.explorer.motion import planning
+from paminsa_viz.explorer.motion.description import Kind, Pose, Timing, require_possible
+from paminsa_viz.explorer.motion.engine_check import Answer
+from paminsa_viz.explorer.motion.planning import Planned
+from paminsa_viz.explorer.motion.playback import SIMULATED, SPEEDS, advanced, started
+from paminsa_viz.explorer.motion.simulation import (
+    BANDWIDTHS,
+    DAMPINGS,
+    PAYLOAD_MISMATCHES,
+    SimulationJob,
+    SimulationOutcome,
+    make_job,
+)
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.trajectory import PRESET, Trajectory
+
+
+def planned(state: State) -> Planned:
+    """Return the trajectory of a state."""
+    document = state.document
+    return planning.planned(document.motion, document.design)
+
+
+def duration(state: State) -> float:
+    """Return how long the motion lasts [s], 0 if there is none."""
+    trajectory = planned(state).trajectory
+    return 0.0 if trajectory is None else trajectory.duration
+
+
+def change(state: State, **changes: Any) -> State:
+    """Change the description of the motion; the path is shown from then on.
+
+    Raises:
+        InvalidInput: If a number is out of its range.
+    """
+    motion = replace(state.document.motion, **changes)
+    require_possible(motion)
+    changed = with_document(state, replace(state.document, motion=motion))
+    if motion != state.document.motion:
+        changed = _with_path(changed)
+    end = duration(changed)
+    if changed.playback.time > end:
+        changed = show_time(changed, end)
+    return changed
+
+
+def choose_preset(state: State, key: str) -> State:
+    """Choose a preset, in its own duration unless the shortest one is asked for."""
+    if key not in PRESET:
+        raise InvalidInput("motion", f"one of {', '.join(PRESET)} is needed")
+    motion = state.document.motion
+    timing = Timing.SHORTEST if motion.timing is Timing.SHORTEST else Timing.OWN
+    return from_start(change(state, kind=Kind.PRESET, preset=key, timing=timing, back=False))
+
+
+def choose_kind(state: State, kind: Kind) -> State:
+    """Choose to build a motion."""
+    timing = state.document.motion.timing
+    timing = Timing.GIVEN if timing is Timing.OWN else timing
+    return from_start(change(state, kind=kind, timing=timing))
+
+
+def from_start(state: State) -> State:
+    """Show the start of the motion, if the robot is on it."""
+    return show_time(state, 0.0)
+
+
+def limit(state: State, name: str, value: float) -> State:
+    """Set a limit of the shortest duration, 0 for none."""
+    limits = replace(state.document.motion.limits, **{name: value or None})
+    return change(state, limits=limits)
+
+
+def current_pose(state: State) -> Pose:
+    """Return the pose at which the robot stands, to the micrometer."""
+    x, y, theta, z = (round(value, 6) + 0.0 for value in state.standing.pose)
+    return (x, y, theta, z)
+
+
+def start_here(state: State) -> State:
+    """Let the motion from pose to pose begin where the robot stands."""
+    _, goal = _ends(state)
+    return change(state, start=current_pose(state), goal=goal)
+
+
+def goal_here(state: State) -> State:
+    """Let the motion from pose to pose end where the robot stands."""
+    start, _ = _ends(state)
+    return change(state, start=start, goal=current_pose(state))
+
+
+def _ends(state: State) -> tuple[Pose, Pose]:
+    document = state.document
+    return planning.ends(document.motion, document.design.geometry)
+
+
+def swap_ends(state: State) -> State:
+    """Let the motion from pose to pose run the other way."""
+    start, goal = _ends(state)
+    return change(state, start=goal, goal=start)
+
+
+def center_here(state: State) -> State:
+    """Put the circle's center where the robot stands."""
+    return change(state, center=current_pose(state))
+
+
+def add_waypoint(state: State) -> State:
+    """Add the pose at which the robot stands to the waypoints.
+
+    Raises:
+        InvalidInput: If it is the last one again, or there are too many.
+    """
+    way, pose = state.document.motion.waypoints, current_pose(state)
+    if way and way[-1] == pose:
+        raise InvalidInput("waypoints", "the robot stands at the last one; move it first")
+    return change(state, waypoints=(*way, pose))
+
+
+def remove_waypoint(state: State) -> State:
+    """Forget the last waypoint."""
+    return change(state, waypoints=state.document.motion.waypoints[:-1])
+
+
+def clear_waypoints(state: State) -> State:
+    """Forget all waypoints."""
+    return change(state, waypoints=())
+
+
+def use_table(state: State, table: Trajectory) -> State:
+    """Run the samples of a file."""
+    return from_start(change(state, kind=Kind.TABLE, table=table))
+
+
+def show_time(state: State, time: float) -> State:
+    """Show another instant; the robot stands there if it follows the motion."""
+    moved = replace(state, playback=replace(state.playback, time=time))
+    return with_document(moved, moved.document)
+
+
+def scrub(state: State, time: float) -> State:
+    """Go to an instant of the motion [s], and let the robot stand there; playing stops."""
+    if not math.isfinite(time):
+        raise InvalidInput("time", "a finite time is needed")
+    time = min(max(time, 0.0), duration(state))
+    playback = replace(state.playback, playing=False, following=True)
+    return show_time(_with_path(replace(state, playback=playback)), time)
+
+
+def play(state: State) -> State:
+    """Play the motion on, from its start if it is at its end.
+
+    Raises:
+        InvalidInput: If there is no motion.
+    """
+    found = planned(state)
+    if found.trajectory is None:
+        raise InvalidInput("motion", found.problem)
+    playback = started(state.playback, found.trajectory.duration)
+    return show_time(_with_path(replace(state, playback=playback)), playback.time)
+
+
+def _with_path(state: State) -> State:
+    return replace(state, layers=state.layers | {"path"})
+
+
+def pause(state: State) -> State:
+    """Stop playing where the motion is."""
+    return replace(state, playback=replace(state.playback, playing=False))
+
+
+def play_or_pause(state: State) -> State:
+    """Play, or stop playing."""
+    return pause(state) if state.playback.playing else play(state)
+
+
+def advance_time(state: State, passed: float) -> State:
+    """Let true time pass [s]."""
+    if not state.playback.playing:
+        return state
+    playback = advanced(state.playback, passed, duration(state))
+    return show_time(replace(state, playback=playback), playback.time)
+
+
+def set_playback(state: State, **changes: Any) -> State:
+    """Change speed or loop.
+
+    Raises:
+        InvalidInput: If the speed is not one of `SPEEDS`.
+    """
+    playback = replace(state.playback, **changes)
+    if playback.speed not in SPEEDS:
+        raise InvalidInput("speed", f"one of {', '.join(f'{s:g}' for s in SPEEDS)} is needed")
+    return replace(state, playback=playback)
+
+
+def set_plots(state: State, **changes: Any) -> State:
+    """Change what is plotted."""
+    plots = replace(state.plots, **changes)
+    if plots.actuator not in range(4) or plots.color not in range(4):
+        raise InvalidInput("actuator", "one of M1 to M4 is needed")
+    return replace(state, plots=plots)
+
+
+def set_simulation(state: State, **changes: Any) -> State:
+    """Change robot or controller of the simulation.
+
+    Raises:
+        InvalidInput: If a number is out of its range.
+    """
+    settings = replace(state.simulating.settings, **changes)
+    for name, (low, high) in (
+        ("bandwidth", BANDWIDTHS),
+        ("damping", DAMPINGS),
+        ("payload_mismatch", PAYLOAD_MISMATCHES),
+        ("initial_error", (-0.1, 0.1)),
+    ):
+        value = getattr(settings, name)
+        if not low <= value <= high:
+            raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
+    return replace(state, simulating=replace(state.simulating, settings=settings))
+
+
+def wanted_job(state: State) -> SimulationJob:
+    """Return what a simulation of the present state is of.
+
+    Raises:
+        InvalidInput: If there is no motion, or it is too long.
+    """
+    document = state.document
+    settings = state.simulating.settings
+    return make_job(document.design, planned(state).trajectory, settings)
+
+
+def simulate(state: State) -> State:
+    """Ask for a simulation of the present state, and for its curves.
+
+    Raises:
+        InvalidInput: If there is nothing to simulate, or one runs already.
+    """
+    if state.simulating.running is not None:
+        raise InvalidInput("simulation", "the last one still runs")
+    plots = state.plots
+    if plots.plot not in SIMULATED:
+        plots = replace(plots, plot="errors")
+    running = wanted_job(state)
+    return replace(state, plots=plots, simulating=replace(state.simulating, running=running))
+
+
+def simulation_is_current(state: State) -> bool:
+    """Whether the last simulation is one of the present design, motion and settings."""
+    outcome = state.simulating.outcome
+    try:
+        return outcome is not None and outcome.job.same(wanted_job(state))
+    except InvalidInput:
+        return False
+
+
+def receive_simulation(state: State, outcome: SimulationOutcome) -> State:
+    """Take over the outcome of the job that runs; that of an older one is dropped."""
+    if state.simulating.running is not outcome.job:
+        return state
+    return replace(state, simulating=replace(state.simulating, running=None, outcome=outcome))
+
+
+def receive_engine_answer(state: State, answer: Answer) -> State:
+    """Take over the torques of an engine, or why there are none."""
+    return replace(state, engine_answer=answer)
