@@ -12,9 +12,8 @@ from viser import LineSegmentsHandle
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.scene.curves import Curve, segments
+from paminsa_viz.explorer.scene.curves import Curve, segments, srgb_to_linear
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.tint import drawn
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import colors
@@ -58,7 +57,7 @@ def _hues() -> tuple[str, ...]:
 
 @cache
 def _drawn_hues() -> NDArray[np.uint8]:
-    return drawn(*_hues())
+    return srgb_to_linear(*_hues())
 
 
 def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:
