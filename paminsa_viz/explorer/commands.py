@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import requests as balancing
+from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS

@@ -70,6 +70,13 @@ OPTIONS: dict[str, Any] = {
 }
 
 
+_BLOCK = 128
+"""States worked on at a time: their columns lie in one small buffer that stays in the L1 cache.
+
+With a score of arrays LLVM would give up proving that none overlaps another, and not vectorize.
+"""
+
+
 def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
     """Compile a formula of a pose, or load it from disk: loops over a grid and over a list.
 
@@ -103,28 +110,33 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                         out[i, n, j] = values[n]
 
     @njit(**OPTIONS)
-    def over_list(m, pose, c, s, out):  # type: ignore[no-untyped-def]
+    def over_list(m, pose, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
-        for j in range(c.size):
-            values = formula(m, pose[j, 0], pose[j, 1], c[j], s[j], pose[j, 3])
-            for n in range(count):
-                out[j, n] = values[n]
+        w = np.empty((5 + count, _BLOCK))
+        for start in range(0, len(pose), _BLOCK):
+            size = min(_BLOCK, len(pose) - start)
+            for j in range(size):
+                w[0, j] = pose[start + j, 0]
+                w[1, j] = pose[start + j, 1]
+                w[2, j] = np.cos(pose[start + j, 2])
+                w[3, j] = np.sin(pose[start + j, 2])
+                w[4, j] = pose[start + j, 3]
+            for j in range(size):
+                values = formula(m, w[0, j], w[1, j], w[2, j], w[3, j], w[4, j])
+                for n in range(count):
+                    w[5 + n, j] = values[n]
+            for j in range(size):
+                for n in range(count):
+                    out[start + j, n] = w[5 + n, j]
 
-    none = np.zeros(0)
     over_grid(_MECHANISM, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
-    over_list(_MECHANISM, np.zeros((0, 4)), none, none, np.zeros((0, count)))
+    over_list(_MECHANISM, np.zeros((0, 4)), np.zeros((0, count)))
     return over_grid, over_list
 
 
 _MECHANISM = leg.Mechanism(*[1.0] * len(leg.Mechanism._fields))
 """Some mechanism, for a call on no poses that compiles a kernel."""
-
-_BLOCK = 128
-"""States worked on at a time: their columns lie in one small buffer that stays in the L1 cache.
-
-With a score of arrays LLVM would give up proving that none overlaps another, and not vectorize.
-"""
 
 
 def _motion_kernels(digest: int) -> tuple[Any, Any]:

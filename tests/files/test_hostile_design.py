@@ -11,10 +11,11 @@ from hypothesis import strategies as st
 from paminsa_viz.files.design_file import LARGEST_FILE, find_line, load_design, read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 
 VERSION = "schema_version = 1\n"
 COMPLETE = write_design(APPENDIX_4)
+UPPER = APPENDIX_4.with_knee(KneeBranch.UPPER)
 
 
 def attempt(content: str) -> Design | DesignFileError:
@@ -139,12 +140,15 @@ VALUES = st.recursive(
 
 
 @given(
+    st.sampled_from([APPENDIX_4, UPPER]),
     st.integers(0, COMPLETE.count("\n")),
     st.sampled_from(["drop", "double", "cut", "junk"]),
     st.text(max_size=8),
 )
-def test_a_damaged_file_never_gives_another_robot(number: int, how: str, junk: str) -> None:
-    lines = COMPLETE.split("\n")
+def test_a_damaged_file_never_gives_another_robot(
+    design: Design, number: int, how: str, junk: str
+) -> None:
+    lines = write_design(design).split("\n")
     if how == "drop":
         del lines[number]
     elif how == "double":
@@ -154,7 +158,7 @@ def test_a_damaged_file_never_gives_another_robot(number: int, how: str, junk: s
     else:
         lines.insert(number, junk)
     result = attempt("\n".join(lines))
-    assert isinstance(result, DesignFileError) or result == APPENDIX_4
+    assert isinstance(result, DesignFileError) or result == design
 
 
 @given(st.sampled_from(["links.b3_kg", "geometry.base_radius_m", "name", "links"]), VALUES)

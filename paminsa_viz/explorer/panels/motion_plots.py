@@ -9,11 +9,9 @@ from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.plots import Plot
-from paminsa_viz.explorer.motion.readings import Reading, readings
-from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
+from paminsa_viz.explorer.motion.plots import COMPARED, PLOTS, SIMULATED
+from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE, TimeCursor
-from paminsa_viz.explorer.motion.traces import Chart, charts
 from paminsa_viz.explorer.panels.motion_chart import MotionChart
 from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html, numbers_html
@@ -22,10 +20,13 @@ from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.plots.series import Statistics, Trace, statistics
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_uplot import Chart, charts
 from paminsa_viz.units import number
 
 ACTUATORS = ("M1", "M2", "M3", "M4")
-PLOTS = {plot.value: plot for plot in Plot}
+_LABELS = {plot: label for label, plot in PLOTS.items()}
 
 
 class MotionPlots:
@@ -48,7 +49,7 @@ class MotionPlots:
         self._numbers = gui.add_html("", order=4)
         plots = session.state.plots
         shown = gui.add_dropdown(
-            "show", tuple(PLOTS), initial_value=plots.plot.value, order=5,
+            "show", tuple(PLOTS), initial_value=_LABELS[plots.plot], order=5,
             hint="What is plotted along the motion",
         )  # fmt: skip
         self.actuator = gui.add_dropdown(
@@ -59,15 +60,15 @@ class MotionPlots:
             "MuJoCo", plots.engine, order=6.5,
             hint="Marks: the torques that a physics engine finds, which knows none of the formulae",
         )  # fmt: skip
-        self.printed = gui.add_checkbox(
-            "formulae as printed", plots.printed, order=7,
+        self.published = gui.add_checkbox(
+            "formulae as published", plots.published, order=7,
             hint="Dotted: what the paper's formulae give with all their misprints",
         )  # fmt: skip
         self._controls = [
             Control(
                 session, shown, "plots.plot",
                 lambda s, value: requests.set_plots(s, plot=PLOTS[value]),
-                lambda s: s.plots.plot.value,
+                lambda s: _LABELS[s.plots.plot],
             ),
             Control(
                 session, self.actuator, "plots.actuator",
@@ -80,14 +81,14 @@ class MotionPlots:
                 lambda s: s.plots.engine,
             ),
             Control(
-                session, self.printed, "plots.printed",
-                lambda s, value: requests.set_plots(s, printed=bool(value)),
-                lambda s: s.plots.printed,
+                session, self.published, "plots.published",
+                lambda s, value: requests.set_plots(s, published=bool(value)),
+                lambda s: s.plots.published,
             ),
         ]  # fmt: skip
         self._key: tuple[object, ...] = ()
         self._drawn: tuple[Chart, ...] = ()
-        self._read: tuple[tuple[Reading, ...], ...] = ()
+        self._read: dict[Trace, Statistics] = {}
         self._checker = EngineChecker(session)
 
     def draw(self, frame: Frame, moving: bool) -> None:
@@ -97,26 +98,30 @@ class MotionPlots:
             control.draw(frame, moving)
         if not self._slots.width(PLACE):
             return
-        _show(self.actuator, state.plots.plot is Plot.PARTS)
-        _show(self.engine, state.plots.plot is Plot.TORQUES)
-        _show(self.printed, state.plots.plot in (*_COMPARED, Plot.DIFFERENCE))
+        _show(self.actuator, state.plots.plot == "breakdown")
+        _show(self.engine, state.plots.plot == "torques")
+        _show(self.published, state.plots.plot in (*COMPARED, "differences"))
         found = self.store.all(state)
         self._checker.draw(found if state.plots.needs_engine else None, moving)
         self._draw_curves(state, found)
         time = state.playback.time
         self._moment.show(time)
-        if found is not None and state.plots.plot is Plot.DIFFERENCE:
+        if found is not None and state.plots.plot == "differences":
             _write(self._numbers, difference_html(self._drawn, found, time))
         else:
             _write(self._numbers, numbers_html(self._drawn, self._read, time))
 
-    def _draw_curves(self, state: State, found: Analyzed | None) -> None:
-        key = (found, state.plots) if found is None else (*vars(found).values(), state.plots)
+    def _draw_curves(self, state: State, found: MotionResults | None) -> None:
+        key = (found, state.plots)
         if key == self._key:
             return
         self._key = key
-        self._drawn = () if found is None else charts(state.plots, found)
-        self._read = tuple(readings(chart) for chart in self._drawn)
+        self._drawn = () if found is None else drawn_charts(state, found)
+        self._read = {
+            trace: statistics(chart.t, trace, chart.until)
+            for chart in self._drawn
+            for trace in chart.traces
+        }
         for index, chart in enumerate(self.charts):
             chart.draw(self._drawn[index] if index < len(self._drawn) else None)
         _write(self._caption, caption_html(state, found, self._drawn))
@@ -126,7 +131,14 @@ def _scrub(session: Session, time: float) -> None:
     session.dispatch("playback.time", lambda state: requests.scrub(state, time), step=False)
 
 
-def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...]) -> str:
+def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:
+    """Return what is plotted; nothing for a simulation that has not been run."""
+    if state.plots.plot in SIMULATED and found.sources.simulation is None:
+        return ()
+    return charts(build_series(state.plots.plot, found.sources), state.plots.actuator)
+
+
+def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, ...]) -> str:
     """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
     if found is None:
         return _instead(status_line(state, None)[1])
@@ -134,16 +146,16 @@ def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...])
         return _instead("nothing has been simulated yet: press Simulate in the tab “Motion”")
     t = found.present.trajectory
     parts = [f"<b>{escape(t.name)}</b>, {number(t.duration, 4)} s"]
-    if found.reference is not None and state.plots.plot in _COMPARED:
-        parts.append(f"╌ reference “{escape(found.reference.design.name)}”")
-    if found.printed is not None and state.plots.plot in _COMPARED:
-        parts.append("┈ formulae as printed")
+    if found.sources.reference is not None and state.plots.plot in COMPARED:
+        parts.append(f"╌ reference “{escape(found.sources.reference.design.name)}”")
+    if found.sources.published is not None and state.plots.plot in COMPARED:
+        parts.append("┈ formulae as published")
     first = found.present.check.first
     if first is not None:
         parts.append(f'<span style="color:{BAD}"><b>fails</b> {escape(first.explanation)}</span>')
     engine = ""
     if state.plots.needs_engine:
-        mark = MARK if state.plots.plot is Plot.TORQUES else ""
+        mark = MARK if state.plots.plot == "torques" else ""
         verdict = verdict_html(found.answer, found)
         engine = f'<span style="flex-basis:100%">{mark}{verdict}</span>'
     marks = "click: go to that instant · drag: zoom"
@@ -160,9 +172,6 @@ def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...])
 def _instead(words: str) -> str:
     style = f"padding:30px;color:{MUTED}"
     return f'<div class="paminsa-whole" style="{style}">{escape(words)}</div>'
-
-
-_COMPARED = (Plot.TORQUES, Plot.POWER, Plot.ENERGY)
 
 
 def _show(handle: Any, visible: bool) -> None:

@@ -11,7 +11,7 @@ from viser import ArrowsHandle, BatchedMeshHandle
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.curves import srgb_to_linear
+from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes.load import payload_center
 from paminsa_viz.model.counterweight import Counterweight
@@ -70,8 +70,8 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     x, y, _, z = configuration.pose
     platform = np.array([x, y, z])
     load = platform + payload_center(geometry, design.payload.mass)
-    leg_colors = srgb_to_linear(*palette.LEG_COLORS)
-    ends = srgb_to_linear(palette.INK, palette.WARN)
+    leg_colors = linear_colors(*palette.LEG_COLORS)
+    ends = linear_colors(palette.INK, palette.WARN)
     weights = design.counterweights
     attached = [_counterweight_places(configuration, weight) for weight in weights]
     added = np.stack(attached, axis=1).reshape(-1, 3) if attached else np.empty((0, 3))
@@ -152,7 +152,7 @@ class PointMassView:
         arrows = gravity_arrows(points, gravity).astype(np.float32)
         if self._arrows is None:
             self._arrows = self._scene.add_arrows(
-                "/masses/gravity", arrows, srgb_to_linear(palette.INK)[0],
+                "/masses/gravity", arrows, linear_colors(palette.INK)[0],
                 shaft_radius=0.0028, head_radius=0.0075, head_length=0.018,
             )  # fmt: skip
         self._arrows.points = arrows

@@ -12,7 +12,7 @@ from viser import LineSegmentsHandle
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.path_segments import cut
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.scene.curves import Curve, segments, srgb_to_linear
+from paminsa_viz.explorer.scene.curves import Curve, linear_colors, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK, MUTED
@@ -57,7 +57,7 @@ def _hues() -> tuple[str, ...]:
 
 @cache
 def _drawn_hues() -> NDArray[np.uint8]:
-    return srgb_to_linear(*_hues())
+    return linear_colors(*_hues())
 
 
 def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:

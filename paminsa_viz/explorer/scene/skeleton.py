@@ -11,7 +11,7 @@ from viser import BatchedMeshHandle, LabelHandle, LineSegmentsHandle
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.curves import srgb_to_linear
+from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model.kinematics import Configuration
 
@@ -55,10 +55,10 @@ def sticks(configuration: Configuration) -> Array:
 
 def stick_colors() -> NDArray[np.uint8]:
     """Return the colors of `sticks`, (3, 9, 2, 3)."""
-    legs = srgb_to_linear(*palette.LEG_COLORS)
+    legs = linear_colors(*palette.LEG_COLORS)
     out = np.broadcast_to(legs[:, None, None, :], (3, 9, 2, 3)).copy()
-    out[:, 4:6] = srgb_to_linear(palette.LIFT_COLOR)
-    out[:, 6:] = srgb_to_linear(palette.MUTED)
+    out[:, 4:6] = linear_colors(palette.LIFT_COLOR)
+    out[:, 6:] = linear_colors(palette.MUTED)
     return out
 
 
@@ -100,7 +100,7 @@ class Skeleton:
                 "/skeleton/dots", ball.vertices, ball.faces,
                 np.tile([1.0, 0.0, 0.0, 0.0], (len(joints), 1)), joints,
                 batched_colors=np.repeat(
-                    srgb_to_linear(*palette.LEG_COLORS), len(JOINTS), axis=0
+                    linear_colors(*palette.LEG_COLORS), len(JOINTS), axis=0
                 ),
                 lod="off", cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
