@@ -67,16 +67,18 @@ def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) 
         desk.session.submit(
             lambda: desk.session.immediate.extend(build_views(context, animated=True))
         )
+        nodes = scene._handle_from_node_name
+        desk.until(lambda: "/grid" in nodes)
         boxes = desk.session.client.gui._gui_input_handle_from_uuid.values()
         box = next(handle for handle in boxes if getattr(handle, "label", "") == "Grid")
         desk.set(box, True)
         desk.until(lambda: "grid" in desk.state.layers)
-        desk.until(lambda: scene._handle_from_node_name["/grid"].visible)
+        desk.until(lambda: nodes["/grid"].visible)
         (command,) = [c for c in commands(desk.session) if c.label == "Show or hide: grid"]
         assert command.key == "J"
         command.run()
         desk.until(lambda: not box.value)
-        desk.until(lambda: not scene._handle_from_node_name["/grid"].visible)
+        desk.until(lambda: not nodes["/grid"].visible)
 
 
 @pytest.mark.parametrize("taken", [{"key": "mesh"}, {"shortcut": "K"}])
