@@ -6,7 +6,6 @@ import json
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.motion import saving as motions
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -19,6 +18,7 @@ from paminsa_viz.model import (
     KneeBranch,
     PaminsaError,
 )
+from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import Counterweight
 
 VERSION = 1

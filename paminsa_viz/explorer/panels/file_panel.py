@@ -9,7 +9,6 @@ from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, sharing
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
@@ -19,6 +18,7 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
+from paminsa_viz.model.bounds import validate_limits
 
 
 def file_name(design: Design) -> str:
