@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from html import escape
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -30,55 +29,11 @@ Quantities = Callable[[State], tuple[str, ...]]
 LIVE_QUALITY = 88
 """Quality of the JPEG that follows the hand; at rest the picture is without loss."""
 
-# viser stacks what a container holds. Here the container becomes a grid: the picture with the
-# hover figure over it, the caption and the inputs side by side below, or one below the other at
-# the right.
-_STYLE = """
-<style>
-div:has(> div > [data-paminsa-slot="%(name)s"]) {
-  display: grid; grid-template-columns: %(columns)s; align-items: center; padding: 6px 0 4px 0;
-  & > div { min-width: 0; padding: 0 5px 2px 5px; }
-  & > div:has(> [data-paminsa-slot]) { display: none; }
-  & > div:has(> div > img), & > div:has(> .mantine-Paper-root) {
-    grid-row: %(rows)s; grid-column: %(span)s; padding: 0 !important; align-self: start; }
-  & > div:has(> .paminsa-line) { grid-column: %(line)s; padding: 0; }
-  & > div:has(> .paminsa-marks) {
-    grid-row: %(rows)s; grid-column: %(span)s; padding: 0; align-self: start; z-index: 1;
-    pointer-events: none; }
-  & > div:has(> .mantine-Paper-root) { z-index: 1; }
-  & > div > .mantine-Paper-root { margin: 0; padding: 0; border: 0; background: transparent; }
-  & > div > div > img { width: 100%%; }
-  & > div:has(> .mantine-Paper-root) .mantine-ActionIcon-root { display: none; }
-  & .nsewdrag { cursor: crosshair; }
-  & .mantine-Button-root { padding: 0 4px; }
-  & > div > .mantine-Flex-root > div:first-child {
-    width: %(label)s !important; white-space: nowrap; padding-right: 5px; }
-}
-</style>
-"""
+Inputs = Literal["below", "right"]
+"""Where a picture's inputs stand: side by side below it, or one below the other at its right."""
 
-
-@dataclass(frozen=True)
-class Arrangement:
-    """How a picture and its inputs share the panel.
-
-    Attributes:
-        columns: Widths of the inputs side by side below the picture, as CSS
-            ``grid-template-columns``; empty for inputs one below the other at the right.
-        share: What the picture takes of the panel's width.
-    """
-
-    columns: str = ""
-    share: float = 1.0
-
-    def style(self, name: str) -> str:
-        """Return the style of the container that holds the place ``name``."""
-        fill = {"name": name, "columns": self.columns, "rows": "1", "span": "1 / -1",
-                "line": "1 / -1", "label": "auto"}  # fmt: skip
-        if not self.columns:
-            fill |= {"columns": f"{100 * self.share:g}% 1fr", "rows": "1 / span 12", "span": "1",
-                     "line": "2", "label": "6em"}  # fmt: skip
-        return _STYLE % fill
+SHARES: dict[Inputs, float] = {"below": 1.0, "right": 0.52}
+"""What the picture takes of the panel's width; ``browser/page.css`` makes the room."""
 
 
 class MapPicture:
@@ -99,7 +54,7 @@ class MapPicture:
         slots: Slots,
         name: str,
         quantities: Quantities,
-        arrangement: Arrangement,
+        inputs: Inputs,
         motions: MotionStore,
     ) -> None:
         """Make the picture.
@@ -110,7 +65,7 @@ class MapPicture:
             slots: Knows how wide the place is.
             name: Name of the place; it comes back with clicks.
             quantities: What to show, one a panel.
-            arrangement: Where the inputs go.
+            inputs: Where the inputs go.
             motions: Knows the motion, whose path is drawn on the maps.
         """
         gui = session.client.gui
@@ -119,7 +74,7 @@ class MapPicture:
         self._live = LiveMaps()
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
-        gui.add_html(marker(name, arrangement.share) + arrangement.style(name))
+        gui.add_html(marker(name, SHARES[inputs], inputs))
         blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
         self._marks = gui.add_html("")

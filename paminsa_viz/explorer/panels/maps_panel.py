@@ -13,7 +13,7 @@ from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.export_panel import ExportPanel
 from paminsa_viz.explorer.panels.map_controls import MapControls
-from paminsa_viz.explorer.panels.map_picture import Arrangement, MapPicture
+from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
 from paminsa_viz.explorer.panels.validation import number
@@ -41,7 +41,7 @@ class MapsPanel:
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
                 session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES,
-                Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"), motions,
+                "below", motions,
             )  # fmt: skip
             self._torque_inputs = MapControls(
                 session,
@@ -57,7 +57,7 @@ class MapsPanel:
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                Arrangement(share=0.52), motions,
+                "right", motions,
             )  # fmt: skip
             self._single_inputs = MapControls(
                 session, self._single, "single map", lambda s: QUANTITIES[s.map_view.quantity].unit
