@@ -17,15 +17,13 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli.arguments import PROGRAM, parse
-from paminsa_viz.model import APPENDIX_4, Design, InvalidInput
-from paminsa_viz.model.backend import compile_in_background
-from paminsa_viz.model.bounds import validate_limits
-from paminsa_viz.quantities import formulas
+from paminsa_viz.model.errors import InvalidInput
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
     import viser
 
     from paminsa_viz.explorer.session import Session
+    from paminsa_viz.model import Design
 
 log = logging.getLogger(__name__)
 
@@ -140,6 +138,8 @@ def _warm_up(design: Design, met: threading.Event) -> None:
     met.wait(PATIENCE)
     importlib.import_module("paminsa_viz.explorer.scene.view")
     from paminsa_viz.meshes import prepare
+    from paminsa_viz.model.backend import compile_in_background
+    from paminsa_viz.quantities import formulas
 
     prepare(design.geometry)
     importlib.import_module("paminsa_viz.explorer.deferred_tabs")
@@ -155,6 +155,8 @@ def run(options: AppOptions) -> None:
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
     from paminsa_viz.files.design_file import load_design
+    from paminsa_viz.model import APPENDIX_4
+    from paminsa_viz.model.bounds import validate_limits
 
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
