@@ -11,7 +11,7 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.clock import Clock
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN

@@ -8,11 +8,10 @@ from enum import Enum
 import numpy as np
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
-from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Motion, Pose
-from paminsa_viz.explorer.motion.playback import Playback
-from paminsa_viz.explorer.motion.plots import PlotView
-from paminsa_viz.explorer.motion.simulating import Simulating
+from paminsa_viz.explorer.motion.engine_check import Answer
+from paminsa_viz.explorer.motion.playback import Playback, PlotView
+from paminsa_viz.explorer.motion.simulation import Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import (
     APPENDIX_4,

@@ -84,11 +84,10 @@ class _Kernels:
 
     def load(self, *formulas: Formula) -> None:
         with self.lock:
-            from paminsa_viz.model import compiled, compiled_regressor
+            from paminsa_viz.model import compiled
 
             if self.module is None:
                 compiled.warm_up()
-                compiled_regressor.warm_up()
             for formula in formulas:
                 if formula not in self.loops:
                     self.loops[formula] = compiled.over_poses(formula.function, formula.results)
@@ -257,15 +256,14 @@ def regressor(
 
     ``terms`` (21, 18) maps the lumped coefficients to the energy terms.
     """
-    if _kernels.get(_REGRESSOR_WORTH * len(pose)) is None:
+    kernels = _kernels.get(_REGRESSOR_WORTH * len(pose))
+    if kernels is None:
         return None
-    from paminsa_viz.model import compiled_regressor
-
     pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
     rows, columns = np.nonzero(terms)
     y = np.empty((len(pose), 4, terms.shape[1]))
-    compiled_regressor.regressor(
+    kernels.regressor(
         m, gravity, pose, c, s, velocity, acceleration, rows, columns, terms[rows, columns], y
     )
     return y

@@ -10,7 +10,7 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_controls import MapControls

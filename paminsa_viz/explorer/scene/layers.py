@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from viser import SceneApi
 
     from paminsa_viz.explorer.maps import MapStore
-    from paminsa_viz.explorer.motion.store import MotionStore
+    from paminsa_viz.explorer.motion.results import MotionStore
     from paminsa_viz.explorer.session import View
 
     ViewFactory = Callable[["SceneContext"], View]

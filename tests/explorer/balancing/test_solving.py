@@ -12,7 +12,7 @@ from paminsa_viz.explorer.balancing.settings import CounterweightSlot, FreeMasse
 from paminsa_viz.explorer.balancing.solving import plane, run, static_torque
 from paminsa_viz.explorer.frame import compute, near_singularity
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
-from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import (

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import Task
 from paminsa_viz.explorer.balancing.solving import middle
 from paminsa_viz.explorer.frame import compute, near_singularity
-from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_charts import tornado_figure
 from paminsa_viz.explorer.panels.balance_text import sensitivity_html
 from paminsa_viz.explorer.state import State
