@@ -7,7 +7,7 @@ import re
 from viser import Icon
 
 from paminsa_viz import __version__
-from paminsa_viz.explorer import actions, sharing
+from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
 from paminsa_viz.explorer.panels.render import render
@@ -87,8 +87,8 @@ FILE = (
             ),
             TextBox(
                 "file.code", "Code", idle=True,
-                read=lambda state: sharing.encode(state.document),
-                apply=lambda state, code: actions.restore(state, sharing.decode(code)),
+                read=lambda state: persistence.share_code(state.document),
+                apply=lambda state, code: actions.restore(state, persistence.open_share_code(code)),
             ),
         ),
     ),
