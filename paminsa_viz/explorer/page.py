@@ -70,7 +70,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     def build_robot() -> None:
         if session.immediate:
             return
-        from paminsa_viz.explorer.scene.view import look
+        from paminsa_viz.explorer.scene.cameras import look
 
         look(session, "3D")
         session.immediate += build_views(context, animated=True)
