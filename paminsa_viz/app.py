@@ -136,7 +136,7 @@ def _warm_up(design: Design, met: threading.Event) -> None:
     """
     importlib.import_module("paminsa_viz.explorer.page")
     met.wait(PATIENCE)
-    importlib.import_module("paminsa_viz.explorer.scene.view")
+    importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.meshes import prepare
     from paminsa_viz.model.backend import compile_in_background
     from paminsa_viz.quantities import formulas

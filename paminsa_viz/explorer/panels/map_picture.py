@@ -9,8 +9,7 @@ from typing import Any, Literal, cast
 import numpy as np
 
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
-from paminsa_viz.explorer.motion.path_segments import cut
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore, split_path
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -93,7 +92,7 @@ class MapPicture:
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
-        motion = self._motions.present(state) if "path" in state.layers else None
+        motion = self._motions.analysis(state) if "path" in state.layers else None
         # Where the robot stands is not part of it: the mark lies over the picture.
         shown = (
             document.design, document.pose[2:], reference, view, quantities,
@@ -164,7 +163,7 @@ def marks_html(data: MapData, layout: MapLayout) -> str:
 
 def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
     """Return a motion as it is drawn on maps."""
-    found = cut(motion)
+    found = split_path(motion)
     good, bad = ([found.place[run, :2] for run in runs] for runs in (found.good, found.bad))
     return FloorPath(joined(good), joined(bad))
 
