@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer import commands, saving
+from paminsa_viz.explorer import commands, persistence
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
@@ -34,7 +34,7 @@ class TabStore:
         """Save what has changed."""
         if moving:
             return
-        text = saving.dump(frame.state.document)
+        text = persistence.dump(frame.state.document)
         if text != self._kept:
             self._kept = text
             self._bridge.save(text)
