@@ -18,22 +18,22 @@ from benchmarks.measure import best, heading, number, table
 from paminsa_viz.model import (
     APPENDIX_4,
     Grid,
-    Quantity,
     backend,
     compiled,
     inverse_dynamics,
     leg,
     lumped_coefficients,
     regressor_torques,
+    robot,
     rotary_torques,
     solve_field,
     static_torques,
-    sweep,
     torque_regressor,
     xy_grid,
 )
 from paminsa_viz.model.dynamics import _terms
 from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.studies.sweeps import sweep
 
 DESIGN = APPENDIX_4
 GEOMETRY = DESIGN.geometry
@@ -87,7 +87,7 @@ def static_map() -> None:
     inner = np.zeros((3, 200))
     inner[0] = grid.axes[1][1]
     out = np.empty((200, 3, 200))
-    kernel = compiled.OVER_POSES["rotary_torques"][0]
+    kernel = compiled.over_poses(robot.unit_torques, 3)[0]
 
     def on_numpy() -> None:
         with backend.use_numpy():
@@ -123,7 +123,7 @@ def dynamics() -> None:
     p, v, a = random_states(10_000)
     m, e = leg.mechanism(GEOMETRY), _terms(DESIGN, Misprint.NONE)
     c, s = np.cos(p[:, 2]), np.sin(p[:, 2])
-    out = np.empty((len(p), 8))
+    out, kernel = np.empty((len(p), 8)), compiled.inverse_dynamics_kernel
 
     def on_numpy() -> None:
         with backend.use_numpy():
@@ -133,7 +133,7 @@ def dynamics() -> None:
     timed: list[tuple[str, float]] = [
         (
             "kernel, one core: torques and multipliers",
-            best(lambda: compiled.drive(m, e, DESIGN.gravity, p, c, s, v, a, out)) / size,
+            best(lambda: kernel(m, e, DESIGN.gravity, p, c, s, v, a, out)) / size,
         ),
         ("inverse_dynamics, with status", best(lambda: inverse_dynamics(DESIGN, p, v, a)) / size),
         (
@@ -186,7 +186,7 @@ def growth() -> None:
     rows = []
     for exponent in range(3, 8):
         grid = sweep_grid(10**exponent)
-        run: Callable[[], object] = lambda g=grid: sweep(DESIGN, g, (Quantity.MAX_TORQUE,))  # noqa: E731
+        run: Callable[[], object] = lambda g=grid: sweep(DESIGN, g, ("max_torque",))  # noqa: E731
         t = best(run, seconds=0.3, least=2)
         rows.append([f"{grid.size:,}", number(1e3 * t), number(1e9 * t / grid.size)])
     heading("Sweep of all four coordinates: max |torque|, reasons and summary")

@@ -19,6 +19,7 @@ from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.backend import compile_in_background
 from paminsa_viz.options import AppOptions
+from paminsa_viz.quantities import formulas
 
 if TYPE_CHECKING:  # loaded in the background, while the browser starts
     from paminsa_viz.explorer.session import Session
@@ -90,7 +91,7 @@ def _warm_up(design: Design, met: threading.Event) -> None:
 
     prepare(design.geometry)
     importlib.import_module("paminsa_viz.explorer.deferred_tabs")
-    compile_in_background()
+    compile_in_background(*formulas())
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
 
 

@@ -138,30 +138,29 @@ def map_view(
     Args:
         design: The robot.
         pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.
-        quantity: ``"torques"`` for those of M1, M2 and M3, or the value of a `Quantity`.
+        quantity: ``"torques"`` for those of M1, M2 and M3, or a key of
+            `paminsa_viz.quantities.QUANTITIES`.
         cells: Cells along each side.
         width: Of the figure [pixels].
 
     Raises:
         InvalidInput: If there is no such quantity.
     """
-    from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
+    from paminsa_viz.model.grids import solve_field, xy_grid
     from paminsa_viz.plots.interactive import interactive_map
-    from paminsa_viz.plots.map_data import TORQUES, cell_centers, half_width, map_data
+    from paminsa_viz.plots.map_data import cell_centers, half_width, map_data
     from paminsa_viz.plots.ranges import choose_scales
+    from paminsa_viz.quantities import selections
 
-    if quantity != "torques" and quantity not in {item.value for item in Quantity}:
-        known = ", ".join(["torques", *(item.value for item in Quantity)])
-        raise InvalidInput("quantity", f"there are {known}")
-    shown = TORQUES if quantity == "torques" else (Quantity(quantity),)
+    if quantity not in selections():
+        raise InvalidInput("quantity", f"there are {', '.join(selections())}")
     place = _pose(design, pose)
     centers = cell_centers(half_width(design.geometry), cells)
     field = solve_field(
         design.geometry,
         xy_grid(centers, centers, *place[2:].tolist()),
-        dexterity=any(item.needs_dexterity for item in shown),
     )
-    data = map_data(field, design, place, shown)
+    data = map_data(field, design, place, selections()[quantity])
     return interactive_map(data, choose_scales(data), width)
 
 

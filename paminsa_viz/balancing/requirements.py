@@ -11,9 +11,11 @@ from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.grids import ROTARY_TORQUES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_points import bar_length
-from paminsa_viz.model.singularity import singular_radius, singular_rotation
+from paminsa_viz.model.reach import LEAST_MARGIN
+from paminsa_viz.model.singularity import DEXTERITY, singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
 
 FINER = 3
@@ -106,10 +108,9 @@ def measure(design: Design, needs: Requirements) -> Measures:
     # Always on arrays: compiled kernels differ in the last digit, and a search has to come out the
     # same in processes that have them and in others.
     args = (m, x, y, np.cos(theta), np.sin(theta), z)
-    with np.errstate(all="ignore"):
-        gamma = np.array(backend.FORMULAE["rotary_torques"](*args))
-        margin = np.asarray(backend.FORMULAE["least_margin"](*args)[0])
-        condition = np.asarray(backend.FORMULAE["dexterity"](*args)[1])
+    gamma = np.array(backend.on_arrays(ROTARY_TORQUES, *args))
+    margin = backend.on_arrays(LEAST_MARGIN, *args)[0]
+    condition = backend.on_arrays(DEXTERITY, *args)[1]
     g = design.geometry
     torque = abs(static_imbalance(design)) * np.abs(gamma).max() if gamma.size else np.inf
     corners = np.abs([needs.low, needs.high])

@@ -6,7 +6,7 @@ import math
 import os
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 import tyro
@@ -19,12 +19,13 @@ from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
-from paminsa_viz.model import Design, PaminsaError, Quantity
+from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.map_data import TORQUES, MapData
+from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.units import display_unit, format_ascii
+from paminsa_viz.quantities import QUANTITIES, selections
+from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -46,14 +47,17 @@ FEWEST, MOST = 10, 2000
 """Cells along a side that can be asked for."""
 
 
+if TYPE_CHECKING:
+    Choice: TypeAlias = str
+else:
+    Choice = Literal[tuple(name.replace("_", "-") for name in selections())]
+
+
 @dataclass(frozen=True)
 class Map:
     """Flags of the command."""
 
-    quantity: Literal[
-        "torques", "tau-1", "tau-2", "tau-3", "f-4", "max-torque", "rms-torque", "condition",
-        "determinant", "reach-margin",
-    ] = "torques"  # fmt: skip
+    quantity: Choice = "torques"
     """What to map; torques are those of M1, M2 and M3 side by side."""
     theta: Annotated[float, tyro.conf.arg(metavar="DEG")] = 60.0
     """Angle of the platform [°]."""
@@ -91,11 +95,9 @@ class Map:
     """Print JSON for other programs, in SI units."""
 
     @property
-    def quantities(self) -> tuple[Quantity, ...]:
-        """What is mapped."""
-        if self.quantity == "torques":
-            return TORQUES
-        return (Quantity(self.quantity.replace("-", "_")),)
+    def quantities(self) -> tuple[str, ...]:
+        """Keys of what is mapped."""
+        return selections()[self.quantity.replace("-", "_")]
 
     def check(self) -> None:
         """Refuse what cannot be mapped.
@@ -171,7 +173,7 @@ def state_of(flags: Map, design: Design, reference: Design | None = None) -> Sta
         range_mode=RangeMode.FULL if flags.full_range else RangeMode.AUTO,
     )
     if flags.range is not None:
-        factor = display_unit(quantity.unit).factor
+        factor = QUANTITIES[quantity].display.factor
         low, high = (value / factor for value in flags.range)
         view = replace(view, range_mode=RangeMode.MANUAL, low=low, high=high)
     return replace(start, document=document, map_view=view)
@@ -192,7 +194,7 @@ def report(flags: Map, data: MapData) -> dict[str, Any]:
     leg = np.full(data.status.shape, -1, np.int8) if data.leg is None else data.leg
     words, counts = np.unique(status_words(data.status, leg), return_counts=True)
     cell = float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
-    names = [quantity.value for quantity in flags.quantities]
+    names = list(flags.quantities)
     return {
         "design": data.provenance.design,
         "reference": data.provenance.reference or None,

@@ -20,11 +20,10 @@ from paminsa_viz.model import (
     Design,
     InvalidInput,
     PaminsaError,
-    Quantity,
     inverse_kinematics,
 )
-from paminsa_viz.plots.map_data import TORQUES
 from paminsa_viz.plots.map_table import map_table
+from paminsa_viz.quantities import TORQUES
 
 WIDTHS = (80.0, 400.0)
 """Widths of a figure [mm]."""
@@ -84,13 +83,13 @@ def require_range(name: str, value: float, ends: tuple[float, float]) -> None:
         raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
 
 
-def shown_quantities(state: State, single: bool) -> tuple[Quantity, ...]:
+def shown_quantities(state: State, single: bool) -> tuple[str, ...]:
     """Return what the figure of one map, or of three torques, shows."""
     return (state.map_view.quantity,) if single else TORQUES
 
 
 def _what(state: State, single: bool) -> str:
-    what = state.map_view.quantity.value.replace("_", "-") if single else "torque-maps"
+    what = state.map_view.quantity.replace("_", "-") if single else "torque-maps"
     return f"{what}-difference" if shows_difference(state) else what
 
 

@@ -20,12 +20,10 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
-    Quantity,
     solve_field,
     xy_grid,
 )
 from paminsa_viz.plots.map_data import (
-    TORQUES,
     MapData,
     cell_centers,
     difference,
@@ -34,6 +32,7 @@ from paminsa_viz.plots.map_data import (
 )
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
+from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells
 
 COARSE = 72
 """Cells along each side while the hand moves; also what the color range is found from, so that it
@@ -62,7 +61,6 @@ class MapStore:
         z: float,
         cells: int,
         half: float,
-        dexterity: bool = False,
     ) -> Field:
         """Return a field over the square of side ``2 * half`` [m], solved or kept.
 
@@ -72,17 +70,16 @@ class MapStore:
             z: Its height [m].
             cells: Cells along each side.
             half: Half the side [m].
-            dexterity: Whether determinant and condition number are needed.
         """
         key = (geometry, theta, z, half, cells)
         with self._lock:
             found = self._fields.get(key)
             if found is not None:
                 self._fields.move_to_end(key)
-        if found is not None and (found.condition is not None or not dexterity):
+        if found is not None:
             return found
         centers = cell_centers(half, cells)
-        made = solve_field(geometry, xy_grid(centers, centers, theta, z), dexterity=dexterity)
+        made = solve_field(geometry, xy_grid(centers, centers, theta, z))
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)
@@ -90,9 +87,7 @@ class MapStore:
                 self._fields.popitem(last=False)
         return made
 
-    def data(
-        self, state: State, cells: int = FULL, quantities: Sequence[Quantity] = TORQUES
-    ) -> MapData:
+    def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
         """Return the maps of a state, at the theta and z asked for.
 
         With ``map_view.difference`` and a pinned reference, they show the design minus the
@@ -101,7 +96,7 @@ class MapStore:
         Args:
             state: What to show.
             cells: Cells along each side.
-            quantities: What to show, one a panel, all in one unit.
+            quantities: Keys of what to show, one a panel, all in one unit.
         """
         present = self.present(state, cells, quantities)
         reference = state.document.reference
@@ -110,28 +105,25 @@ class MapStore:
         return difference(present, self._of(state, reference, cells, quantities))
 
     def present(
-        self, state: State, cells: int = FULL, quantities: Sequence[Quantity] = TORQUES
+        self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES
     ) -> MapData:
         """Return the maps of the present design, whether or not the difference is shown."""
         return self._of(state, state.document.design, cells, quantities)
 
-    def _of(
-        self, state: State, design: Design, cells: int, quantities: Sequence[Quantity]
-    ) -> MapData:
+    def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
         document = state.document
         theta, z = document.pose[2:]
         field = self.field(
             design.geometry,
             theta,
             z,
-            cells,
+            affordable_cells(quantities, cells),
             half_width(document.design.geometry),
-            any(quantity.needs_dexterity for quantity in quantities),
         )
         return map_data(field, design, document.pose, quantities)
 
     def scales(
-        self, state: State, data: MapData, quantities: Sequence[Quantity] = TORQUES
+        self, state: State, data: MapData, quantities: Sequence[str] = TORQUES
     ) -> tuple[Scale, ...]:
         """Return the color scales for maps of a state, one a panel.
 
@@ -199,7 +191,7 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
         full=view.range_mode is RangeMode.FULL,
     )
     ends = usable_range(view.low, view.high)
-    manual = view.range_mode is RangeMode.MANUAL and view.quantity.unit == data.unit
+    manual = view.range_mode is RangeMode.MANUAL and QUANTITIES[view.quantity].unit == data.unit
     if manual and ends is not None:
         low, high = ends
         if low < 0 < high and not data.signed and not (data.values < 0).any():

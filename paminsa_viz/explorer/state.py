@@ -19,7 +19,6 @@ from paminsa_viz.model import (
     Design,
     Geometry,
     KneeBranch,
-    Quantity,
 )
 
 HOME_DROP = 0.5
@@ -52,7 +51,7 @@ class MapView:
     """How the torque maps are drawn.
 
     Attributes:
-        quantity: What the single map and the floor show; the three-panel figure shows torques.
+        quantity: Key of what the single map and the floor show; the other figure shows torques.
         range_mode: How the color range is found.
         low, high: The manual range, in the quantity's SI unit.
         shared: Whether the three torque maps have one range.
@@ -60,7 +59,7 @@ class MapView:
         difference: Whether the maps show the difference from the reference design.
     """
 
-    quantity: Quantity = Quantity.MAX_TORQUE
+    quantity: str = "max_torque"
     range_mode: RangeMode = RangeMode.AUTO
     low: float = -10.0
     high: float = 10.0

@@ -36,7 +36,6 @@ from paminsa_viz.model.errors import InvalidDesign, InvalidInput, PaminsaError, 
 from paminsa_viz.model.grids import (
     Field,
     Grid,
-    Quantity,
     rotary_torques,
     solve_field,
     xy_grid,
@@ -82,7 +81,6 @@ from paminsa_viz.model.statics import (
     static_torques,
     unit_torques,
 )
-from paminsa_viz.model.sweeps import SweepSummary, sweep, sweep_blocks
 
 __all__ = [
     "APPENDIX_4",
@@ -112,11 +110,9 @@ __all__ = [
     "Parameter",
     "Payload",
     "Platform",
-    "Quantity",
     "Reach",
     "Singularity",
     "StaticBreakdown",
-    "SweepSummary",
     "TorqueBreakdown",
     "UnreachablePose",
     "actuator_power",
@@ -151,8 +147,6 @@ __all__ = [
     "static_breakdown",
     "static_imbalance",
     "static_torques",
-    "sweep",
-    "sweep_blocks",
     "torque_breakdown",
     "torque_regressor",
     "unit_torques",

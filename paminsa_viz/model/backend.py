@@ -1,32 +1,44 @@
 """Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
 
 The first compilation takes seconds, and loading it from disk most of one later. So kernels are
-loaded only once enough work has been asked for to pay for it; small jobs never wait. A page calls
-`compile_in_background` and works on NumPy until the kernels are there.
+loaded, and a formula compiled, only once enough work has been requested to pay for it; small jobs
+never wait. A page calls `compile_in_background` and works on NumPy until the kernels are there.
 """
 
 from __future__ import annotations
 
 import os
 import threading
+from collections.abc import Callable
+from dataclasses import dataclass
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model import leg, measures, robot
+from paminsa_viz.model import leg, robot
 from paminsa_viz.model.lumped import EnergyTerms
 
 Array = NDArray[np.float64]
 
-FORMULAE = {
-    "rotary_torques": lambda *args: robot.unit_torques(*args)[:3],
-    "unit_torques": robot.unit_torques,
-    "least_margin": measures.least_margin,
-    "dexterity": measures.dexterity,
-}
-"""Formulae of a pose, by the name under which they are compiled."""
+Loops = tuple[Callable[..., None], Callable[..., None]]
+"""Compiled loops of a formula, over a grid and over a list, see `compiled.over_poses`."""
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula of a pose, written once: it runs on arrays, and on numbers in compiled loops.
+
+    Attributes:
+        function: ``function(m, x, y, c, s, z)`` of a `Mechanism`, a position [m], cosine and sine
+            of theta, and z [m]. It returns a tuple, calls NumPy's elementwise functions and other
+            such formulae by their names in its module, and chooses by `robot.where`.
+        results: How many of the returned values are kept, from the first one on.
+    """
+
+    function: Callable[..., tuple[Any, ...]]
+    results: int
 
 
 WORTH_LOADING = 100_000
@@ -40,45 +52,65 @@ _REGRESSOR_WORTH = 20
 
 
 class _Kernels:
-    """Holds the module of compiled kernels once it is loaded; the loading may be put off."""
+    """The compiled kernels, loaded and extended by further formulae once that pays."""
 
     def __init__(self) -> None:
         self.module: ModuleType | None = None
+        self.loops: dict[Formula, Loops] = {}
         self.deferred = os.environ.get("PAMINSA_VIZ_BACKEND", "") == "numpy"
-        self.asked = 0
+        self.worth = WORTH_LOADING
+        self.requested: dict[Formula | None, int] = {}
         self.lock = threading.Lock()
 
-    def get(self, size: int) -> ModuleType | None:
-        """Return the kernels if it pays to use them for ``size`` more poses."""
-        if self.module is None and not self.deferred:
-            self.asked += max(size, LEAST_WORK)
-            if self.asked >= WORTH_LOADING:
-                self.load()
+    def get(self, size: int, formula: Formula | None = None) -> ModuleType | None:
+        """Return the kernels if it pays to use them for ``size`` more poses of some work."""
+        work = self.requested.get(formula, 0) + max(size, LEAST_WORK)
+        self.requested[formula] = work
+        if not self.deferred and self.module is None:
+            if sum(self.requested.values()) < self.worth:
+                return None
+            self.load()
         return self.module
 
-    def load(self) -> None:
-        with self.lock:
-            if self.module is None:
-                from paminsa_viz.model import compiled, compiled_regressor
+    def get_loops(self, formula: Formula, size: int) -> Loops | None:
+        """Return the loops of a formula if it pays to use them for ``size`` more poses."""
+        if self.get(size, formula) is None:
+            return None
+        if formula not in self.loops and not self.deferred:
+            if self.requested[formula] < self.worth:
+                return None
+            self.load(formula)
+        return self.loops.get(formula)
 
+    def load(self, *formulas: Formula) -> None:
+        with self.lock:
+            from paminsa_viz.model import compiled, compiled_regressor
+
+            if self.module is None:
                 compiled.warm_up()
                 compiled_regressor.warm_up()
-                self.module = compiled
+            for formula in formulas:
+                if formula not in self.loops:
+                    self.loops[formula] = compiled.over_poses(formula.function, formula.results)
+            self.module = compiled
 
 
 _kernels = _Kernels()
 
 
-def compile_in_background() -> threading.Thread:
-    """Load the kernels in a thread; until it has ended everything runs on NumPy."""
+def compile_in_background(*formulas: Formula) -> threading.Thread:
+    """Load the kernels and those of formulae in a thread; until it ends all runs on NumPy."""
     _kernels.deferred = True
-    thread = threading.Thread(target=_kernels.load, name="paminsa-compile", daemon=True)
+    thread = threading.Thread(
+        target=_kernels.load, args=formulas, name="paminsa-compile", daemon=True
+    )
     thread.start()
     return thread
 
 
 def compile_now() -> None:
-    """Load the kernels, and wait for it."""
+    """Load the kernels, and wait for it; from now on each formula is compiled on its first use."""
+    _kernels.worth, _kernels.deferred = 0, False
     _kernels.load()
 
 
@@ -109,11 +141,11 @@ def _cos_sin(angle: Array) -> tuple[Array, Array]:
         return np.cos(angle), np.sin(angle)
 
 
-def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
+def over_list(formula: Formula, m: leg.Mechanism, pose: Array) -> Array:
     """Evaluate a formula of a pose on a list.
 
     Args:
-        name: Key of `FORMULAE`.
+        formula: What to evaluate.
         m: The mechanism.
         pose: (n, 4) [m, m, rad, m].
 
@@ -122,38 +154,46 @@ def over_list(name: str, m: leg.Mechanism, pose: Array) -> Array:
     """
     pose = np.ascontiguousarray(pose)
     c, s = _cos_sin(pose[:, 2])
-    kernels = _kernels.get(len(pose))
-    if kernels is not None:
-        out = np.empty((len(pose), kernels.COUNTS[name]))
-        kernels.OVER_POSES[name][1](m, pose, c, s, out)
+    loops = _kernels.get_loops(formula, len(pose))
+    if loops is not None:
+        out = np.empty((len(pose), formula.results))
+        loops[1](m, pose, c, s, out)
         return out
+    x, y, _, z = pose.T
+    return np.stack(on_arrays(formula, m, x, y, c, s, z), axis=-1)
+
+
+def on_arrays(
+    formula: Formula, m: leg.Mechanism, x: Array, y: Array, c: Array, s: Array, z: Array
+) -> list[Array]:
+    """Evaluate a formula on NumPy arrays that broadcast, never compiled: one array a result."""
     with np.errstate(all="ignore"):
-        values = FORMULAE[name](m, pose[:, 0], pose[:, 1], c, s, pose[:, 3])
-    return np.stack(np.broadcast_arrays(*values), axis=-1)
+        values = formula.function(m, x, y, c, s, z)[: formula.results]
+    shape = np.broadcast_shapes(*(np.shape(part) for part in (x, y, c, s, z)))
+    return [np.broadcast_to(value, shape) for value in values]
 
 
-def over_grid(name: str, m: leg.Mechanism, outer: Array, inner: Array, out: Array) -> None:
+def over_grid(formula: Formula, m: leg.Mechanism, outer: Array, inner: Array, out: Array) -> None:
     """Evaluate a formula on all sums of an outer and an inner pose; theta is the outer's alone.
 
     Args:
-        name: Key of `FORMULAE`.
+        formula: What to evaluate.
         m: The mechanism.
         outer: (rows, 4) parts of poses [m, m, rad, m].
         inner: (columns, 4) parts of poses; the third column is not used.
         out: (rows, results of the formula, columns), contiguous; filled.
     """
     c, s = _cos_sin(outer[:, 2])
-    kernels = _kernels.get(len(outer) * len(inner))
-    if kernels is not None:
+    loops = _kernels.get_loops(formula, len(outer) * len(inner))
+    if loops is not None:
         rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
         columns = np.ascontiguousarray(inner[:, [0, 1, 3]].T)
         along_x = not columns[1:].any()
-        kernels.OVER_POSES[name][0](m, rows, columns, along_x, out)
+        loops[0](m, rows, columns, along_x, out)
         return
     sums = outer[:, None, :] + inner[None, :, :]
-    with np.errstate(all="ignore"):
-        values = FORMULAE[name](m, sums[..., 0], sums[..., 1], c[:, None], s[:, None], sums[..., 3])
-    out[:] = np.stack(np.broadcast_arrays(*values), axis=1)
+    x, y, _, z = np.moveaxis(sums, -1, 0)
+    out[:] = np.stack(on_arrays(formula, m, x, y, c[:, None], s[:, None], z), axis=1)
 
 
 def inverse_dynamics_kernel(

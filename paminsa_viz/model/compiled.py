@@ -1,7 +1,7 @@
-"""The formulae of `leg.py`, `leg_forces.py` and `robot.py` compiled into loops by Numba.
+"""Formulae compiled into loops by Numba.
 
-Nothing of the mechanics stands here: the functions registered below are the same source that runs
-on NumPy arrays. Each kernel runs on columns (one array a quantity) and releases the GIL.
+Nothing of the mechanics stands here: a formula and the functions that it calls are the same source
+that runs on NumPy arrays. Each kernel runs on columns (one array a quantity) and releases the GIL.
 
 Numba keeps compiled code on disk and looks only at the file of the kernel to see whether it is
 stale. The formulae live in other files, so a digest of their source is woven into the kernels.
@@ -10,46 +10,17 @@ stale. The formulae live in other files, so a digest of their source is woven in
 from __future__ import annotations
 
 import hashlib
+import inspect
 from collections.abc import Callable
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numpy as np
 from numba import njit
 from numba.extending import overload, register_jitable
 
-from paminsa_viz.model import leg, leg_forces, measures, robot
-
-_FORMULAE = (
-    leg.pantograph,
-    leg.knee_height,
-    leg.knee_radius,
-    leg.leg_vector,
-    leg.leg_position,
-    leg.leg_motion,
-    leg_forces.leg_forces,
-    leg_forces.leg_inertia,
-    leg_forces.leg_regressor,
-    robot.platform_determinant,
-    robot.solve_wrench,
-    robot._slope,
-    robot._usable,
-    robot.unit_torques,
-    robot._vector,
-    robot.inverse_dynamics_kernel,
-    robot._leg_mass,
-    robot.mass_matrix,
-    measures.leg_margins,
-    measures._lesser,
-    measures.least_margin,
-    measures._largest_eigenvalue,
-    measures._lever,
-    measures.dexterity,
-)
-
-# LLVM vectorizes a loop only if the whole formula is inlined into it.
-for _formula in _FORMULAE:
-    register_jitable(forceinline=True)(_formula)
+from paminsa_viz.model import leg, robot
 
 
 @overload(robot.where, jit_options={"forceinline": True})
@@ -60,11 +31,34 @@ def _where(condition: Any, yes: Any, no: Any) -> Any:
     return implementation
 
 
-def _digest() -> int:
-    """Return a number that changes with the source of the formulae."""
-    files = (leg.__file__, leg_forces.__file__, measures.__file__, robot.__file__)
-    text = b"".join(Path(name).read_bytes() for name in files)
-    return int.from_bytes(hashlib.sha256(text).digest()[:7], "big")
+_registered: set[FunctionType] = {robot.where}
+
+
+def register(*formulae: Callable[..., Any], inline: bool = True) -> int:
+    """Let Numba compile formulae and all that they call.
+
+    LLVM vectorizes a loop only if the whole formula is inlined into it.
+
+    Returns:
+        A number that changes with the source of what was registered.
+    """
+    found: list[FunctionType] = []
+    pending: list[Any] = list(formulae)
+    while pending:
+        function = pending.pop()
+        if not isinstance(function, FunctionType) or function in found:
+            continue
+        found.append(function)
+        names = inspect.getclosurevars(function)
+        pending += [*names.globals.values(), *names.nonlocals.values()]
+    for function in found:
+        if function not in _registered:
+            register_jitable(forceinline=inline)(function)
+            _registered.add(function)
+    files = sorted({function.__code__.co_filename for function in found})
+    text = b"".join(Path(name).read_bytes() for name in files if Path(name).is_file())
+    code = b"".join(function.__code__.co_code for function in found)
+    return int.from_bytes(hashlib.sha256(text + code).digest()[:7], "big")
 
 
 # `contract` lets the compiler fuse a product and a sum, which is faster and rounds once less.
@@ -76,11 +70,14 @@ OPTIONS: dict[str, Any] = {
 }
 
 
-def _over_poses(formula: Callable[..., Any], count: int, digest: int) -> tuple[Any, Any]:
-    """Compile a formula of a pose with ``count`` results, over a grid and over a list.
+def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
+    """Compile a formula of a pose, or load it from disk: loops over a grid and over a list.
 
-    ``digest`` is used for its being a closure variable, and so part of Numba's cache key.
+    Args:
+        formula: As `backend.Formula.function`.
+        count: How many of its results to keep.
     """
+    digest = register(formula)  # a closure variable, and so part of Numba's cache key
 
     @njit(**OPTIONS)
     def over_grid(m, outer, inner, along_x, out):  # type: ignore[no-untyped-def]
@@ -114,8 +111,14 @@ def _over_poses(formula: Callable[..., Any], count: int, digest: int) -> tuple[A
             for n in range(count):
                 out[j, n] = values[n]
 
+    none = np.zeros(0)
+    over_grid(_MECHANISM, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
+    over_list(_MECHANISM, np.zeros((0, 4)), none, none, np.zeros((0, count)))
     return over_grid, over_list
 
+
+_MECHANISM = leg.Mechanism(*[1.0] * len(leg.Mechanism._fields))
+"""Some mechanism, for a call on no poses that compiles a kernel."""
 
 _BLOCK = 128
 """States worked on at a time: their columns lie in one small buffer that stays in the L1 cache.
@@ -175,32 +178,14 @@ def _motion_kernels(digest: int) -> tuple[Any, Any]:
     return inverse_dynamics_kernel, mass_matrix
 
 
-DIGEST = _digest()
-"""Number that changes with the source of the formulae; kernels elsewhere weave it in as well."""
-_POSE_FORMULAE: dict[str, tuple[Callable[..., Any], int]] = {
-    "rotary_torques": (robot.unit_torques, 3),
-    "unit_torques": (robot.unit_torques, 4),
-    "least_margin": (measures.least_margin, 2),
-    "dexterity": (measures.dexterity, 2),
-}
-COUNTS = {name: count for name, (_, count) in _POSE_FORMULAE.items()}
-"""How many results each formula of a pose has."""
-OVER_POSES = {
-    name: _over_poses(formula, count, DIGEST) for name, (formula, count) in _POSE_FORMULAE.items()
-}
-"""Kernels over grids and over lists of poses: ``(over_grid, over_list)``."""
-
-inverse_dynamics_kernel, mass_matrix = _motion_kernels(DIGEST)
+inverse_dynamics_kernel, mass_matrix = _motion_kernels(
+    register(robot.inverse_dynamics_kernel, robot.mass_matrix)
+)
 
 
 def warm_up() -> None:
-    """Compile every kernel, or load it from disk, by a call on nothing."""
-    m = leg.Mechanism(*[1.0] * len(leg.Mechanism._fields))
+    """Compile the kernels of motions, or load it from disk, by a call on nothing."""
     e = robot.EnergyTerms(*[1.0] * len(robot.EnergyTerms._fields))
     none, pose = np.zeros(0), np.zeros((0, 4))
-    for name, (over_grid, over_list) in OVER_POSES.items():
-        count = COUNTS[name]
-        over_grid(m, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
-        over_list(m, pose, none, none, np.zeros((0, count)))
-    inverse_dynamics_kernel(m, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
-    mass_matrix(m, e, pose, none, none, np.zeros((0, 10)))
+    inverse_dynamics_kernel(_MECHANISM, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
+    mass_matrix(_MECHANISM, e, pose, none, none, np.zeros((0, 10)))

@@ -12,7 +12,7 @@ import numpy as np
 from numba import njit
 
 from paminsa_viz.model import leg, leg_forces, robot
-from paminsa_viz.model.compiled import DIGEST, OPTIONS
+from paminsa_viz.model.compiled import OPTIONS, register
 
 _AXES = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
 _LEG_TERMS = len(robot.EnergyTerms._fields) - 2  # the last two belong to the platform
@@ -82,7 +82,15 @@ def _kernel(digest: int) -> Any:
     return regressor
 
 
-regressor = _kernel(DIGEST)
+regressor = _kernel(
+    register(
+        leg.leg_position,
+        leg.leg_motion,
+        leg_forces.leg_regressor,
+        robot.platform_determinant,
+        robot.solve_wrench,
+    )
+)
 
 
 def warm_up() -> None:

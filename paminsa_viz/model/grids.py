@@ -1,7 +1,7 @@
-"""Maps and sweeps: a quantity over a grid of any of the four coordinates.
+"""Formulae over grids of any of the four coordinates.
 
-What depends on the geometry alone is solved once (`solve_field`); the masses come in afterwards as
-one factor, so that a mass slider rescales a map and solves nothing.
+What depends on the geometry alone is solved once (`solve_field`) and kept; the masses come in
+afterwards as one factor, so that a mass slider rescales a map and solves nothing.
 """
 
 from __future__ import annotations
@@ -10,19 +10,23 @@ import itertools
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from enum import Enum
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.model import backend
+from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
+from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import Mechanism, mechanism
-from paminsa_viz.model.reach import Limit, decode
-from paminsa_viz.model.statics import lift_constant, static_imbalance
+from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
+from paminsa_viz.model.singularity import DEXTERITY
+from paminsa_viz.model.statics import UNIT_TORQUES, lift_constant, static_imbalance
+
+ROTARY_TORQUES = Formula(robot.unit_torques, 3)
+"""Gamma of M1..M3 alone, see `statics.unit_torques`."""
 
 COORDINATES = ("x", "y", "theta", "z")
 
@@ -102,52 +106,51 @@ def xy_grid(x: ArrayLike, y: ArrayLike, theta: float, z: float) -> Grid:
     return Grid.over((0.0, 0.0, theta, z), y=y, x=x)
 
 
-class Quantity(Enum):
-    """What can be mapped."""
-
-    TAU_1 = "tau_1"
-    TAU_2 = "tau_2"
-    TAU_3 = "tau_3"
-    F_4 = "f_4"
-    MAX_TORQUE = "max_torque"
-    RMS_TORQUE = "rms_torque"
-    CONDITION = "condition"
-    DETERMINANT = "determinant"
-    REACH_MARGIN = "reach_margin"
-
-    @property
-    def unit(self) -> str:
-        """SI unit."""
-        units = {"f_4": "N", "condition": "1", "determinant": "m", "reach_margin": "m"}
-        return units.get(self.value, "N m")
-
-    @property
-    def needs_dexterity(self) -> bool:
-        """Whether it needs the singularity measures."""
-        return self in (Quantity.CONDITION, Quantity.DETERMINANT)
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Field:
     """What the geometry says about every pose of a grid; arrays have the grid's shape.
 
     Attributes:
         grid, geometry: What it was solved for.
-        gamma: (4, ...) unit torques, see `statics.unit_torques`; NaN where status is not OK.
         status: (...) values of `Limit`.
         leg: (...) index of the leg that stands in the way, -1 for none.
-        margin: (...) least distance to a limit, negative beyond it [m].
-        determinant, condition: (...) as in `Singularity`, or None if they were not asked for.
+        threads: Threads that share the work; None for all cores where the grid is large enough.
     """
 
     grid: Grid
     geometry: Geometry
-    gamma: Array
     status: NDArray[np.uint8]
     leg: NDArray[np.int8]
-    margin: Array
-    determinant: Array | None
-    condition: Array | None
+    threads: int | None
+    _solved: dict[Formula, Array] = field(repr=False)
+
+    def solve(self, formula: Formula) -> Array:
+        """Return the results of a formula, (results, ...); solved at the first call and kept."""
+        found = self._solved.get(formula)
+        if found is None:
+            m = mechanism(self.geometry)
+            found = self._solved[formula] = _evaluate(formula, m, self.grid, self.threads)
+        return found
+
+    @property
+    def gamma(self) -> Array:
+        """Unit torques (4, ...), see `statics.unit_torques`; NaN where status is not OK."""
+        return self.solve(UNIT_TORQUES)
+
+    @property
+    def margin(self) -> Array:
+        """Least distance to a limit (...), negative beyond it [m]."""
+        return self.solve(LEAST_MARGIN)[0]
+
+    @property
+    def determinant(self) -> Array:
+        """Determinant (...) as in `Singularity` [m]."""
+        return self.solve(DEXTERITY)[0]
+
+    @property
+    def condition(self) -> Array:
+        """Condition number (...) as in `Singularity`."""
+        return self.solve(DEXTERITY)[1]
 
     def torques(self, design: Design) -> Array:
         """Return the static torques for the masses of a design, (4, ...) [N m, N]."""
@@ -155,51 +158,29 @@ class Field:
         torque[3] += lift_constant(design)
         return torque
 
-    def values(self, design: Design, quantity: Quantity) -> Array:
-        """Return one quantity for the masses of a design, (...); NaN where it has no value."""
-        if quantity is Quantity.REACH_MARGIN:
-            return self.margin
-        if quantity.needs_dexterity:
-            chosen = self.condition if quantity is Quantity.CONDITION else self.determinant
-            if chosen is None:
-                raise InvalidInput("quantity", f"solve the field with dexterity for {quantity}")
-            return chosen
-        factor = static_imbalance(design)
-        if quantity is Quantity.MAX_TORQUE:
-            return abs(factor) * np.abs(self.gamma[:3]).max(axis=0)
-        if quantity is Quantity.RMS_TORQUE:
-            return abs(factor) * np.sqrt((self.gamma[:3] ** 2).mean(axis=0))
-        if quantity is Quantity.F_4:
-            return factor * self.gamma[3] + lift_constant(design)
-        index = (Quantity.TAU_1, Quantity.TAU_2, Quantity.TAU_3).index(quantity)
-        return factor * self.gamma[index]
-
 
 def solve_field(
     geometry: Geometry,
     grid: Grid,
     *,
-    dexterity: bool = False,
     threads: int | None = None,
 ) -> Field:
-    """Solve everything that the geometry alone decides on a grid.
+    """Solve reach and unit torques on a grid; what else the geometry decides is solved on demand.
 
     Args:
         geometry: Lengths of the mechanism.
         grid: The poses.
-        dexterity: Whether determinant and condition number are wanted as well.
         threads: Threads to share the work; None for all cores where the grid is large enough.
     """
     m = mechanism(geometry)
-    names = ["unit_torques", "least_margin"] + (["dexterity"] if dexterity else [])
-    parts = _evaluate(names, m, grid, threads)
-    gamma, (margin, which) = parts[0], parts[1]
-    status, leg = decode(margin, which)
+    gamma = _evaluate(UNIT_TORQUES, m, grid, threads)
+    margin = _evaluate(LEAST_MARGIN, m, grid, threads)
+    status, leg = decode(*margin)
     finite = np.isfinite(gamma).all(axis=0)
     status[(status == Limit.OK) & ~finite] = Limit.SINGULAR
     gamma[:, status != Limit.OK] = np.nan
-    determinant, condition = parts[2] if dexterity else (None, None)
-    return Field(grid, geometry, gamma, status, leg, margin, determinant, condition)
+    solved = {UNIT_TORQUES: gamma, LEAST_MARGIN: margin}
+    return Field(grid, geometry, status, leg, threads, solved)
 
 
 def rotary_torques(
@@ -211,13 +192,13 @@ def rotary_torques(
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
     """
-    gamma = _evaluate(["rotary_torques"], mechanism(design.geometry), grid, threads)[0]
+    gamma = _evaluate(ROTARY_TORQUES, mechanism(design.geometry), grid, threads)
     gamma *= static_imbalance(design)
     return gamma
 
 
-def _evaluate(names: list[str], m: Mechanism, grid: Grid, threads: int | None) -> list[Array]:
-    """Evaluate formulae over a grid, in blocks, on as many cores as pay."""
+def _evaluate(formula: Formula, m: Mechanism, grid: Grid, threads: int | None) -> Array:
+    """Evaluate a formula over a grid, (results, ...), in blocks, on as many cores as pay."""
     # theta has to be in the outer part, where its sine and cosine are taken once a row
     order = sorted(range(len(grid.axes)), key=lambda i: grid.axes[i][0] != "theta")
     axes = [grid.axes[i] for i in order]
@@ -234,18 +215,16 @@ def _evaluate(names: list[str], m: Mechanism, grid: Grid, threads: int | None) -
         for r in range(0, rows, row_step)
         for c in range(0, columns, BLOCK)
     ]
-    sizes = [len(_formula_results(name)) for name in names]
-    results = [np.empty((rows, size, columns)) for size in sizes]
+    result = np.empty((rows, formula.results, columns))
 
     def work(piece: tuple[slice, slice]) -> None:
         r, c = piece
         outer = _rows(outer_axes, outer_shape, base, r)
-        for name, result in zip(names, results, strict=True):
-            part = result[r, :, c]
-            filled = part if part.flags.c_contiguous else np.empty(part.shape)
-            backend.over_grid(name, m, outer, inner[c], filled)
-            if filled is not part:
-                part[:] = filled
+        part = result[r, :, c]
+        filled = part if part.flags.c_contiguous else np.empty(part.shape)
+        backend.over_grid(formula, m, outer, inner[c], filled)
+        if filled is not part:
+            part[:] = filled
 
     count = threads or (os.cpu_count() or 1 if len(pieces) >= WORTH_THREADS else 1)
     if count > 1:
@@ -256,18 +235,11 @@ def _evaluate(names: list[str], m: Mechanism, grid: Grid, threads: int | None) -
             work(piece)
     # back to the order of the grid's axes, the results of the formula first
     shape = (*outer_shape, *(() if last_theta else (columns,)))
-    return [
-        np.moveaxis(
-            np.moveaxis(result, 1, 0).reshape(result.shape[1], *shape),
-            1 + np.arange(len(order)),
-            1 + np.array(order, dtype=int),
-        )
-        for result in results
-    ]
-
-
-def _formula_results(name: str) -> range:
-    return range({"rotary_torques": 3, "unit_torques": 4}.get(name, 2))
+    return np.moveaxis(
+        np.moveaxis(result, 1, 0).reshape(result.shape[1], *shape),
+        1 + np.arange(len(order)),
+        1 + np.array(order, dtype=int),
+    )
 
 
 def _parts(axes: list[tuple[str, Array]], base: Array) -> Array:

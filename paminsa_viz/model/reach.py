@@ -15,6 +15,9 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.leg import mechanism
 
+LEAST_MARGIN = backend.Formula(measures.least_margin, 2)
+"""The least margin of all legs and limits [m], and which one it is."""
+
 
 class Limit(IntEnum):
     """Why a pose cannot be taken, or a torque not be given."""
@@ -175,7 +178,7 @@ _TAG_LEG = np.repeat(np.arange(3, dtype=np.int8), 4)
 
 def reach_status(geometry: Geometry, pose: Array) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:
     """Return status and leg alone for a list of poses (n, 4): the fast way for batches."""
-    worst, which = backend.over_list("least_margin", mechanism(geometry), pose).T
+    worst, which = backend.over_list(LEAST_MARGIN, mechanism(geometry), pose).T
     return decode(worst, which)
 
 

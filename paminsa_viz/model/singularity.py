@@ -12,12 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model import backend
+from paminsa_viz.model import backend, measures
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import MARGINS, Limit, check_reach
+
+DEXTERITY = backend.Formula(measures.dexterity, 2)
+"""The determinant of the rows (w_k, p_k x w_k) [m] and the condition number of J."""
 
 
 @np.errstate(invalid="ignore")
@@ -67,7 +70,7 @@ def measure_singularity(geometry: Geometry, pose: ArrayLike) -> Singularity:
     """
     pose = as_vectors(pose, "pose")
     flat = pose.reshape(-1, 4)
-    det, condition = backend.over_list("dexterity", mechanism(geometry), flat).T
+    det, condition = backend.over_list(DEXTERITY, mechanism(geometry), flat).T
     radius = np.hypot(pose[..., 0], pose[..., 1])
     position = singular_radius(geometry, pose[..., 2]) - radius
 

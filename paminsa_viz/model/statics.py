@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model import backend
+from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobian import jacobian
@@ -27,6 +27,9 @@ from paminsa_viz.model.lumped import (
 )
 from paminsa_viz.model.parameters import PARAMETER
 
+UNIT_TORQUES = backend.Formula(robot.unit_torques, 4)
+"""Gamma of M1..M4, see `unit_torques`."""
+
 
 def unit_torques(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return Gamma, (..., 4): static torques [m] and force [1] of M1..M4 for M_p2 = 1 N.
@@ -35,7 +38,7 @@ def unit_torques(geometry: Geometry, pose: ArrayLike) -> Array:
     `lift_constant` comes on top. NaN where the pose cannot be taken, not finite at singularities.
     """
     pose = as_vectors(pose, "pose")
-    gamma = backend.over_list("unit_torques", mechanism(geometry), pose.reshape(-1, 4))
+    gamma = backend.over_list(UNIT_TORQUES, mechanism(geometry), pose.reshape(-1, 4))
     return gamma.reshape(pose.shape)
 
 

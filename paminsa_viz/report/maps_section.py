@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from paminsa_viz.model.grids import Quantity, solve_field, xy_grid
-from paminsa_viz.plots.map_data import TORQUES, MapData, cell_centers, half_width, map_data
+from paminsa_viz.model.grids import solve_field, xy_grid
+from paminsa_viz.plots.map_data import MapData, cell_centers, half_width, map_data
 from paminsa_viz.plots.map_figure import render
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.quantities import TORQUES
 from paminsa_viz.report.blocks import Block, Figure, Note, Section
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value
@@ -23,9 +24,9 @@ def maps_section(request: ReportRequest) -> Section:
     centers = cell_centers(half_width(geometry), CELLS)
     _, _, theta, z = request.pose
     grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid, dexterity=True)
+    field = solve_field(geometry, grid)
 
-    def maps(*quantities: Quantity) -> MapData:
+    def maps(*quantities: str) -> MapData:
         return map_data(field, request.design, request.pose, quantities)
 
     blocks: list[Block] = [
@@ -34,8 +35,8 @@ def maps_section(request: ReportRequest) -> Section:
             "torques of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
         ),
         _figure(maps(*TORQUES), 170.0, half=False),
-        _figure(maps(Quantity.F_4), 85.0, half=True),
-        _figure(maps(Quantity.CONDITION), 85.0, half=True),
+        _figure(maps("f_4"), 85.0, half=True),
+        _figure(maps("condition"), 85.0, half=True),
     ]
     return Section("maps", "Torque maps", tuple(blocks))
 

@@ -9,16 +9,16 @@ import numpy as np
 from paminsa_viz.engines.states import WORST_CONDITION, workspace_poses
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.grids import Grid, Quantity
+from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.model.sweeps import sweep
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, columns
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.report.sketch import sketch
+from paminsa_viz.studies.sweeps import sweep
 from paminsa_viz.units import format_value
 
 SAMPLED = 20_000
@@ -80,7 +80,7 @@ def _shares(design: Design) -> Table:
     ]
     x, y, theta, z = axes
     grid = Grid.over(np.zeros(4), theta=theta, z=z - g.platform_joint_height, y=y, x=x)
-    counts = sweep(design, grid, (Quantity.REACH_MARGIN,)).counts
+    counts = sweep(design, grid, ("reach_margin",)).counts
     rows = [
         Row(
             (limit.explanation[:1].upper() + limit.explanation[1:], _share(counts[limit], grid)),

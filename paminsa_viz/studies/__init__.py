@@ -12,6 +12,7 @@ from paminsa_viz.studies.metrics import METRICS, Metric, Region, default_region,
 from paminsa_viz.studies.motion_metrics import MOTION_METRICS, measure_motion
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
+from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks
 from paminsa_viz.studies.variations import DesignAxis, DesignGrid, DesignRange, RandomDesigns
 
 __all__ = [
@@ -26,6 +27,7 @@ __all__ = [
     "Region",
     "Study",
     "StudySummary",
+    "SweepSummary",
     "Workers",
     "cluster",
     "default_region",
@@ -34,4 +36,6 @@ __all__ = [
     "measure_motion",
     "processes",
     "run_study",
+    "sweep",
+    "sweep_blocks",
 ]

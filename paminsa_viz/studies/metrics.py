@@ -10,7 +10,7 @@ import numpy as np
 from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.grids import Field, Grid, Quantity, solve_field
+from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
@@ -116,11 +116,11 @@ def measure_design(
         base_mass: What the added mass is counted from [kg].
     """
     grid = region.grid()
-    field = solve_field(design.geometry, grid, dexterity=True, threads=1)
+    field = solve_field(design.geometry, grid, threads=1)
     inside = np.broadcast_to(region.inside(grid), field.status.shape)
     poses = int(inside.sum())
     reached = inside & (field.status == Limit.OK)
-    condition = field.values(design, Quantity.CONDITION)
+    condition = field.condition
     usable = reached & (condition <= region.max_condition)
     known = condition[reached]
     mass = whole_mass(design)

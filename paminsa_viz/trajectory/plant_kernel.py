@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,18 +11,9 @@ from numba.np.unsafe.ndarray import to_fixed_tuple
 
 from paminsa_viz.model import leg
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.compiled import DIGEST, OPTIONS
+from paminsa_viz.model.compiled import OPTIONS, register
 from paminsa_viz.model.lumped import EnergyTerms
 from paminsa_viz.trajectory import plant
-
-for _formula in (
-    plant.legs, plant.turn_rate, plant.speeds, plant._leg_load, plant.platform_load,
-    plant.to_actuators, plant.to_platform, plant.friction, plant.inverse_torques, plant.solve,
-    plant.acceleration_under, plant.turn_error, plant._toward, plant.command, plant.hermite,
-    plant.reference, plant.commanded, plant.derivative,
-):  # fmt: skip
-    register_jitable(_formula)
-
 
 _MECHANISM, _TERMS, _LOSSES = (
     len(kind._fields) for kind in (leg.Mechanism, EnergyTerms, plant.Losses)
@@ -77,8 +66,8 @@ def _kernels(digest: int) -> tuple[Any, Any]:
     return derivative, torques
 
 
-_TEXT = Path(plant.__file__).read_bytes()
-derivative, torques = _kernels(DIGEST ^ int.from_bytes(hashlib.sha256(_TEXT).digest()[:7], "big"))
+# The model's formulae are registered, to be inlined, where its own kernels are.
+derivative, torques = _kernels(register(plant.derivative, plant.commanded, inline=False))
 
 
 def warm_up() -> None:

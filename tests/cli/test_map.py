@@ -16,7 +16,8 @@ from paminsa_viz.cli.map import Map, state_of
 from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity, backend, static_torques
+from paminsa_viz.model import APPENDIX_4, KneeBranch, backend, static_torques
+from paminsa_viz.quantities import QUANTITIES
 from tests.cli import running
 from tests.samples import with_knee
 
@@ -35,7 +36,7 @@ def one_backend() -> None:
 def test_every_quantity_can_be_mapped() -> None:
     assert "map" in COMMANDS
     names = get_args(get_type_hints(Map)["quantity"])
-    assert {name.replace("-", "_") for name in names} == {"torques", *(q.value for q in Quantity)}
+    assert {name.replace("-", "_") for name in names} == {"torques", *QUANTITIES}
 
 
 def test_files_are_those_of_the_explorer(capsys, folder) -> None:

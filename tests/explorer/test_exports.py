@@ -26,7 +26,7 @@ from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.tables import TABLE_FORMATS
-from paminsa_viz.model import InvalidInput, KneeBranch, Quantity, inverse_kinematics, static_torques
+from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, static_torques
 
 from .panel_desk import Desk, desk_with
 
@@ -69,7 +69,7 @@ class TestNames:
 class TestContents:
     @pytest.mark.parametrize("single", [True, False])
     def test_numbers_equal_the_model_s(self, single: bool) -> None:
-        state = actions.set_map_view(state_at(theta=0.3), quantity=Quantity.F_4)
+        state = actions.set_map_view(state_at(theta=0.3), quantity="f_4")
         file = exports.table(state, STORE, "npz", single)
         arrays = np.load(io.BytesIO(file.content))
         names = ["f4_N"] if single else ["tau1_Nm", "tau2_Nm", "tau3_Nm"]
@@ -265,7 +265,7 @@ class TestPanel:
 
     def test_the_newest_state_is_saved(self, desk: Desk) -> None:
         desk.dispatch(lambda s: actions.move(s, theta=0.7))
-        desk.dispatch(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_3))
+        desk.dispatch(lambda s: actions.set_map_view(s, quantity="tau_3"))
         desk.set(group(desk, "maps"), export_panel.ONE)
         desk.until(lambda: group(desk, "maps").value == export_panel.ONE)
         desk.set(group(desk, "data"), "NPZ")
@@ -308,7 +308,5 @@ class TestPanel:
         assert "export failed" in caplog.text
 
     def test_it_says_what_the_single_map_is(self, desk: Desk) -> None:
-        desk.dispatch(
-            lambda s: replace(s, map_view=replace(s.map_view, quantity=Quantity.CONDITION))
-        )
+        desk.dispatch(lambda s: replace(s, map_view=replace(s.map_view, quantity="condition")))
         desk.until(lambda: "condition number" in desk.panel._about.content)

@@ -23,7 +23,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.model import APPENDIX_4, KneeBranch, Quantity
+from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.plots.scale import color_table
 from tests.samples import with_knee
@@ -56,8 +56,8 @@ class TestRays:
 class TestPicture:
     def test_rows_rise_with_y_and_what_is_out_of_reach_is_clear(self) -> None:
         state = actions.move(initial_state(), theta=0.4)
-        data = STORE.data(state, COARSE, (Quantity.TAU_2,))
-        (scale,) = STORE.scales(state, data, (Quantity.TAU_2,))
+        data = STORE.data(state, COARSE, ("tau_2",))
+        (scale,) = STORE.scales(state, data, ("tau_2",))
         pixels = floor_image(data, scale, 0.5)
         reached = data.status == 0
         assert (pixels[~reached, 3] == 0).all()
@@ -73,8 +73,8 @@ class TestPicture:
     @pytest.mark.parametrize(("opacity", "alpha"), [(0.0, 0), (1.0, 255), (7.0, 255), (-1.0, 0)])
     def test_opacity(self, opacity: float, alpha: int) -> None:
         state = initial_state()
-        data = STORE.data(state, COARSE, (Quantity.F_4,))
-        pixels = floor_image(data, STORE.scales(state, data, (Quantity.F_4,))[0], opacity)
+        data = STORE.data(state, COARSE, ("f_4",))
+        pixels = floor_image(data, STORE.scales(state, data, ("f_4",))[0], opacity)
         assert set(np.unique(pixels[data.status == 0, 3])) == {alpha}
 
 
@@ -101,8 +101,8 @@ class TestLegend:
 
     def test_it_shows_the_colors_in_order(self) -> None:
         state = initial_state()
-        data = STORE.data(state, COARSE, (Quantity.TAU_1,))
-        (scale,) = STORE.scales(state, data, (Quantity.TAU_1,))
+        data = STORE.data(state, COARSE, ("tau_1",))
+        (scale,) = STORE.scales(state, data, ("tau_1",))
         image = legend_image(scale)
         row = image[image.shape[0] // 2]
         colored = row[row[:, 3] == 255][:, :3].astype(int)
@@ -152,7 +152,7 @@ class TestOnTheGround:
 
     def test_the_legend_says_what_the_colors_mean(self, desk: Desk) -> None:
         view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
-        desk.dispatch(lambda s: actions.set_map_view(s, quantity=Quantity.TAU_1, **view))
+        desk.dispatch(lambda s: actions.set_map_view(s, quantity="tau_1", **view))
         words = desk.panel._legend._words
         desk.until(lambda: (words["low"].text, words["high"].text) == ("−2.5", "7.5"))
         assert words["name"].text == "τ₁  [N·m]"

@@ -14,13 +14,12 @@ from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS, choose_quantity, show_figure_3
+from paminsa_viz.explorer.panels.map_controls import choose_quantity, show_figure_3
 from paminsa_viz.explorer.panels.map_picture import caption
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import RangeMode, initial_state
-from paminsa_viz.model import Quantity
-from paminsa_viz.plots.map_data import LEGENDS
+from paminsa_viz.quantities import QUANTITIES
 
 from .panel_desk import Desk, desk_with
 
@@ -57,8 +56,8 @@ class TestClicks:
 class TestIntents:
     def test_a_manual_range_does_not_outlive_its_unit(self) -> None:
         state = actions.set_map_view(initial_state(), range_mode=RangeMode.MANUAL)
-        assert choose_quantity(state, Quantity.TAU_2).map_view.range_mode is RangeMode.MANUAL
-        assert choose_quantity(state, Quantity.F_4).map_view.range_mode is RangeMode.AUTO
+        assert choose_quantity(state, "tau_2").map_view.range_mode is RangeMode.MANUAL
+        assert choose_quantity(state, "f_4").map_view.range_mode is RangeMode.AUTO
 
     def test_the_preset_of_fig_3(self) -> None:
         state = actions.set_map_view(actions.move(initial_state(), x=0.03), shared=False)
@@ -76,8 +75,8 @@ class TestIntents:
         assert shown.document.pose[:2] == (0.0, 0.0)
 
     def test_every_quantity_can_be_chosen(self) -> None:
-        assert set(QUANTITY_LABELS) == set(Quantity) == set(LEGENDS)
-        assert len(set(QUANTITY_LABELS.values())) == len(Quantity)
+        labels = {quantity.label for quantity in QUANTITIES.values()}
+        assert len(labels) == len(QUANTITIES)
 
 
 def test_a_caption_says_what_is_compared_and_keeps_names_harmless() -> None:
@@ -124,18 +123,18 @@ class TestPanel:
         desk.until(lambda: named(desk, "colors").value == "manual")
 
     def test_lengths_are_set_in_millimeters(self, desk: Desk) -> None:
-        desk.dispatch(lambda s: choose_quantity(s, Quantity.REACH_MARGIN))
+        desk.dispatch(lambda s: choose_quantity(s, "reach_margin"))
         desk.set(named(desk, "ends"), [10.0, 120.0])
         desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
         view = desk.state.map_view
         assert (view.low, view.high) == pytest.approx((0.01, 0.12))
-        assert view.quantity is Quantity.REACH_MARGIN
+        assert view.quantity == "reach_margin"
 
     def test_torques_in_other_units_make_the_range_one_of_torques(self, desk: Desk) -> None:
-        desk.dispatch(lambda s: choose_quantity(s, Quantity.F_4))
+        desk.dispatch(lambda s: choose_quantity(s, "f_4"))
         desk.set(named(desk, "from–to"), [-1.0, 1.0])
         desk.until(lambda: desk.state.map_view.range_mode is RangeMode.MANUAL)
-        assert desk.state.map_view.quantity is Quantity.MAX_TORQUE
+        assert desk.state.map_view.quantity == "max_torque"
 
     def test_an_absurd_range_is_refused_and_taken_back(self, desk: Desk) -> None:
         ends = named(desk, "from–to")
@@ -160,8 +159,8 @@ class TestPanel:
         desk.until(lambda: switch.disabled and not switch.value)
 
     def test_quantity_and_switches(self, desk: Desk) -> None:
-        desk.set(named(desk, "show"), QUANTITY_LABELS[Quantity.DETERMINANT])
-        desk.until(lambda: desk.state.map_view.quantity is Quantity.DETERMINANT)
+        desk.set(named(desk, "show"), QUANTITIES["determinant"].label)
+        desk.until(lambda: desk.state.map_view.quantity == "determinant")
         desk.set(named(desk, "shared"), False)
         desk.until(lambda: not desk.state.map_view.shared)
         desk.set(named(desk, "log"), True)

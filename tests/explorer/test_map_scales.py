@@ -10,12 +10,11 @@ import pytest
 
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, choose
 from paminsa_viz.explorer.state import MapView, RangeMode
-from paminsa_viz.model import Quantity
 from tests.explorer.map_poses import CELLS, at
 
 
 class TestColors:
-    def scales(self, view: MapView, quantities=(Quantity.TAU_1, Quantity.TAU_2)):  # type: ignore[no-untyped-def]
+    def scales(self, view: MapView, quantities=("tau_1", "tau_2")):  # type: ignore[no-untyped-def]
         store = MapStore()
         state = replace(at(), map_view=view)
         data = store.data(state, FULL, quantities)
@@ -30,7 +29,7 @@ class TestColors:
         view = MapView(range_mode=RangeMode.MANUAL, low=-3.0, high=4.5)
         _, scales = self.scales(view)
         assert {(s.low, s.high) for s in scales} == {(-3.0, 4.5)}
-        _, forces = self.scales(view, (Quantity.F_4,))
+        _, forces = self.scales(view, ("f_4",))
         assert (forces[0].low, forces[0].high) != (-3.0, 4.5)
 
     @pytest.mark.parametrize("ends", [(2.0, 2.0), (0.0, 0.0), (1e300, 2e300), (math.nan, 1.0)])
@@ -54,7 +53,7 @@ class TestColors:
             assert scales[0] == scales[1]
 
     def test_the_full_range_of_a_magnitude_is_tight(self) -> None:
-        data, (scale,) = self.scales(MapView(range_mode=RangeMode.FULL), (Quantity.F_4,))
+        data, (scale,) = self.scales(MapView(range_mode=RangeMode.FULL), ("f_4",))
         low, high = np.nanmin(data.values), np.nanmax(data.values)
         assert scale.low <= low
         assert high <= scale.high

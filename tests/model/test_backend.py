@@ -13,9 +13,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import paminsa_viz.model as model
-from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, backend, compiled
+from paminsa_viz import quantities
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    InvalidInput,
+    KneeBranch,
+    backend,
+    solve_field,
+    xy_grid,
+)
 from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.measures import least_margin
+from paminsa_viz.model.robot import where
 from tests.model.cases import BOTH, BY_HAND, Case, cases
 from tests.samples import with_knee
 
@@ -187,11 +198,32 @@ def test_inputs_are_left_alone(name: str, knee: KneeBranch) -> None:
         np.testing.assert_array_equal(array, copy)
 
 
-def test_every_formula_is_compiled() -> None:
-    assert set(backend.FORMULAE) == set(compiled.OVER_POSES) == set(compiled.COUNTS)
+def ratio_of_lengths(m: Any, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any]:
+    """A formula that the package does not know: it calls one that it does."""
+    worst, _ = least_margin(m, x, y, c, s, z)
+    return where(worst > 0.0, np.hypot(x, y) / m.base_radius, np.nan), worst
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [*quantities.formulas(), backend.Formula(ratio_of_lengths, 1)],
+    ids=lambda formula: f"{formula.function.__name__}-{formula.results}",
+)
+def test_any_formula_runs_compiled_and_on_arrays(formula: backend.Formula) -> None:
+    backend.compile_now()
     m = mechanism(APPENDIX_4.geometry)
-    for name, formula in backend.FORMULAE.items():
-        assert len(formula(m, 0.0, 0.0, 1.0, 0.0, -0.5)) == compiled.COUNTS[name]
+    pose = np.random.default_rng(3).uniform(-0.3, 0.3, (50, 4)) - [0, 0, 0, 0.5]
+    compiled = backend.over_list(formula, m, pose)
+    assert formula in backend._kernels.loops
+    with backend.use_numpy():
+        near(compiled.T, backend.over_list(formula, m, pose).T, "list", 1e-9)
+    x, y = np.linspace(-0.3, 0.3, 7), np.linspace(-0.2, 0.2, 5)
+    field = solve_field(APPENDIX_4.geometry, xy_grid(x, y, 0.3, -0.5))
+    with backend.use_numpy():
+        other = solve_field(APPENDIX_4.geometry, xy_grid(x, y, 0.3, -0.5))
+        expected = other.solve(formula)
+    assert expected.shape == (formula.results, 5, 7)
+    near(field.solve(formula), expected, "grid", 1e-9)
 
 
 _START = """

@@ -13,7 +13,6 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     KneeBranch,
-    Quantity,
     inverse_dynamics,
     lift_constant,
     lumped_matrix,
@@ -25,6 +24,7 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.quantities import QUANTITIES
 from tests import oracle
 from tests.model.cases import BOTH, Case, assert_within, cases
 from tests.samples import with_knee
@@ -86,8 +86,8 @@ def test_the_counterweight_of_appendix_4(knee: KneeBranch) -> None:
     assert design.joints.j7 == pytest.approx(3.063, abs=1e-12)
     axis = np.linspace(-0.4, 0.4, 41)
     field = solve_field(with_knee(design.geometry, knee), xy_grid(axis, axis, np.pi / 3, -0.5))
-    before = field.values(APPENDIX_4, Quantity.MAX_TORQUE)
-    after = field.values(design, Quantity.MAX_TORQUE)
+    before = QUANTITIES["max_torque"].over(field, APPENDIX_4)
+    after = QUANTITIES["max_torque"].over(field, design)
     assert np.nanmedian(before) > 1.0
     assert np.nanmax(after / before) < 1e-14
 

@@ -96,7 +96,7 @@ def test_maps_agree_with_reach(case: Case, stroke: float, clearance: float) -> N
         y=rng.uniform(-2, 2, 12) * g.base_radius,
         x=rng.uniform(-2, 2, 11) * g.base_radius,
     )
-    field = solve_field(g, grid, dexterity=True)
+    field = solve_field(g, grid)
     reach = check_reach(g, grid.poses())
     np.testing.assert_array_equal(field.status, reach.status)
     np.testing.assert_array_equal(field.leg, reach.leg)
@@ -142,7 +142,7 @@ def test_exactly_at_the_end_of_a_guide_everything_is_known(knee: KneeBranch) -> 
     assert reach.margins[2, 2] == 0.0
     assert reach.ok
     measured = measure_singularity(design.geometry, pose)
-    field = solve_field(with_knee(design.geometry, knee), Grid.over(pose), dexterity=True)
+    field = solve_field(with_knee(design.geometry, knee), Grid.over(pose))
     assert field.status == Limit.OK
     for values in (
         static_torques(with_knee(design, knee), pose),
@@ -192,7 +192,7 @@ def test_poses_that_are_not_finite_are_quiet_and_named(
     result = inverse_dynamics(with_knee(APPENDIX_4, knee), pose, one, one)
     assert result.status == Limit.NOT_FINITE
     assert result.leg == -1
-    field = solve_field(with_knee(geometry, knee), Grid.over(pose), dexterity=True)
+    field = solve_field(with_knee(geometry, knee), Grid.over(pose))
     assert field.status == check_reach(geometry, pose).status == Limit.NOT_FINITE
     for values in (
         result.torque,

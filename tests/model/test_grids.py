@@ -18,7 +18,6 @@ from paminsa_viz.model import (
     InvalidInput,
     KneeBranch,
     Limit,
-    Quantity,
     backend,
     check_reach,
     grids,
@@ -29,6 +28,9 @@ from paminsa_viz.model import (
     unit_torques,
     xy_grid,
 )
+from paminsa_viz.model.singularity import DEXTERITY
+from paminsa_viz.model.statics import UNIT_TORQUES
+from paminsa_viz.quantities import QUANTITIES, find
 from tests.model.cases import BOTH, Case, cases
 from tests.samples import with_knee
 
@@ -64,19 +66,19 @@ def check_field(field: Field, design: Design, pose: Any) -> None:
     torque = np.moveaxis(static_torques(design, pose), -1, 0)
     near(field.torques(design), torque)
     expected = {
-        Quantity.TAU_1: torque[0],
-        Quantity.TAU_2: torque[1],
-        Quantity.TAU_3: torque[2],
-        Quantity.F_4: torque[3],
-        Quantity.MAX_TORQUE: np.abs(torque[:3]).max(axis=0),
-        Quantity.RMS_TORQUE: np.sqrt((torque[:3] ** 2).sum(axis=0) / 3),
-        Quantity.CONDITION: measured.condition,
-        Quantity.DETERMINANT: measured.determinant,
-        Quantity.REACH_MARGIN: reach.margins.min(axis=(-1, -2)),
+        "tau_1": torque[0],
+        "tau_2": torque[1],
+        "tau_3": torque[2],
+        "f_4": torque[3],
+        "max_torque": np.abs(torque[:3]).max(axis=0),
+        "rms_torque": np.sqrt((torque[:3] ** 2).sum(axis=0) / 3),
+        "condition": measured.condition,
+        "determinant": measured.determinant,
+        "reach_margin": reach.margins.min(axis=(-1, -2)),
     }
-    assert set(expected) == set(Quantity)
+    assert set(expected) == set(QUANTITIES)
     for quantity, values in expected.items():
-        got = field.values(design, quantity)
+        got = QUANTITIES[quantity].over(field, design)
         assert np.shape(got) == pose.shape[:-1]
         near(got, values, 1e-9)
 
@@ -94,7 +96,7 @@ def test_any_axes_in_any_order(names: tuple[str, ...]) -> None:
     for index, name in enumerate(grids.COORDINATES):
         if name not in names:
             np.testing.assert_array_equal(pose[..., index], FIXED[index])
-    field = solve_field(APPENDIX_4.geometry, grid, dexterity=True)
+    field = solve_field(APPENDIX_4.geometry, grid)
     check_field(field, APPENDIX_4, pose)
     assert field.gamma.shape == (4, *grid.shape)
     torques = rotary_torques(APPENDIX_4, grid)
@@ -110,7 +112,7 @@ def test_any_robot(case: Case, names: tuple[str, ...]) -> None:
     # off the center, where legs would tie for the worst
     fixed = [0.011 * g.base_radius, -0.023 * g.base_radius, 0.1, -0.6 * g.coupler_length]
     grid = Grid.over(fixed, **axes)
-    field = solve_field(g, grid, dexterity=True)
+    field = solve_field(g, grid)
     check_field(field, case.design, grid.poses())
     assert (field.geometry, field.grid) == (g, grid)
 
@@ -122,11 +124,11 @@ def test_blocks_and_threads_change_nothing(
 ) -> None:
     axes = {name: np.linspace(VALUES[name][0], VALUES[name][-1], 7) for name in names}
     grid = Grid.over(FIXED, **axes)
-    reference = solve_field(APPENDIX_4.geometry, grid, dexterity=True, threads=1)
+    reference = solve_field(APPENDIX_4.geometry, grid, threads=1)
 
     def compare() -> None:
         for threads in (None, 1, 3):
-            field = solve_field(APPENDIX_4.geometry, grid, dexterity=True, threads=threads)
+            field = solve_field(APPENDIX_4.geometry, grid, threads=threads)
             np.testing.assert_array_equal(field.status, reference.status)
             np.testing.assert_array_equal(field.leg, reference.leg)
             for name in ("gamma", "margin", "determinant", "condition"):
@@ -167,9 +169,9 @@ def test_masked_cells_carry_their_reason(knee: KneeBranch) -> None:
     assert on_axis.status == Limit.AXIS
     assert on_axis.leg == 2
     assert np.isnan(field.gamma).any(axis=0).tolist() == (field.status != Limit.OK).tolist()
-    for quantity in Quantity:
-        if not quantity.needs_dexterity and quantity is not Quantity.REACH_MARGIN:
-            values = field.values(design, quantity)
+    for quantity in QUANTITIES:
+        if QUANTITIES[quantity].formula == UNIT_TORQUES:
+            values = QUANTITIES[quantity].over(field, design)
             np.testing.assert_array_equal(np.isnan(values), field.status != Limit.OK)
 
 
@@ -230,17 +232,21 @@ def test_other_input_that_can_not_be_used() -> None:
         Grid.over(np.zeros((2, 4)))
     with pytest.raises(InvalidInput, match="fixed: the last axis"):
         Grid.over([0.0, 0.0])
-    field = solve_field(APPENDIX_4.geometry, Grid.over(FIXED, x=[0.0]))
-    assert field.determinant is None
-    assert field.condition is None
-    for quantity in (Quantity.CONDITION, Quantity.DETERMINANT):
-        assert quantity.needs_dexterity
-        with pytest.raises(InvalidInput, match="dexterity"):
-            field.values(APPENDIX_4, quantity)
+    with pytest.raises(InvalidInput, match=r"quantity: max_torque, .* not 'weight'"):
+        find(("tau_1", "weight"))
+
+
+def test_a_formula_is_solved_at_the_first_call_and_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    field = solve_field(APPENDIX_4.geometry, Grid.over(FIXED, x=VALUES["x"]))
+    solved = QUANTITIES["condition"].over(field, APPENDIX_4)
+    monkeypatch.setattr(grids, "_evaluate", None)
+    assert np.shares_memory(field.solve(DEXTERITY), solved)
+    for quantity in QUANTITIES.values():
+        assert quantity.over(field, APPENDIX_4.vary({"links.b3": 1.0})).shape == field.grid.shape
 
 
 def test_units() -> None:
-    assert {q.value: q.unit for q in Quantity} == {
+    assert {key: quantity.unit for key, quantity in QUANTITIES.items()} == {
         "tau_1": "N m",
         "tau_2": "N m",
         "tau_3": "N m",

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, Design, Quantity, solve_field, xy_grid
+from paminsa_viz.model import APPENDIX_4, Design, solve_field, xy_grid
 from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.map_data import TORQUES, MapData, Provenance, map_data
+from paminsa_viz.plots.map_data import MapData, Provenance, map_data
 from paminsa_viz.plots.scale import Scale
+from paminsa_viz.quantities import TORQUES
 
 SOURCE = Provenance(
     "Sample", KneeBranch.LOWER, "0.0.1", (("M", 1.25, "N"),), (("links.b3 [kg]", 0.4),)
@@ -53,13 +54,12 @@ def real(
     cells: int = 61,
     theta: float = np.pi / 3,
     z: float = -0.5,
-    quantities: tuple[Quantity, ...] = TORQUES,
+    quantities: tuple[str, ...] = TORQUES,
     design: Design = APPENDIX_4,
 ) -> MapData:
     """Return maps of the robot."""
     axis = np.linspace(-0.4, 0.4, cells)
-    dexterity = any(quantity.needs_dexterity for quantity in quantities)
-    field = solve_field(design.geometry, xy_grid(axis, axis, theta, z), dexterity=dexterity)
+    field = solve_field(design.geometry, xy_grid(axis, axis, theta, z))
     return map_data(field, design, (0.05, -0.03, theta, z), quantities)
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, Quantity
+from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.plots.ranges import NEGLIGIBLE, ScaleChoice, choose_scales, per_panel, robust_range
 from paminsa_viz.plots.scale import InvalidScale, Scale
 from tests.plots.samples import made_up, real
@@ -108,7 +108,7 @@ def test_a_log_shows_more_of_the_explosion() -> None:
 
 def test_signed_quantities_diverge_and_magnitudes_do_not() -> None:
     assert choose_scales(real())[0].colors == "blue-vermillion"
-    magnitude = real(quantities=(Quantity.MAX_TORQUE,))
+    magnitude = real(quantities=("max_torque",))
     assert choose_scales(magnitude)[0].colors == "viridis"
     assert choose_scales(magnitude, ScaleChoice(colors="magma"))[0].colors == "magma"
 

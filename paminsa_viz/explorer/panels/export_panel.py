@@ -12,13 +12,13 @@ from paminsa_viz.explorer.controls import check_value
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import exporting
-from paminsa_viz.explorer.panels.map_controls import QUANTITY_LABELS
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.plots.formats import FIGURE_FORMATS
+from paminsa_viz.quantities import QUANTITIES
 
 log = logging.getLogger(__name__)
 
@@ -138,7 +138,7 @@ class ExportPanel:
 
     @staticmethod
     def _what(state: State) -> str:
-        quantity = QUANTITY_LABELS[state.map_view.quantity]
+        quantity = QUANTITIES[state.map_view.quantity].label
         minus = ", minus the reference" if shows_difference(state) else ""
         return f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
 

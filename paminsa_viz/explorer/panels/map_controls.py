@@ -14,25 +14,14 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
-from paminsa_viz.model import InvalidInput, Quantity
+from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots import ticks
 from paminsa_viz.plots.ranges import LARGEST_END
+from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.units import display_unit
 
 FIG_3_ANGLE = np.pi / 3
 """Angle of the platform in the paper's Fig. 3 [rad]; it does not say the height."""
-
-QUANTITY_LABELS = {
-    Quantity.MAX_TORQUE: "max |τ| of M1 to M3",
-    Quantity.TAU_1: "τ₁ of M1",
-    Quantity.TAU_2: "τ₂ of M2",
-    Quantity.TAU_3: "τ₃ of M3",
-    Quantity.RMS_TORQUE: "RMS τ of M1 to M3",
-    Quantity.F_4: "F₄ of M4",
-    Quantity.CONDITION: "condition number κ",
-    Quantity.DETERMINANT: "determinant",
-    Quantity.REACH_MARGIN: "reach margin",
-}
 
 RANGE_LABELS = {
     RangeMode.AUTO: "robust",
@@ -48,11 +37,11 @@ def _key(labels: dict[Any, str], label: object) -> Any:
     raise InvalidInput("choice", f"one of {', '.join(labels.values())} is needed")
 
 
-def choose_quantity(state: State, quantity: Quantity) -> State:
+def choose_quantity(state: State, quantity: str) -> State:
     """Show another quantity; a manual range in another unit is given up."""
     view = state.map_view
     mode = view.range_mode
-    if mode is RangeMode.MANUAL and quantity.unit != view.quantity.unit:
+    if mode is RangeMode.MANUAL and QUANTITIES[quantity].unit != QUANTITIES[view.quantity].unit:
         mode = RangeMode.AUTO
     return actions.set_map_view(state, quantity=quantity, range_mode=mode)
 
@@ -102,16 +91,17 @@ class MapControls:
 
     def quantity(self) -> None:
         """Add the choice of what the single map and the floor show."""
+        labels = {key: item.label for key, item in QUANTITIES.items()}
         self._control(
             self._session.client.gui.add_dropdown(
                 "show",
-                tuple(QUANTITY_LABELS.values()),
-                initial_value=QUANTITY_LABELS[self._session.state.map_view.quantity],
+                tuple(labels.values()),
+                initial_value=labels[self._session.state.map_view.quantity],
                 hint="What this map and the floor map below the robot show",
             ),
             "quantity",
-            lambda s, label: choose_quantity(s, _key(QUANTITY_LABELS, label)),
-            lambda s: QUANTITY_LABELS[s.map_view.quantity],
+            lambda s, label: choose_quantity(s, _key(labels, label)),
+            lambda s: labels[s.map_view.quantity],
         )
 
     def range(self) -> None:
@@ -206,7 +196,7 @@ class MapControls:
     def _mode(self, state: State) -> RangeMode:
         """Return how the range of this picture is found; a manual one may be in another unit."""
         view = state.map_view
-        other = view.quantity.unit != self._unit(state)
+        other = QUANTITIES[view.quantity].unit != self._unit(state)
         return RangeMode.AUTO if view.range_mode is RangeMode.MANUAL and other else view.range_mode
 
     def _shown_range(self, state: State) -> tuple[float, float]:
@@ -247,8 +237,8 @@ class MapControls:
     def _manual(self, state: State, low: float, high: float) -> State:
         """Use these ends; the state's range is in the unit of its quantity."""
         changes: dict[str, Any] = {"range_mode": RangeMode.MANUAL, "low": low, "high": high}
-        if state.map_view.quantity.unit != self._unit(state):
-            changes["quantity"] = Quantity.MAX_TORQUE
+        if QUANTITIES[state.map_view.quantity].unit != self._unit(state):
+            changes["quantity"] = "max_torque"
         return actions.set_map_view(state, **changes)
 
     def _set_difference(self, state: State, value: bool) -> State:

@@ -15,7 +15,6 @@ from paminsa_viz.explorer.motion.store import MotionStore
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
@@ -26,7 +25,7 @@ from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import number
 
-Quantities = Callable[[State], tuple[Quantity, ...]]
+Quantities = Callable[[State], tuple[str, ...]]
 
 LIVE_QUALITY = 88
 """Quality of the JPEG that follows the hand; at rest the picture is without loss."""

@@ -19,8 +19,7 @@ from paminsa_viz.explorer.panels.slots import Slots
 from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.model import Quantity
-from paminsa_viz.plots.map_data import TORQUES
+from paminsa_viz.quantities import QUANTITIES, TORQUES
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
@@ -45,7 +44,11 @@ class MapsPanel:
                 Arrangement("23fr 33fr 13fr 10fr 12fr 12fr"), motions,
             )  # fmt: skip
             self._torque_inputs = MapControls(
-                session, self._torques, "torque maps", lambda _: Quantity.TAU_1.unit, brief=True
+                session,
+                self._torques,
+                "torque maps",
+                lambda _: QUANTITIES["tau_1"].unit,
+                brief=True,
             )
             self._torque_inputs.range()
             self._torque_inputs.shared()
@@ -57,7 +60,7 @@ class MapsPanel:
                 Arrangement(share=0.52), motions,
             )  # fmt: skip
             self._single_inputs = MapControls(
-                session, self._single, "single map", lambda s: s.map_view.quantity.unit
+                session, self._single, "single map", lambda s: QUANTITIES[s.map_view.quantity].unit
             )
             self._single_inputs.quantity()
             self._single_inputs.range()

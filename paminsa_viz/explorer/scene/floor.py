@@ -19,7 +19,6 @@ from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.model import Quantity
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.map_data import MapData
@@ -147,7 +146,7 @@ class FloorMap:
             return
         # Shapes of the reach alone: the same for every quantity, and without a reference.
         cells = COARSE if moving else FULL
-        data = self._store.present(state, cells, (Quantity.REACH_MARGIN,))
+        data = self._store.present(state, cells, ("reach_margin",))
         outline = [thinned(line, OUTLINE) for line in contours.pieces(contours.boundary(data))]
         self._boundary.draw(outline, self._height + ABOVE["boundary"])
         circle = contours.pieces(contours.singular_circle(data))

@@ -19,7 +19,6 @@ from paminsa_viz.model import (
     APPENDIX_4,
     InvalidInput,
     Limit,
-    Quantity,
     measure_singularity,
     static_imbalance,
 )
@@ -141,7 +140,7 @@ def test_one_scale_suits_both_designs(start: State) -> None:
     scales = [store.scales(s, store.data(s)) for s in shown]
     assert scales[0] == scales[1] == scales[2]
     # Where nothing can be negative, no colors are spent on it.
-    quantities, alone = (Quantity.MAX_TORQUE,), hold_range(start)
+    quantities, alone = ("max_torque",), hold_range(start)
     (scale,) = store.scales(alone, store.data(alone, COARSE, quantities), quantities)
     assert scale.low == 0
     assert not toggle_difference(toggle_difference(held)).map_view.difference

@@ -11,68 +11,72 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.grids import COORDINATES, Field, Grid, Quantity, solve_field
+from paminsa_viz.model.grids import COORDINATES, Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.quantities import find
 
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """What a sweep found, for each quantity; only poses that can be taken count.
+    """What a sweep found, by the key of each quantity; only poses that can be taken count.
 
     Attributes:
         poses: Number of poses.
         counts: Number of poses by status.
-        largest, smallest, mean, rms: By quantity.
-        largest_at: By quantity, the pose (4,) of the largest value.
+        largest, smallest, mean, rms: Of the values [SI].
+        largest_at: The pose (4,) of the largest value.
     """
 
     poses: int
     counts: dict[Limit, int]
-    largest: dict[Quantity, float]
-    smallest: dict[Quantity, float]
-    mean: dict[Quantity, float]
-    rms: dict[Quantity, float]
-    largest_at: dict[Quantity, tuple[float, ...]]
+    largest: dict[str, float]
+    smallest: dict[str, float]
+    mean: dict[str, float]
+    rms: dict[str, float]
+    largest_at: dict[str, tuple[float, ...]]
 
 
 def sweep_blocks(
     design: Design,
     grid: Grid,
-    quantities: tuple[Quantity, ...],
+    quantities: tuple[str, ...],
     *,
     block: int = 2**20,
     threads: int | None = None,
-) -> Iterator[tuple[tuple[slice, ...], Field, dict[Quantity, Array]]]:
+) -> Iterator[tuple[tuple[slice, ...], Field, dict[str, Array]]]:
     """Go through a grid of any size in pieces of at most ``block`` poses.
 
     Yields:
-        The piece's index in the whole grid, its field, and the values of each quantity.
+        The piece's index in the whole grid, its field, and the values by quantity.
+
+    Raises:
+        InvalidInput: If there is no such quantity.
     """
-    dexterity = any(quantity.needs_dexterity for quantity in quantities)
+    found = find(quantities)
     for part, piece in grid.split(block):
-        field = solve_field(design.geometry, piece, dexterity=dexterity, threads=threads)
-        yield part, field, {q: field.values(design, q) for q in quantities}
+        field = solve_field(design.geometry, piece, threads=threads)
+        yield part, field, {q.key: q.over(field, design) for q in found}
 
 
 def sweep(
     design: Design,
     grid: Grid,
-    quantities: tuple[Quantity, ...] = (Quantity.MAX_TORQUE,),
+    quantities: tuple[str, ...] = ("max_torque",),
     *,
     block: int = 2**20,
     threads: int | None = None,
 ) -> SweepSummary:
-    """Summarise quantities over a grid of any size in bounded memory.
+    """Summarize quantities over a grid of any size in bounded memory.
 
     Args:
         design: The robot.
         grid: The poses.
-        quantities: What to look at.
+        quantities: Keys of `paminsa_viz.quantities.QUANTITIES`.
         block: Poses held at a time.
         threads: Threads to share the work; None for all cores.
     """
     counts: dict[Limit, int] = dict.fromkeys(Limit, 0)
-    state: dict[Quantity, dict[str, Any]] = {
+    state: dict[str, dict[str, Any]] = {
         q: {"n": 0, "max": -np.inf, "min": np.inf, "sum": 0.0, "squares": 0.0, "at": (np.nan,) * 4}
         for q in quantities
     }
@@ -81,7 +85,7 @@ def sweep(
             counts[Limit(limit)] += int(number)
         ok = field.status == Limit.OK
         for quantity, array in values.items():
-            _take_in(state[quantity], array, ok, field.grid)
+            _accumulate(state[quantity], array, ok, field.grid)
     return SweepSummary(
         poses=grid.size,
         counts=counts,
@@ -95,7 +99,7 @@ def sweep(
     )
 
 
-def _take_in(state: dict[str, Any], values: Array, ok: NDArray[np.bool_], grid: Grid) -> None:
+def _accumulate(state: dict[str, Any], values: Array, ok: NDArray[np.bool_], grid: Grid) -> None:
     """Add one piece to the running figures of a quantity."""
     usable = ok & np.isfinite(values)
     chosen = values[usable]
