@@ -11,7 +11,7 @@ from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
 
 changes = Changes(
     masses=tuple(MassRange(f"joints.j{i}", APPENDIX_4.value(f"joints.j{i}"), 2.0) for i in (7, 8)),
-    rails=(CounterweightRange("b3", 7, 0.0, 0.2, 0.8),),
+    counterweights=(CounterweightRange("b3", 7, 0.0, 0.2, 0.8),),
 )
 found = balance(APPENDIX_4, changes)
 for path in ("joints.j7", "joints.j8"):

@@ -24,7 +24,7 @@ places = {
     "zero free length, mast on slider 8": SpringPlace(on_slider(0.1), at_joint(9)),
     "zero free length, post on the guide": SpringPlace(on_guide(0.05, 0.1), at_joint(9)),
     "ordinary spring, mast on slider 8": SpringPlace(
-        on_slider(0.1), at_joint(9), shortest=0.1, longest=0.3
+        on_slider(0.1), at_joint(9), min_free_length=0.1, max_free_length=0.3
     ),
 }
 gravity = static_torques(APPENDIX_4, poses)[..., :3]

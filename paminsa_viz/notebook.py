@@ -28,7 +28,7 @@ from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, home
 if TYPE_CHECKING:
     import plotly.graph_objects as go
 
-    from paminsa_viz.plots.curves import CurveKind
+    from paminsa_viz.plots.series import FigureKind
 
 __all__ = ["InlinePage", "InlinePicture", "curve_view", "map_view", "motion_view", "robot_view"]
 
@@ -165,19 +165,19 @@ def map_view(
 
 
 def curve_view(
-    analysis: TrajectoryAnalysis, kind: CurveKind = "torques", **more: Any
+    analysis: TrajectoryAnalysis, kind: FigureKind = "torques", **more: Any
 ) -> InlinePicture:
     """Return curves over time as a drawing.
 
     Args:
         analysis: A design on a trajectory.
-        kind: What is drawn, see `paminsa_viz.plots.curves.KINDS`.
-        more: Further arguments of `paminsa_viz.plots.curves.figure_bytes`, such as ``reference``.
+        kind: What is drawn, see `paminsa_viz.plots.series.FIGURES`.
+        more: Further arguments of `series_figure.figure_bytes`, such as ``reference``.
 
     Raises:
         InvalidInput: If the kind is unknown, or what it needs is missing.
     """
-    from paminsa_viz.plots.curves import figure_bytes
+    from paminsa_viz.plots.series_figure import figure_bytes
 
     return InlinePicture(figure_bytes(kind, analysis, format="svg", **more))
 

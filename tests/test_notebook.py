@@ -12,7 +12,7 @@ from paminsa_viz.explorer.motion_page import motion_html
 from paminsa_viz.explorer.robot_page import robot_html
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, UnreachablePose, static_torques
 from paminsa_viz.notebook import InlinePage, curve_view, map_view, motion_view, robot_view
-from paminsa_viz.plots.curves import figure_bytes
+from paminsa_viz.plots.series_figure import figure_bytes
 from paminsa_viz.trajectory import PRESET, analyze
 
 POSE = (0.05, -0.03, 0.4, -0.5)

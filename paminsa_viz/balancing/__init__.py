@@ -25,10 +25,10 @@ from paminsa_viz.balancing.errors import (
 )
 from paminsa_viz.balancing.optimum import ActiveConstraint, Optimum, TermValue, optimize
 from paminsa_viz.balancing.paper_balance import balance, paper_changes
-from paminsa_viz.balancing.pareto import Front, FrontPoint, pareto_front
+from paminsa_viz.balancing.pareto import ParetoFront, ParetoPoint, pareto_front
 from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
 from paminsa_viz.balancing.search import (
-    Progress,
+    SearchProgress,
     SearchResult,
     Weights,
     search_geometry,
@@ -73,8 +73,6 @@ __all__ = [
     "Anchor",
     "Changes",
     "CounterweightRange",
-    "Front",
-    "FrontPoint",
     "Imbalance",
     "InfeasibleBounds",
     "LengthTolerance",
@@ -83,9 +81,11 @@ __all__ = [
     "MassTolerance",
     "Measures",
     "Optimum",
-    "Progress",
+    "ParetoFront",
+    "ParetoPoint",
     "Relaxation",
     "Requirements",
+    "SearchProgress",
     "SearchResult",
     "Shortfall",
     "SolverFailed",

@@ -1,4 +1,4 @@
-"""What may change in a design: masses within bounds, and counterweights on rails."""
+"""What may change in a design: masses within bounds, and counterweights on bars."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class CounterweightRange:
     Attributes:
         bar, joint: As in `Counterweight`.
         nearest, farthest: Range of its ``beyond`` [m]; equal for one fixed place.
-        high: Most mass on each leg's rail [kg].
+        high: Most mass on each leg [kg].
         low: Least mass [kg].
     """
 
@@ -97,12 +97,12 @@ class CounterweightRange:
 
 
 def beyond(bar: str, joint: int, longest: float, most: float) -> CounterweightRange:
-    """Return the rail on a bar's extension beyond a joint, up to a lever [m] and a mass [kg]."""
+    """Return the range on a bar's extension beyond a joint, up to a lever [m] and a mass [kg]."""
     return CounterweightRange(bar, joint, 0.0, longest, most)
 
 
 def along(geometry: Geometry, bar: str, most: float) -> CounterweightRange:
-    """Return the rail between the two joints of a bar, up to a mass [kg]."""
+    """Return the range between the two joints of a bar, up to a mass [kg]."""
     return CounterweightRange(bar, BAR_ENDS[bar][0], -bar_length(geometry, bar), 0.0, most)
 
 
@@ -112,11 +112,11 @@ class Changes:
 
     Attributes:
         masses: Masses of the design and their bounds.
-        rails: Places for counterweights.
+        counterweights: Places for more counterweights.
     """
 
     masses: tuple[MassRange, ...] = ()
-    rails: tuple[CounterweightRange, ...] = ()
+    counterweights: tuple[CounterweightRange, ...] = ()
 
     def __post_init__(self) -> None:
         paths = [mass.path for mass in self.masses]
@@ -130,14 +130,14 @@ class MassSpace:
     """The designs that changes can make of one design, as states of a program.
 
     The state is (c, mass, amounts): the 18 lumped coefficients, the robot's whole mass, and the
-    masses that may change [kg]. It is linear in the masses; along a rail it is a parabola in the
+    masses that may change [kg]. It is linear in the masses; along a range it is a parabola in the
     lever, as the inertia of a point mass grows with the square of its lever.
 
     Attributes:
         design: The design to change.
         changes: What may change.
         start: (19 + n,) state with all that may change removed.
-        variables: (n) what may change: the masses, then the rails.
+        variables: (n) what may change: the masses, then the counterweight ranges.
         before: (19 + n,) state of the design as it is; its amounts are those of one leg where they
             belong to a leg.
         counts: (n,) how many times the robot has each.
@@ -151,7 +151,7 @@ class MassSpace:
     counts: Array
 
     def design_of(self, levers: Levers) -> Design:
-        """Return the design for a choice; rails without mass leave no counterweight."""
+        """Return the design for a choice; ranges without mass leave no counterweight."""
         numbers: dict[str, float | None] = {}
         masses = self.changes.masses
         for mass, ((_, amount),) in zip(masses, levers, strict=False):
@@ -162,8 +162,8 @@ class MassSpace:
                     # In this order an unchanged mass leaves its inertia to the last digit.
                     numbers[path] = self.design.value(path) * (amount / held)
         added = tuple(
-            Counterweight(rail.bar, rail.joint, lever, amount)
-            for rail, places in zip(self.changes.rails, levers[len(masses) :], strict=True)
+            Counterweight(item.bar, item.joint, lever, amount)
+            for item, places in zip(self.changes.counterweights, levers[len(masses) :], strict=True)
             for lever, amount in places
             if amount > 0
         )
@@ -196,7 +196,7 @@ def mass_space(design: Design, changes: Changes) -> MassSpace:
         InvalidInput: If a path is not that of a mass.
     """
     matrix = lumped_matrix(design.geometry, design.gravity)
-    size = AMOUNTS + len(changes.masses) + len(changes.rails)
+    size = AMOUNTS + len(changes.masses) + len(changes.counterweights)
     before = np.zeros(size)
     before[:MASS], before[MASS] = lumped_coefficients(design), whole_mass(design)
     start = before.copy()
@@ -209,17 +209,17 @@ def mass_space(design: Design, changes: Changes) -> MassSpace:
         before[AMOUNTS + len(variables)] = held
         effect[0, AMOUNTS + len(variables)] = 1.0
         variables.append(Variable(mass.path, mass.low, mass.high, effect))
-    for rail in changes.rails:
+    for item in changes.counterweights:
         # a parabola is known from three of its points
-        point = bar_point(design.geometry, rail.bar, rail.joint, np.array([-1.0, 0.0, 1.0]))
+        point = bar_point(design.geometry, item.bar, item.joint, np.array([-1.0, 0.0, 1.0]))
         left, middle, right = point_mass_column(point, design.gravity).T
         effect = np.zeros((3, size))
         effect[0, :MASS], effect[0, MASS] = middle, LEGS
         effect[1, :MASS], effect[2, :MASS] = 0.5 * (right - left), 0.5 * (right + left) - middle
-        span = (rail.nearest, rail.farthest)
+        span = (item.nearest, item.farthest)
         effect[0, AMOUNTS + len(variables)] = 1.0
-        variables.append(Variable(rail.name, rail.low, rail.high, effect, span))
-    counts = [mass.per_robot for mass in changes.masses] + [LEGS] * len(changes.rails)
+        variables.append(Variable(item.name, item.low, item.high, effect, span))
+    counts = [mass.per_robot for mass in changes.masses] + [LEGS] * len(changes.counterweights)
     return MassSpace(design, changes, start, tuple(variables), before, np.array(counts, float))
 
 

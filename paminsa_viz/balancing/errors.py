@@ -30,7 +30,7 @@ class Relaxation:
     """A bound of a mass to move.
 
     Attributes:
-        name: Path of the mass, or name of the rail.
+        name: Path of the mass, or name of the counterweight range.
         side: ``"low"`` or ``"high"``.
         bound: The bound as it is [kg].
         needed: Where it would have to be [kg].

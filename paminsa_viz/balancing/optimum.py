@@ -47,7 +47,7 @@ class ActiveConstraint:
     """A bound that the best distribution touches.
 
     Attributes:
-        name: Path of the mass, name of the rail, or label of the limited term.
+        name: Path of the mass, name of the counterweight range, or label of the limited term.
         side: ``"low"``, ``"high"``, ``"nearest"``, ``"farthest"`` or ``"limit"``.
         bound: Its value.
         unit: Its unit.

@@ -23,7 +23,7 @@ SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class FrontPoint:
+class ParetoPoint:
     """One distribution of a front.
 
     Attributes:
@@ -42,7 +42,7 @@ class FrontPoint:
 
 
 @dataclass(frozen=True, eq=False)
-class Front:
+class ParetoFront:
     """A front: ``first`` rises and ``second`` falls from point to point.
 
     Attributes:
@@ -54,7 +54,7 @@ class Front:
 
     labels: tuple[str, str]
     units: tuple[str, str]
-    points: tuple[FrontPoint, ...]
+    points: tuple[ParetoPoint, ...]
     before: tuple[float, float]
 
 
@@ -67,7 +67,7 @@ def pareto_front(
     points: int = 12,
     limits: Sequence[tuple[Term, float]] = (),
     progress: Callable[[int, int], bool | None] | None = None,
-) -> Front:
+) -> ParetoFront:
     """Return the front between two terms.
 
     For a third, such as `AddedMass`, hold it below one of several levels in ``limits``, a front
@@ -95,8 +95,8 @@ def pareto_front(
     def value(optimum: Optimum, term: Term) -> float:
         return next(v.after for v in optimum.values if v.label == term.label)
 
-    def point(optimum: Optimum) -> FrontPoint:
-        return FrontPoint(value(optimum, first), value(optimum, second), optimum)
+    def point(optimum: Optimum) -> ParetoPoint:
+        return ParetoPoint(value(optimum, first), value(optimum, second), optimum)
 
     ends = []
     for one, other in ((first, second), (second, first)):
@@ -118,6 +118,6 @@ def pareto_front(
             found.append(right)
     if progress is not None:
         progress(points, points)
-    return Front(
+    return ParetoFront(
         (first.label, second.label), (first.unit, second.unit), tuple(found), (before[0], before[1])
     )

@@ -56,7 +56,7 @@ class Weights:
 
 
 @dataclass(frozen=True)
-class Trial:
+class GeometryCost:
     """The cost of a list of lengths; can be sent to another process.
 
     Lengths that break a requirement cost `REFUSED` and more, the more they break it.
@@ -90,7 +90,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Progress:
+class SearchProgress:
     """How far a search is.
 
     Attributes:
@@ -141,7 +141,7 @@ def search_geometry(
     generations: int = 60,
     population: int = 12,
     executor: Any = None,
-    progress: Callable[[Progress], bool | None] | None = None,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
 ) -> SearchResult:
     """Search for the lengths that make a weighted sum small and meet requirements over a box.
 
@@ -162,7 +162,7 @@ def search_geometry(
         InvalidInput: If a range is empty or a path is no length.
     """
     chosen = _ranges(design, ranges)
-    trial = Trial(design, tuple(chosen), needs, weights or Weights(), scale_bars)
+    trial = GeometryCost(design, tuple(chosen), needs, weights or Weights(), scale_bars)
     history: list[float] = []
     canceled = False
 
@@ -170,7 +170,7 @@ def search_geometry(
         nonlocal canceled
         best = float(intermediate_result.fun)
         history.append(best)
-        told = Progress(len(history), int(intermediate_result.nfev), best, best < REFUSED)
+        told = SearchProgress(len(history), int(intermediate_result.nfev), best, best < REFUSED)
         if progress is not None and progress(told):
             canceled = True
             raise StopIteration

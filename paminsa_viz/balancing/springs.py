@@ -40,24 +40,24 @@ class SpringPlace:
 
     Attributes:
         first, second: Its two points.
-        stiffest: MaxAbs stiffness on each leg [N/m].
-        shortest, longest: Range of its free length [m]; both zero for a zero-free-length spring.
+        max_stiffness: Largest stiffness on each leg [N/m].
+        min_free_length, max_free_length: Range of its free length [m]; both zero for a
+            zero-free-length spring.
     """
 
     first: Anchor
     second: Anchor
-    stiffest: float = 1e5
-    shortest: float = 0.0
-    longest: float = 0.0
+    max_stiffness: float = 1e5
+    min_free_length: float = 0.0
+    max_free_length: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.stiffest) and self.stiffest >= 0):
-            raise InvalidInput("stiffest", f"at least 0 N/m is needed, not {self.stiffest!r}")
-        if not (np.isfinite(self.longest) and 0 <= self.shortest <= self.longest):
-            raise InvalidInput(
-                "longest", "free lengths with 0 <= shortest <= longest are needed [m], not "
-                f"{self.shortest!r} to {self.longest!r}",
-            )  # fmt: skip
+        stiffness, least, most = self.max_stiffness, self.min_free_length, self.max_free_length
+        if not (np.isfinite(stiffness) and stiffness >= 0):
+            raise InvalidInput("max_stiffness", f"at least 0 N/m is needed, not {stiffness!r}")
+        if not (np.isfinite(most) and 0 <= least <= most):
+            problem = f"free lengths with 0 <= least <= most are needed [m], not {least} to {most}"
+            raise InvalidInput("max_free_length", problem)
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ def fit_springs(
     springs = []
     for number, place in enumerate(places):
         stiffness, product = found.state[2 * number : 2 * number + 2]
-        free = product / stiffness if stiffness > 0 else place.shortest
+        free = product / stiffness if stiffness > 0 else place.min_free_length
         springs.append(Spring(place.first, place.second, float(stiffness), float(free)))
     legs = _legs(design.geometry, pose[good])
     lengths = [_lengths(design.geometry, legs, p.first, p.second)[0] for p in places]
@@ -230,6 +230,6 @@ def _program(places: Sequence[SpringPlace], piece: MaxAbs | Norm, scale: float) 
         effect = np.zeros((3, 2 * len(places)))
         effect[0, 2 * number] = effect[1, 2 * number + 1] = 1.0
         name = f"{place.first.name} to {place.second.name}"
-        span = (place.shortest, place.longest)
-        variables.append(Variable(name, 0.0, place.stiffest, effect, span))
+        span = (place.min_free_length, place.max_free_length)
+        variables.append(Variable(name, 0.0, place.max_stiffness, effect, span))
     return Program(np.zeros(2 * len(places)), tuple(variables), ((1.0, piece),), scale=scale)

@@ -19,23 +19,23 @@ from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.plots.curves import CurveKind
 from paminsa_viz.plots.formats import figure_endings
+from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.trajectory import (
     PRESET,
     Control,
     Controller,
     ImpossibleTrajectory,
     InfeasibleMotion,
+    MinimumTime,
     MotionLimits,
-    Shortest,
     Simulation,
     SimulationFailed,
     Trajectory,
     analyze,
-    shortest,
+    minimum_time,
     simulate,
-    through,
+    via_points,
 )
 from paminsa_viz.trajectory.sampled import RATE
 
@@ -122,7 +122,7 @@ class Flags:
 
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
     """File to write; may be given several times."""
-    figure: CurveKind | None = None
+    figure: FigureKind | None = None
     """What figures show: torques, or with --simulate the tracking, if nothing else is said.
     A comparison is with --engine, else --printed, else --reference."""
     engine: Literal["mujoco", "pinocchio"] | None = None
@@ -185,7 +185,7 @@ class Flags:
         return getattr(self, name) is not None
 
     @property
-    def figure_kind(self) -> CurveKind:
+    def figure_kind(self) -> FigureKind:
         """What figures show."""
         if self.figure is not None:
             return self.figure
@@ -268,7 +268,7 @@ def _worked_out(flags: Flags, design: Design, reference: Design | None) -> Resul
     return replace(results, problems=(SimulationStopped(simulation.stopped),))
 
 
-def _motion(flags: Flags, design: Design) -> tuple[Trajectory, Shortest | None]:
+def _motion(flags: Flags, design: Design) -> tuple[Trajectory, MinimumTime | None]:
     """Return the motion as samples, and what its duration follows from if that was asked."""
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
@@ -276,13 +276,13 @@ def _motion(flags: Flags, design: Design) -> tuple[Trajectory, Shortest | None]:
         read = read_trajectory(flags.file)
         if not flags.waypoints:
             return (read if flags.rate is None else read.resampled(flags.rate)), None
-        way = through(read.pose, times=read.t, name=read.name)
+        way = via_points(read.pose, times=read.t, name=read.name)
         plan = replace(way, notes=read.notes)
     quickest = None
     if flags.duration is not None:
         plan = plan.lasting(flags.duration)
     elif flags.shortest:
-        quickest = shortest(plan, flags.limits, design)
+        quickest = minimum_time(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest
 

@@ -12,8 +12,8 @@ from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
-from paminsa_viz.plots.curves import CurveKind, OtherTorques, figure_bytes
 from paminsa_viz.plots.formats import figure_endings
+from paminsa_viz.plots.series import EngineTorques, FigureKind
 from paminsa_viz.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
 
 PAGE = ".html"
@@ -28,7 +28,7 @@ def write_files(
     results: Results,
     paths: Sequence[Path],
     *,
-    kind: CurveKind,
+    kind: FigureKind,
     engine: str | None,
     width_mm: float,
     dpi: float,
@@ -75,7 +75,7 @@ def write_files(
     return written
 
 
-def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> OtherTorques:
+def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> EngineTorques:
     """Return torques from an engine along an analyzed trajectory; joint friction is ours.
 
     Raises:
@@ -91,14 +91,14 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> OtherTorques:
     robot = make(design)
     torque = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
     torque[~analysis.check.good] = float("nan")
-    return OtherTorques(name, torque + analysis.solved.friction(design.friction))
+    return EngineTorques(name, torque + analysis.solved.friction(design.friction))
 
 
 def _content(
     results: Results,
     ending: str,
-    kind: CurveKind,
-    other: OtherTorques | None,
+    kind: FigureKind,
+    other: EngineTorques | None,
     width_mm: float,
     dpi: float,
 ) -> bytes:
@@ -111,9 +111,11 @@ def _content(
         from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
 
         return motion_html(analysis.design, analysis.trajectory)
+    from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
+
     return figure_bytes(
         kind, analysis,
-        reference=results.reference, printed=results.printed, simulation=results.simulation,
+        reference=results.reference, published=results.printed, simulation=results.simulation,
         engine=other, format=ending[1:], width_mm=width_mm, dpi=dpi,
     )  # fmt: skip
 

@@ -14,8 +14,8 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.trajectory import (
+    MinimumTime,
     PathEvent,
-    Shortest,
     Simulation,
     TrajectoryAnalysis,
 )
@@ -40,7 +40,7 @@ class Results:
     """
 
     analysis: TrajectoryAnalysis
-    quickest: Shortest | None = None
+    quickest: MinimumTime | None = None
     reference: TrajectoryAnalysis | None = None
     printed: TrajectoryAnalysis | None = None
     simulation: Simulation | None = None

@@ -174,16 +174,16 @@ def _show_simulation(found: Verification) -> None:
 def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:
     """Write a figure for each engine, and one of the printed formulae; return their paths."""
     # Late: matplotlib takes a second to load.
-    from paminsa_viz.plots.curves_paper import render_curves
-    from paminsa_viz.plots.verified import verified_curves
+    from paminsa_viz.plots.series_figure import render_series
+    from paminsa_viz.plots.verified import verification_figures
 
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise as_file_error(str(folder), error, "written") from error
     written = []
-    for stem, title, data in verified_curves(found):
+    for stem, title, data in verification_figures(found):
         path = folder / f"{stem}.{kind}"
-        write_bytes(path, render_curves(data, kind, title=title))
+        write_bytes(path, render_series(data, kind, title=title))
         written.append(path)
     return written

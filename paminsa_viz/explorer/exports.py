@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 import viser
 
-from paminsa_viz.explorer.browser.backdrop import before_backdrop
+from paminsa_viz.explorer.browser.style import over_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes
@@ -197,7 +197,7 @@ def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None)
         pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
         if pixels.dtype != np.uint8 or pixels.shape != (height, width, 4):
             raise ValueError(f"a picture of shape {pixels.shape}")
-        image = Image.fromarray(before_backdrop(pixels))
+        image = Image.fromarray(over_backdrop(pixels))
     except Exception as error:  # what a page sends may break any decoder in any way
         raise NoView(
             "the page did not give a picture of the 3D view; keep its tab in front and try again"

@@ -1,7 +1,7 @@
 """A played motion as one HTML page, which opens from a file without a server or a network.
 
 viser writes the page of a standing scene (`robot_page`). The motion is played by a small script of
-ours (`motion_player.html`), which moves the nodes: viser's own player makes the whole scene again
+ours (``browser/player.js``), which moves the nodes: viser's own player makes the whole scene again
 whenever the motion starts again, and stands still meanwhile.
 """
 
@@ -12,13 +12,13 @@ import html
 import json
 import math
 from collections.abc import Collection
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import viser
 
 from paminsa_viz import __version__, palette
+from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.robot_page import standing_robot, titled
 from paminsa_viz.explorer.scene.bodies import Position, Quaternion
 from paminsa_viz.explorer.scene.curves import Curve
@@ -54,8 +54,6 @@ _COVERED = 0.2
 
 Frames = list[tuple[dict[str, Position], dict[str, Quaternion]]]
 """Positions and quaternions by scene node, of each instant."""
-
-_PLAYER = Path(__file__).parent / "browser" / "motion_player.html"
 
 
 def motion_html(
@@ -135,13 +133,13 @@ def _page(
     """Return viser's page with our title, words, controls and places."""
     title = f"PAMINSA: {analysis.trajectory.name}"
     data = json.dumps(_data(analysis, times, frames))
-    player = _PLAYER.read_text(encoding="utf-8")
-    for key, content in (
-        ("TITLE", html.escape(title)),
-        ("WORDS", "".join(f"<p>{html.escape(line)}</p>" for line in _words(analysis))),
-        ("DATA", data.replace("<", "\\u003c")),  # a name may hold </script>
-    ):
-        player = player.replace(f"@{key}@", content, 1)
+    player = asset(
+        "player.html",
+        SCRIPT=asset("player.js"),
+        TITLE=html.escape(title),
+        WORDS="".join(f"<p>{html.escape(line)}</p>" for line in _words(analysis)),
+        DATA=data.replace("<", "\\u003c"),  # a name may hold </script>
+    )
     page = titled(scene, title)
     end = page.rindex("</body>")
     return page[:end] + player + page[end:]

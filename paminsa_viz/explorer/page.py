@@ -12,7 +12,6 @@ import viser
 
 from paminsa_viz.explorer import actions, saving
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser import backdrop, render_on_demand
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.motion.store import MotionStore
@@ -59,7 +58,6 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
-    bridge.run(backdrop.SCRIPT)
 
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
@@ -101,7 +99,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         if has_graphics_card(renderer):
             session.dispatch("graphics", lambda state: actions.set_layers(state, fine=True))
         else:
-            bridge.run(render_on_demand.SCRIPT)
+            bridge.call("renderOnDemand")
 
     bridge.on("hello", restore)
     bridge.on("hello", lambda _: session.submit(build_robot))

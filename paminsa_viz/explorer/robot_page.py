@@ -14,7 +14,8 @@ import numpy as np
 import viser
 from numpy.typing import ArrayLike
 
-from paminsa_viz.explorer.browser import backdrop
+from paminsa_viz.explorer.browser import asset
+from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.scene.cameras import preset
 from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
 from paminsa_viz.explorer.scene.view import raised
@@ -89,4 +90,4 @@ def titled(page: str, title: str) -> str:
     """Return viser's page with a title and a backdrop of ours."""
     head, _, rest = page.partition("</head>")
     head = head.replace("<title>Viser</title>", f"<title>{html.escape(title)}</title>")
-    return f"{head}<script>{backdrop.SCRIPT}</script></head>{rest}"
+    return f"{head}{style_html()}<script>{asset('backdrop.js')}</script></head>{rest}"

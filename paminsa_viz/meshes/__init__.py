@@ -1,8 +1,7 @@
 """The robot's shape: parts, bodies made to the design's lengths, and their placement.
 
 `make_body` gives a body in its own frame, `place_parts` says where each is, `assemble_glb` puts the
-posed robot into one file. The fixed parts are mesh files that ``python -m paminsa_viz.meshes``
-writes.
+posed robot into one file. The fixed parts are mesh files that ``assets/make_parts.py`` writes.
 """
 
 from __future__ import annotations
@@ -10,7 +9,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from paminsa_viz.meshes.layout import Layout, layout
+from paminsa_viz.meshes.layout import FrameLayout, layout
 
 if TYPE_CHECKING:
     from paminsa_viz.meshes.bodies import (
@@ -21,17 +20,17 @@ if TYPE_CHECKING:
         make_body,
         prepare,
     )
-    from paminsa_viz.meshes.library import MissingMeshes, fixed_part, write_meshes
-    from paminsa_viz.meshes.part import Part
+    from paminsa_viz.meshes.library import MissingMeshes, fixed_part
+    from paminsa_viz.meshes.part import MeshPart
     from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
     from paminsa_viz.meshes.posed import assemble_glb
 
 __all__ = [
     "BODIES",
     "STANDING",
-    "Layout",
+    "FrameLayout",
+    "MeshPart",
     "MissingMeshes",
-    "Part",
     "Placement",
     "assemble_glb",
     "body_glb",
@@ -42,13 +41,12 @@ __all__ = [
     "make_body",
     "place_parts",
     "prepare",
-    "write_meshes",
 ]
 
 _HOMES = {
     "bodies": ("STANDING", "body_glb", "color_of", "lengths_of", "make_body", "prepare"),
-    "library": ("MissingMeshes", "fixed_part", "write_meshes"),
-    "part": ("Part",),
+    "library": ("MissingMeshes", "fixed_part"),
+    "part": ("MeshPart",),
     "placement": ("BODIES", "Placement", "place_parts"),
     "posed": ("assemble_glb",),
 }

@@ -17,19 +17,20 @@ import trimesh
 from paminsa_viz import palette
 from paminsa_viz.meshes import frame
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.joint_parts import collar, pin
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.placement import BODIES
-from paminsa_viz.meshes.shading import is_plain, plain_shapes
 from paminsa_viz.meshes.solids import (
+    ACROSS,
     ALONG,
     Array,
     beam,
     box,
+    is_plain,
     loft,
     moved,
+    plain_shapes,
     prism,
     rod,
     rounded_polygon,
@@ -88,7 +89,7 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     return depends[_kind(body)]
 
 
-def make_body(body: str, geometry: Geometry) -> Part:
+def make_body(body: str, geometry: Geometry) -> MeshPart:
     """Return a body by its name, in its own frame [m]; standing bodies in the world frame.
 
     Raises:
@@ -101,9 +102,11 @@ def make_body(body: str, geometry: Geometry) -> Part:
         return frame.ground(geometry)
     if kind == "base":
         return frame.base(geometry)
-    if kind in ("slider", "swivel"):
+    if kind == "slider":
         return fixed_part(kind)
-    makers: dict[str, Callable[..., Part]] = {
+    if kind == "swivel":
+        return fixed_part("swivel_disc").join(fixed_part("swivel_head"))
+    makers: dict[str, Callable[..., MeshPart]] = {
         "carriage": carriage,
         "platform": platform,
         "guide": guide,
@@ -117,7 +120,7 @@ def make_body(body: str, geometry: Geometry) -> Part:
 
 
 @lru_cache(maxsize=64)
-def _made(maker: Callable[..., Part], lengths: tuple[object, ...], plain: bool) -> Part:
+def _made(maker: Callable[..., MeshPart], lengths: tuple[object, ...], plain: bool) -> MeshPart:
     """Return a moving body; the three legs share what is made here."""
     del plain  # only tells one from the other
     return maker(*lengths)
@@ -130,14 +133,37 @@ def _kind(body: str) -> str:
     return body.rpartition("/")[2]
 
 
-def bar(layer: str, length: float, middle: float | None = None) -> Part:
+def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> MeshPart:
+    """Return a joint pin across the leg plane from ``low`` to ``high`` [m].
+
+    Heads stand outside; an end without one is flush, where something else passes close by.
+    """
+    part = MeshPart().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0, 8), rotation=ACROSS))
+    head = at.PIN_HEAD
+    for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):
+        if not headed:
+            continue
+        inner, outer = sorted((end - side * 0.0002, end + side * head))
+        part.add("steel", moved(rod(0.0105, inner, outer, 0.0, 10), rotation=ACROSS))
+        socket = end + side * head
+        inner, outer = sorted((socket - side * 0.001, socket + side * 0.0002))
+        part.add("dark", moved(rod(0.0048, inner, outer, 0.0, 4), rotation=ACROSS))
+    return part
+
+
+def collar(low: float, high: float) -> trimesh.Trimesh:
+    """Return a spacer on a pin across the leg plane."""
+    return moved(rod(0.0105, low, high, 0.0, 10), rotation=ACROSS)
+
+
+def bar(layer: str, length: float, middle: float | None = None) -> MeshPart:
     """Return a bar along +x with barrels at 0, at ``length`` and, if given, at ``middle`` [m].
 
     The bar is drawn at its layer's offset across the leg plane; its origin lies on the plane.
     """
     radius = at.TUBE_RADIUS[layer]
     stops = [0.0, length] if middle is None else [0.0, middle, length]
-    part = Part()
+    part = MeshPart()
     socket = 0.014
     if length > 2 * socket:
         part.add("accent", moved(rod(radius, socket, length - socket, 0.0, 12), rotation=ALONG))
@@ -152,7 +178,7 @@ def bar(layer: str, length: float, middle: float | None = None) -> Part:
     return part.moved((0.0, at.LAYER[layer], 0.0))
 
 
-def bar_b4(length: float, magnification: float) -> Part:
+def bar_b4(length: float, magnification: float) -> MeshPart:
     """Return bar B4 (joints 9-4-5) with the pins of 9 and 4; origin at 9, x toward 5."""
     to_4 = length / magnification
     part = bar("b4", length, to_4)
@@ -162,7 +188,7 @@ def bar_b4(length: float, magnification: float) -> Part:
     return part.join(joint_4.moved((to_4, 0.0, 0.0)))
 
 
-def bar_b3(length: float, magnification: float) -> Part:
+def bar_b3(length: float, magnification: float) -> MeshPart:
     """Return bar B3 (joints 4-3-7) with the pin of 7; origin at 3, x toward 7."""
     to_3 = length * (1 - 1 / magnification)
     (near, near_b3), (far_b7, far) = at.span("b7"), at.span("b3")
@@ -171,7 +197,7 @@ def bar_b3(length: float, magnification: float) -> Part:
     return part.moved((-to_3, 0.0, 0.0))
 
 
-def shaft(length: float) -> Part:
+def shaft(length: float) -> MeshPart:
     """Return shaft B2 with the pin of joint 3; origin at 3, +z up to joint 2."""
     top = length + at.ARM_BEARING_HALF + 0.004
     part = fixed_part("shaft_end")
@@ -193,7 +219,7 @@ def splined(radius: float, bottom: float, top: float) -> trimesh.Trimesh:
     return loft([level(bottom), level(top)])
 
 
-def guide(length: float, knee: KneeBranch) -> Part:
+def guide(length: float, knee: KneeBranch) -> MeshPart:
     """Return guide link B10 with the quill that M1..M3 turn; origin on the leg axis, link to -x."""
     part = fixed_part("quill")
     if knee is KneeBranch.UPPER:
@@ -207,7 +233,7 @@ def guide(length: float, knee: KneeBranch) -> Part:
     return part
 
 
-def carriage(base_radius: float, arm_length: float, ram: float) -> Part:
+def carriage(base_radius: float, arm_length: float, ram: float) -> MeshPart:
     """Return M4's carriage with the arms B1 and the bearings of joint 2; origin on the axis."""
     part = fixed_part("lift_carriage")
     tip = base_radius
@@ -230,11 +256,11 @@ def carriage(base_radius: float, arm_length: float, ram: float) -> Part:
     return part
 
 
-def platform(radius: float, joint_height: float) -> Part:
+def platform(radius: float, joint_height: float) -> MeshPart:
     """Return the platform without its swivels; origin at the paper's point P of the platform."""
     top = joint_height - at.PLATE_BELOW_5
     corners = np.array([frame.polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
-    part = Part()
+    part = MeshPart()
     plate = prism(rounded_polygon(corners, 0.025, steps=8), top - 0.010, top, 0.0016)
     part.add("platform", plate)
     part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0, 28))

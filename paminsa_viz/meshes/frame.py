@@ -6,10 +6,9 @@ import numpy as np
 
 from paminsa_viz import palette
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.actuator_parts import ROD_ANGLES, ROD_CIRCLE, ROD_RADIUS, SCREW_RADIUS
-from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, Layout, layout
+from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, FrameLayout, layout
 from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import (
     Array,
     arc_beam,
@@ -47,11 +46,11 @@ def plinth_radius(geometry: Geometry) -> float:
     return layout(geometry).mast_radius + 0.115
 
 
-def ground(geometry: Geometry) -> Part:
+def ground(geometry: Geometry) -> MeshPart:
     """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
     radius = plinth_radius(geometry)
     top = layout(geometry).ground
-    part = Part().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
+    part = MeshPart().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
     rim = [np.array([polar(radius, a, h) for a in _ROUND]) for h in (top - 0.020, top - 0.0015)]
     part.add("rim", loft(rim))
     # Circles every 0.2 m for scale; they stand out by less than the pictures laid on the floor.
@@ -60,7 +59,7 @@ def ground(geometry: Geometry) -> Part:
     return part
 
 
-def base(geometry: Geometry) -> Part:
+def base(geometry: Geometry) -> MeshPart:
     """Return the frame that does not move, without the actuators' bodies. World frame."""
     place = layout(geometry)
     plate = _base_plate(geometry, place)
@@ -69,7 +68,7 @@ def base(geometry: Geometry) -> Part:
     return plate.moved(rotation=FLIP).join(_mast(place), _stay(place), _bridge(place))
 
 
-def actuators(geometry: Geometry) -> list[tuple[Part, str]]:
+def actuators(geometry: Geometry) -> list[tuple[MeshPart, str]]:
     """Return the bodies of M1..M4, each with its color, in the world frame."""
     place = layout(geometry)
     out = []
@@ -95,12 +94,12 @@ def lift_motor_height(geometry: Geometry) -> float:
 PLATE_OF_BRIDGE = 0.012
 
 
-def _cylinder_length(place: Layout) -> float:
+def _cylinder_length(place: FrameLayout) -> float:
     """Return the length of M4's cylinder with the upper knee: it takes in the whole ram [m]."""
     return place.lift_high - place.lift_low + 0.03
 
 
-def _lift(place: Layout, knee: KneeBranch) -> Part:
+def _lift(place: FrameLayout, knee: KneeBranch) -> MeshPart:
     if knee is KneeBranch.LOWER:
         return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
     foot = place.column_top + PLATE_OF_BRIDGE
@@ -111,10 +110,10 @@ def _lift(place: Layout, knee: KneeBranch) -> Part:
     return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
 
 
-def _base_plate(geometry: Geometry, place: Layout) -> Part:
+def _base_plate(geometry: Geometry, place: FrameLayout) -> MeshPart:
     """The plate above the guides: hub, spokes to the motors, ring."""
     low, high = at.MOUNT, at.MOUNT + at.PLATE
-    part = Part().add("frame", rod(0.064, low, high, 0.002, 32))
+    part = MeshPart().add("frame", rod(0.064, low, high, 0.002, 32))
     radius = geometry.base_radius
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
@@ -132,7 +131,7 @@ def _base_plate(geometry: Geometry, place: Layout) -> Part:
     return part
 
 
-def _mast(place: Layout) -> Part:
+def _mast(place: FrameLayout) -> MeshPart:
     """The mast behind the robot, on its foot."""
     spin = turn("z", MAST_ANGLE)
     where = polar(place.mast_radius, MAST_ANGLE)
@@ -152,13 +151,13 @@ def _mast(place: Layout) -> Part:
     return part.add("dark", moved(cap, where, spin))
 
 
-def _arm(place: Layout) -> Part:
+def _arm(place: FrameLayout) -> MeshPart:
     """The arm that carries the base plate with the lower knee, deeper toward the mast."""
     low = at.MOUNT + 0.0012
     return _cantilever(place, 0.045, low, (0.036, 0.020), (0.054, 0.092))
 
 
-def _stay(place: Layout) -> Part:
+def _stay(place: FrameLayout) -> MeshPart:
     """The arm below the guides that carries the base plate with the upper knee."""
     top = -at.MOUNT - 0.0012
     part = _cantilever(place, 0.045, top, (0.036, 0.020), (0.054, 0.092))
@@ -167,8 +166,12 @@ def _stay(place: Layout) -> Part:
 
 
 def _cantilever(
-    place: Layout, start: float, low: float, inner: tuple[float, float], outer: tuple[float, float]
-) -> Part:
+    place: FrameLayout,
+    start: float,
+    low: float,
+    inner: tuple[float, float],
+    outer: tuple[float, float],
+) -> MeshPart:
     """An arm from the mast to the robot's axis, level below and sloping above.
 
     ``inner`` and ``outer`` are its (width, height) at the axis and at the mast.
@@ -182,25 +185,27 @@ def _cantilever(
         return np.stack([np.full(len(flat), x), flat[:, 0], height], axis=1)
 
     flange = (outer[0] + 0.012, outer[1] + 0.012)
-    part = Part().add("frame", moved(loft([loop(start, inner), loop(end, outer)]), rotation=spin))
+    part = MeshPart().add(
+        "frame", moved(loft([loop(start, inner), loop(end, outer)]), rotation=spin)
+    )
     plate = prism(rounded_rectangle(0.014, flange[0], 0.003), low - 0.006, low + outer[1] + 0.006)
     return part.add("body", moved(plate, polar(end - 0.006, MAST_ANGLE), spin))
 
 
-def _column(place: Layout) -> Part:
+def _column(place: FrameLayout) -> MeshPart:
     """M4's column with the lower knee: foot, three guide rods and the screw."""
     bottom = at.MOUNT + at.PLATE
     part = fixed_part("lift_foot").moved((0.0, 0.0, bottom))
-    part.add("steel", rod(SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 10))
-    for angle in ROD_ANGLES:
-        guide = rod(ROD_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 8)
-        part.add("steel", moved(guide, polar(ROD_CIRCLE, angle)))
+    part.add("steel", rod(at.SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 10))
+    for angle in at.ROD_ANGLES:
+        guide = rod(at.ROD_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 8)
+        part.add("steel", moved(guide, polar(at.ROD_CIRCLE, angle)))
     return part
 
 
-def _bridge(place: Layout) -> Part:
+def _bridge(place: FrameLayout) -> MeshPart:
     """The arm over the robot with the upper knee, which carries M4."""
     low, high = place.column_top, place.column_top + PLATE_OF_BRIDGE
-    part = Part().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
+    part = MeshPart().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
     part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))
     return part

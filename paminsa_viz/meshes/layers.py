@@ -12,6 +12,8 @@ from __future__ import annotations
 
 from typing import Final
 
+import numpy as np
+
 BARREL: Final = 0.026
 """Length of a joint barrel across the plane."""
 
@@ -57,3 +59,11 @@ PLATE_BELOW_5: Final = 0.0235
 def span(bar: str) -> tuple[float, float]:
     """Return the room that a bar takes across the leg plane, barrels included (low, high) [m]."""
     return LAYER[bar] - BARREL / 2, LAYER[bar] + BARREL / 2
+
+
+ROD_ANGLES: Final = tuple(np.radians([30.0, 150.0, 270.0]))
+"""Directions of M4's guide rods about the robot's axis, between the arms [rad]."""
+
+ROD_CIRCLE: Final = 0.0285
+ROD_RADIUS: Final = 0.0055
+SCREW_RADIUS: Final = 0.0075

@@ -35,7 +35,7 @@ TABLE: Final = 0.30
 
 
 @dataclass(frozen=True)
-class Layout:
+class FrameLayout:
     """Heights (world z) and radii of the frame [m].
 
     Attributes:
@@ -74,7 +74,7 @@ def mast_radius(geometry: Geometry) -> float:
 
 
 @lru_cache(maxsize=64)
-def layout(geometry: Geometry) -> Layout:
+def layout(geometry: Geometry) -> FrameLayout:
     """Return the frame's heights and radii for a geometry."""
     reach = geometry.crank_length + geometry.coupler_length
     # Depth of joints 5 with the pantographs fully stretched and the platform in the middle.
@@ -87,7 +87,7 @@ def layout(geometry: Geometry) -> Layout:
         depth = max(min(deepest, by_arms), 0.1)
         low = -depth - geometry.platform_joint_height
         high = max(geometry.shaft_length, lowest_arm + 0.05) + 0.004
-        return Layout(
+        return FrameLayout(
             ground=_rounded(min(low - HANG, -deepest - STRETCHED)),
             mast_radius=radius,
             mast_top=at.MOUNT + 0.105,
@@ -104,7 +104,7 @@ def layout(geometry: Geometry) -> Layout:
     low = _near_guides(geometry)
     # Joints 9 turn about the guides on B8; with the pantographs folded they come to hang from them.
     hanging = geometry.crank_length + STRETCHED
-    return Layout(
+    return FrameLayout(
         ground=_rounded(-max(TABLE, hanging)),
         mast_radius=radius,
         mast_top=bridge + 0.085,

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Final
 
 import numpy as np
 
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.joint_parts import PAYLOAD_HEIGHT
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.solids import Array, turn
 from paminsa_viz.model.design import Geometry, KneeBranch
+
+LOAD_DENSITY: Final = 3500.0
+"""Density that turns the payload's mass into the size it is drawn at [kg/m^3]."""
+
+PAYLOAD_HEIGHT: Final = 1.25 * (1.0 / LOAD_DENSITY / (1.25 * np.pi)) ** (1 / 3)
+"""Height of a payload of 1 kg: a drum 1.25 times as high as its radius [m]."""
 
 
 @lru_cache(maxsize=1)

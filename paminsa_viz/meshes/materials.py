@@ -43,7 +43,7 @@ COMMON = Surface("#ffffff", 0.12, 0.46)
 """What stands for all lit surfaces where each point has its own color."""
 
 
-def linear(color: str) -> tuple[float, float, float]:
+def srgb_to_linear(color: str) -> tuple[float, float, float]:
     """Return ``#rrggbb`` as linear light, 0 to 1: what glTF wants in a base color factor."""
     levels = (channel / 255 for channel in palette.rgb(color))
     red, green, blue = (
@@ -52,17 +52,20 @@ def linear(color: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def material(name: str, accent: str | None = None) -> PBRMaterial:
-    """Return the named material; ``accent`` (``#rrggbb``) replaces the color of `ACCENT`.
+def color_of_surface(name: str, accent: str | None) -> str:
+    """Return a surface's color; ``accent`` (``#rrggbb``) replaces that of `ACCENT`.
 
     Raises:
-        KeyError: If there is no such material.
+        KeyError: If there is no such surface.
     """
-    surface = SURFACES[name]
-    color = accent if name == ACCENT and accent else surface.color
+    return accent if name == ACCENT and accent else SURFACES[name].color
+
+
+def material(name: str, surface: Surface, color: str) -> PBRMaterial:
+    """Return a surface in a color (``#rrggbb``) as trimesh writes it into glTF."""
     return PBRMaterial(
         name=name,
-        baseColorFactor=[round(v, 4) for v in linear(color)] + [1.0],
+        baseColorFactor=[round(v, 4) for v in srgb_to_linear(color)] + [1.0],
         metallicFactor=surface.metallic,
         roughnessFactor=surface.roughness,
     )

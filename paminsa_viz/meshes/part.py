@@ -1,24 +1,30 @@
-"""A part: pieces of mesh with a material each, in one frame."""
+"""A part: solids with a material each, in one frame; and how parts go into a glTF scene."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any, cast
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
+from trimesh.exchange.gltf import export_glb
 from trimesh.visual import TextureVisuals
 
-from paminsa_viz.meshes.glb import compact_glb
-from paminsa_viz.meshes.materials import ACCENT, SURFACES, material
-from paminsa_viz.meshes.solids import moved
+from paminsa_viz.meshes.materials import (
+    COMMON,
+    SURFACES,
+    color_of_surface,
+    material,
+    srgb_to_linear,
+)
+from paminsa_viz.meshes.solids import Array, moved
 
-Array = NDArray[np.float64]
+_UNLIT = "KHR_materials_unlit"
 
 
 @dataclass(frozen=True)
-class Piece:
+class Solid:
     """One solid of a part and the name of its material (see `paminsa_viz.meshes.materials`)."""
 
     material: str
@@ -26,65 +32,115 @@ class Piece:
 
 
 @dataclass
-class Part:
+class MeshPart:
     """Meshes that move as one body. Coordinates [m] in the body's own frame, z up.
 
     Attributes:
-        pieces: The meshes, each with its material.
+        solids: The meshes, each with its material.
     """
 
-    pieces: list[Piece] = field(default_factory=list)
+    solids: list[Solid] = field(default_factory=list)
 
-    def add(self, material_name: str, *meshes: trimesh.Trimesh) -> Part:
+    def add(self, material_name: str, *meshes: trimesh.Trimesh) -> MeshPart:
         """Append meshes of one material and return the part itself."""
         if material_name not in SURFACES:
             raise KeyError(material_name)
-        self.pieces.extend(Piece(material_name, mesh) for mesh in meshes)
+        self.solids.extend(Solid(material_name, mesh) for mesh in meshes)
         return self
 
-    def join(self, *others: Part) -> Part:
-        """Append the pieces of other parts and return the part itself."""
+    def join(self, *others: MeshPart) -> MeshPart:
+        """Append the solids of other parts and return the part itself."""
         for other in others:
-            self.pieces.extend(other.pieces)
+            self.solids.extend(other.solids)
         return self
 
-    def copy(self) -> Part:
-        """Return a part of the same pieces, to which others can be added."""
-        return Part(list(self.pieces))
+    def copy(self) -> MeshPart:
+        """Return a part of the same solids, to which others can be added."""
+        return MeshPart(list(self.solids))
 
     def moved(
         self,
         offset: tuple[float, float, float] | Array = (0.0, 0.0, 0.0),
         rotation: Array | None = None,
-    ) -> Part:
+    ) -> MeshPart:
         """Return a copy turned by ``rotation`` (3, 3), then shifted by ``offset`` [m]."""
-        return Part([Piece(p.material, moved(p.mesh, offset, rotation)) for p in self.pieces])
+        return MeshPart([Solid(s.material, moved(s.mesh, offset, rotation)) for s in self.solids])
 
     def merged(self) -> Iterator[tuple[str, trimesh.Trimesh]]:
         """Yield one mesh for each material, in the order of first use."""
-        for name in dict.fromkeys(piece.material for piece in self.pieces):
-            yield name, _stacked([p.mesh for p in self.pieces if p.material == name])
+        for name in dict.fromkeys(solid.material for solid in self.solids):
+            yield name, _stacked([s.mesh for s in self.solids if s.material == name])
 
-    def without_small(self, size: float) -> Part:
-        """Return the part without pieces that are in every direction smaller than ``size`` [m]."""
-        return Part([p for p in self.pieces if np.ptp(p.mesh.bounds, axis=0).max() >= size])
+    def without_small(self, size: float) -> MeshPart:
+        """Return the part without solids that are in every direction smaller than ``size`` [m]."""
+        return MeshPart([s for s in self.solids if np.ptp(s.mesh.bounds, axis=0).max() >= size])
 
     def bounds(self) -> Array:
-        """Return the lower and upper corner of all pieces, (2, 3) [m]."""
-        corners = np.array([piece.mesh.bounds for piece in self.pieces])
+        """Return the lower and upper corner of all solids, (2, 3) [m]."""
+        corners = np.array([solid.mesh.bounds for solid in self.solids])
         return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
-    def colored(self, accent: str | None = None) -> list[tuple[str, trimesh.Trimesh]]:
+    def colored(self, accent: str | None = None) -> dict[str, trimesh.Trimesh]:
         """Return one mesh for each material with its material set, colored faces in ``accent``."""
-        out = []
-        for name, mesh in self.merged():
-            mesh.visual = TextureVisuals(material=material(name, accent))
-            out.append((name, mesh))
+        out = dict(self.merged())
+        for name, mesh in out.items():
+            color = color_of_surface(name, accent)
+            mesh.visual = TextureVisuals(material=material(name, SURFACES[name], color))
+        return out
+
+    def colored_by_point(self, accent: str | None = None) -> dict[str, trimesh.Trimesh]:
+        """Return one mesh of all lit materials and one of all others, colored at their vertices.
+
+        `COMMON` is the surface of both: every mesh of every picture has its price.
+        """
+        out = {}
+        for label, lit in (("lit", True), ("unlit", False)):
+            group = {name: mesh for name, mesh in self.merged() if SURFACES[name].lit is lit}
+            if group:
+                mesh = out[label] = _stacked(list(group.values()))
+                colors = [srgb_to_linear(color_of_surface(name, accent)) for name in group]
+                counts = [len(each.vertices) for each in group.values()]
+                shades = np.repeat([(*color, 1.0) for color in colors], counts, axis=0)
+                mesh.visual = TextureVisuals(material=material(label, COMMON, COMMON.color))
+                mesh.visual.vertex_attributes["color"] = np.rint(255 * shades).astype(np.uint8)
         return out
 
     def glb(self, accent: str | None = None, *, plain: bool = False) -> bytes:
-        """Return the part as a `compact_glb` in its own frame, axes as they are (z up)."""
-        return compact_glb(dict(self.merged()), {ACCENT: accent} if accent else {}, plain=plain)
+        """Return the part as a GLB for the browser in its own frame, axes as they are (z up).
+
+        Args:
+            accent: Color (``#rrggbb``) of the colored faces.
+            plain: See `colored_by_point`.
+        """
+        scene = trimesh.Scene()
+        meshes = self.colored_by_point(accent) if plain else self.colored(accent)
+        for name, mesh in meshes.items():
+            scene.add_geometry(mesh, node_name=name, geom_name=name)
+        return glb_bytes(scene, tree_postprocessor=_mark_unlit)
+
+
+def glb_bytes(scene: trimesh.Scene, **options: Any) -> bytes:
+    """Return a scene as a GLB with its normals."""
+    return cast(bytes, export_glb(scene, include_normals=True, **options))
+
+
+def add_part(
+    scene: trimesh.Scene, part: MeshPart, node: str, matrix: Array, parent: str,
+    accent: str | None = None,
+) -> None:  # fmt: skip
+    """Add a part to a scene below a node, as a node of its own with one mesh for each material."""
+    scene.graph.update(frame_to=node, frame_from=parent, matrix=matrix)
+    for name, mesh in part.colored(accent).items():
+        label = f"{node}.{name}"
+        scene.add_geometry(mesh, node_name=label, geom_name=label, parent_node_name=node)
+
+
+def _mark_unlit(tree: dict[str, Any]) -> None:
+    """Let the materials that are not lit show their color as it is."""
+    for each in tree["materials"]:
+        if each["name"] == "unlit" or (each["name"] in SURFACES and not SURFACES[each["name"]].lit):
+            each["extensions"] = {_UNLIT: {}}
+            tree["extensionsUsed"] = [_UNLIT]
 
 
 def _stacked(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
@@ -96,8 +152,3 @@ def _stacked(meshes: list[trimesh.Trimesh]) -> trimesh.Trimesh:
         vertex_normals=np.vstack([mesh.vertex_normals for mesh in meshes]),
         process=False,
     )
-
-
-def joined(parts: Iterable[Part]) -> Part:
-    """Return all pieces of several parts as one part."""
-    return Part().join(*parts)

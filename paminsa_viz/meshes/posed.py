@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 import trimesh
-from trimesh.exchange.gltf import export_glb
+from trimesh.transformations import quaternion_matrix
 
 from paminsa_viz.meshes import bodies, load
 from paminsa_viz.meshes.library import Z_UP, fixed_part
-from paminsa_viz.meshes.part import Array, Part
+from paminsa_viz.meshes.part import add_part, glb_bytes
 from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
+from paminsa_viz.meshes.solids import Array
 from paminsa_viz.meshes.weights import counterweight
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
@@ -20,13 +19,7 @@ from paminsa_viz.model.kinematics import Configuration
 
 def transform(place: Placement) -> Array:
     """Return a placement of shape () as a homogeneous matrix, (4, 4)."""
-    w, x, y, z = place.wxyz
-    out = np.eye(4)
-    out[:3, :3] = [
-        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-    ]
+    out = quaternion_matrix(place.wxyz)
     out[:3, 3] = place.position
     return out
 
@@ -76,10 +69,10 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
             continue
         matrix = transform(places[body]) if body in places else np.eye(4)
         part = bodies.make_body(body, geometry)
-        _add(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.color_of(body))
+        add_part(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.color_of(body))
     if design.payload.mass > 0:
         matrix = load.payload_transform(geometry, design.payload.mass)
-        _add(scene, fixed_part("payload"), "payload", matrix, "platform", None)
+        add_part(scene, fixed_part("payload"), "payload", matrix, "platform")
     for number, weight in enumerate(design.counterweights, 1):
         if weight.mass == 0:
             continue
@@ -87,15 +80,5 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
         for leg in (1, 2, 3):
             bar = f"leg{leg}_{weight.bar}"
             color = bodies.color_of(f"leg{leg}/{weight.bar}")
-            _add(scene, part, f"{bar}_weight{number}", np.eye(4), bar, color)
-    return cast(bytes, export_glb(scene, include_normals=True))
-
-
-def _add(
-    scene: trimesh.Scene, part: Part, name: str, matrix: Array, parent: str, accent: str | None
-) -> None:
-    """Hang a part below a node of the scene, one mesh for each material."""
-    scene.graph.update(frame_to=name, frame_from=parent, matrix=matrix)
-    for material, mesh in part.colored(accent):
-        label = f"{name}.{material}"
-        scene.add_geometry(mesh, node_name=label, geom_name=label, parent_node_name=name)
+            add_part(scene, part, f"{bar}_weight{number}", np.eye(4), bar, color)
+    return glb_bytes(scene)

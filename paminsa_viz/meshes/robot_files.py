@@ -23,12 +23,13 @@ from trimesh.exchange.obj import export_obj
 
 from paminsa_viz import palette
 from paminsa_viz.engines.mechanism import LIFT, PLATFORM
-from paminsa_viz.meshes import bodies, joint_parts, load
+from paminsa_viz.meshes import bodies, load
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.materials import ACCENT, SURFACES
-from paminsa_viz.meshes.part import Array, Part
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.meshes.posed import transform
+from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Configuration
@@ -106,7 +107,7 @@ def zipped(files: Mapping[str, bytes], folder: str = "robot") -> bytes:
 
 def _shapes(
     design: Design, configuration: Configuration, frames: Mapping[str, Array]
-) -> Iterator[tuple[str, str, Part, str]]:
+) -> Iterator[tuple[str, str, MeshPart, str]]:
     """Yield all shapes: the MuJoCo body that carries them, a name, the part in its frame, color.
 
     What has the same name has the same shape.
@@ -114,7 +115,7 @@ def _shapes(
     g = design.geometry
     places = {name: transform(place) for name, place in place_parts(configuration).items()}
 
-    def seen(part: Part, carrier: str, body: str) -> Part:
+    def seen(part: MeshPart, carrier: str, body: str) -> MeshPart:
         """Return a part of a drawn body in the frame of the MuJoCo body that carries it."""
         matrix = np.linalg.inv(frames[carrier]) @ places[body]
         return part.moved(matrix[:3, 3], matrix[:3, :3])
@@ -130,9 +131,9 @@ def _shapes(
             part = seen(bodies.make_body(body, g), carrier, body)
             yield carrier, kind, part, color
         swivel = f"leg{leg}/swivel"
-        foot = seen(joint_parts.swivel_disc(), PLATFORM, swivel)
+        foot = seen(fixed_part("swivel_disc"), PLATFORM, swivel)
         yield PLATFORM, f"leg{leg}.swivel_disc", foot, color
-        head = seen(joint_parts.swivel_head(), f"leg{leg}_B4", swivel)
+        head = seen(fixed_part("swivel_head"), f"leg{leg}_B4", swivel)
         yield f"leg{leg}_B4", f"leg{leg}.swivel_head", head, color
     if design.payload.mass > 0:
         matrix = load.payload_transform(g, design.payload.mass)

@@ -1,18 +1,58 @@
-"""Solids made by lofting closed loops, with chamfered edges and normals that keep edges crisp.
+"""Solids with chamfered edges and normals that keep edges crisp, in meters.
 
-Everything drawn is built from one operation, `loft`: a skin over a row of closed loops of equal
-point count. A rod is a loft over circles, a beam one over rounded rectangles, a ring one that
-closes on itself. All lengths in meters.
+Round ones are turned by `trimesh.creation.revolve`; what has no axis is a `loft`, a skin over a row
+of closed loops of equal point count.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import numpy as np
 import trimesh
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
-from paminsa_viz.meshes.shading import Array, is_plain, shade
+Array = NDArray[np.float64]
+
+CREASE = np.radians(32.0)
+"""Faces that meet at a sharper angle than this are shaded as an edge [rad]."""
+PLAIN_CREASE = np.radians(65.0)
+"""The same for plain shapes, whose round sides have as few as six faces [rad]."""
+
+FLAT_SHARE = 10.0
+"""A flat side of more than this part of a solid's area (1/10) is shaded flat."""
+
+_plain = ContextVar("plain", default=False)
+
+
+@contextmanager
+def plain_shapes() -> Iterator[None]:
+    """Make solids with few faces: sharp edges, and round sides that only look round.
+
+    A browser without a graphics card takes two microseconds for every triangle of every picture.
+    """
+    before = _plain.set(True)
+    try:
+        yield
+    finally:
+        _plain.reset(before)
+
+
+def is_plain() -> bool:
+    """Whether solids are being made with few faces."""
+    return _plain.get()
+
+
+def shaded(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
+    """Return a mesh whose vertices are split along its edges; see `CREASE`."""
+    mesh.merge_vertices(merge_norm=True)
+    mesh.update_faces(mesh.nondegenerate_faces())
+    if is_plain():
+        return trimesh.graph.smooth_shade(mesh, angle=PLAIN_CREASE, facet_minarea=None)
+    return trimesh.graph.smooth_shade(mesh, angle=CREASE, facet_minarea=FLAT_SHARE)
 
 
 def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
@@ -40,17 +80,7 @@ def loft(loops: Sequence[Array], *, closed: bool = False) -> trimesh.Trimesh:
         end = (rows - 1) * count
         faces.append(np.stack([np.full(count, first), j, i], axis=1))
         faces.append(np.stack([np.full(count, last), end + i, end + j], axis=1))
-    return shade(vertices, np.vstack(faces))
-
-
-def circle(radius: float, height: float = 0.0, segments: int = 24) -> Array:
-    """Return a circle about z at a height, (segments, 3); a third of the points if plain."""
-    if is_plain():
-        segments = max(6, round(segments / 3))
-    angle = 2 * np.pi * np.arange(segments) / segments
-    return np.stack(
-        [radius * np.cos(angle), radius * np.sin(angle), np.full(segments, height)], axis=1
-    )
+    return shaded(trimesh.Trimesh(vertices, np.vstack(faces)))
 
 
 def rounded_rectangle(
@@ -98,9 +128,14 @@ def rounded_polygon(corners: Array, radius: float, height: float = 0.0, steps: i
 def revolve(profile: Sequence[tuple[float, float]], segments: int = 20) -> trimesh.Trimesh:
     """Turn a profile of (radius, height) points about z; it runs bottom up on the outside.
 
-    An end on the axis is closed there; other ends are capped.
+    Ends off the axis are capped; a profile that ends where it begins makes a ring. A plain solid
+    has a third of the segments.
     """
-    return loft([circle(r, h, segments) for r, h in profile])
+    points = np.asarray(profile)
+    if not np.array_equal(points[0], points[-1]):
+        points = np.vstack([[0.0, points[0, 1]], points, [0.0, points[-1, 1]]])
+    sections = max(6, round(segments / 3)) if is_plain() else segments
+    return shaded(trimesh.creation.revolve(points, sections=sections))
 
 
 def _chamfer(wanted: float, *most: float) -> float:
@@ -113,47 +148,24 @@ def rod(
 ) -> trimesh.Trimesh:
     """Return a round bar along z from ``bottom`` to ``top`` with chamfered ends."""
     c = _chamfer(chamfer, radius / 2, (top - bottom) / 2.5)
-    return revolve(
-        [(radius - c, bottom), (radius, bottom + c), (radius, top - c), (radius - c, top)], segments
-    )
+    side = [(radius, bottom + c), (radius, top - c)]
+    return revolve([(radius - c, bottom), *side, (radius - c, top)], segments)
 
 
 def tube(
-    inner: float,
-    outer: float,
-    bottom: float,
-    top: float,
-    chamfer: float = 0.001,
+    inner: float, outer: float, bottom: float, top: float, chamfer: float = 0.001,
     segments: int = 24,
-) -> trimesh.Trimesh:
+) -> trimesh.Trimesh:  # fmt: skip
     """Return a hollow cylinder along z with chamfered outer edges."""
     c = _chamfer(chamfer, (outer - inner) / 2, (top - bottom) / 2.5)
-    profile = [
-        (inner, bottom),
-        (outer - c, bottom),
-        (outer, bottom + c),
-        (outer, top - c),
-        (outer - c, top),
-        (inner, top),
-    ]
-    return loft([circle(r, h, segments) for r, h in profile], closed=True)
+    side = [(outer - c, bottom), (outer, bottom + c), (outer, top - c), (outer - c, top)]
+    return revolve([(inner, bottom), *side, (inner, top), (inner, bottom)], segments)
 
 
 def flat_ring(inner: float, outer: float, height: float, segments: int) -> trimesh.Trimesh:
     """Return a ring about z that is only seen from above; a disc if ``inner`` is 0."""
-    angle = 2 * np.pi * np.arange(segments) / segments
-    around = np.stack([np.cos(angle), np.sin(angle), np.zeros(segments)], axis=1)
-    i = np.arange(segments)
-    j = (i + 1) % segments
-    if inner == 0:
-        corners = np.vstack([outer * around, np.zeros(3)])
-        faces = np.stack([i, j, np.full(segments, segments)], axis=1)
-    else:
-        corners = np.vstack([outer * around, inner * around])
-        faces = np.vstack(
-            [np.stack([i, j, i + segments], 1), np.stack([j, j + segments, i + segments], 1)]
-        )
-    return shade(corners + np.array([0.0, 0.0, height]), faces)
+    profile = [(outer, height), (inner, height)]
+    return shaded(trimesh.creation.revolve(profile, sections=segments))
 
 
 def prism(
@@ -186,10 +198,10 @@ def box(
 ) -> trimesh.Trimesh:
     """Return a box with broken edges, or with sharp ones where ``chamfer`` is 0."""
     width, depth, height = size
-    steps = 1 if chamfer else 0
-    outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=steps)
-    solid = prism(outline, -height / 2, height / 2, chamfer)
-    return moved(solid, center)
+    if is_plain() or not chamfer:
+        return moved(shaded(trimesh.creation.box(size)), center)
+    outline = rounded_rectangle(width, depth, min(chamfer * 1.5, width / 3, depth / 3), steps=1)
+    return moved(prism(outline, -height / 2, height / 2, chamfer), center)
 
 
 def beam(
@@ -269,12 +281,7 @@ def moved(
 
 def turn(axis: str, angle: float) -> Array:
     """Return the rotation matrix about ``"x"``, ``"y"`` or ``"z"`` by ``angle`` [rad]."""
-    c, s = np.cos(angle), np.sin(angle)
-    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
-    out = np.eye(3)
-    out[i, i] = out[j, j] = c
-    out[i, j], out[j, i] = -s, s
-    return out
+    return Rotation.from_euler(axis, angle).as_matrix()
 
 
 ACROSS = turn("x", -np.pi / 2)

@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import ACROSS, ALONG, moved, rod
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.counterweight_clearance import counterweight_clearance
@@ -48,11 +48,11 @@ def place_along(geometry: Geometry, weight: Counterweight) -> float:
     return first + length + weight.beyond
 
 
-def counterweight(geometry: Geometry, weight: Counterweight) -> Part:
+def counterweight(geometry: Geometry, weight: Counterweight) -> MeshPart:
     """Return a counterweight in its bar's frame [m]."""
     x, y = place_along(geometry, weight), at.LAYER[weight.bar]
     half, radius = at.BARREL / 2, disc_radius(weight.mass)
-    part = Part()
+    part = MeshPart()
     if weight.beyond > at.BARREL_RADIUS:
         end = x - weight.beyond if weight.joint == BAR_ENDS[weight.bar][1] else x + weight.beyond
         low, high = sorted((x, end))

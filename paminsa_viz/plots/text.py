@@ -5,6 +5,7 @@ The font is DejaVu Sans, which comes with matplotlib.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from functools import lru_cache
 from typing import Literal
 
@@ -28,13 +29,22 @@ def printable(text: str) -> str:
 
 
 def wrapped(text: str, size: float, width: float, weight: Weight = "normal") -> list[str]:
-    """Break a text into lines no wider than ``width``, in the unit of ``size``."""
+    """Break a text into lines no wider than ``width``, in the unit of ``size``.
+
+    A word that is wider is cut.
+    """
     lines: list[str] = []
     for word in printable(text).split(" "):
         longer = f"{lines[-1]} {word}" if lines else word
         if lines and text_width(longer, size, weight) <= width:
             lines[-1] = longer
-        elif word:
+            continue
+        while len(word) > 1 and text_width(word, size, weight) > width:
+            fitting = range(1, len(word))
+            count = bisect_right(fitting, width, key=lambda n: text_width(word[:n], size, weight))
+            lines.append(word[: max(1, count)])
+            word = word[max(1, count) :]
+        if word:
             lines.append(word)
     return lines
 

@@ -1,4 +1,4 @@
-"""An engine's torques beside the formulae's, like the paper's Figs. 6 and 7."""
+"""An engine's torques compared with the formulae's, like the paper's Figs. 6 and 7."""
 
 from __future__ import annotations
 
@@ -10,27 +10,27 @@ from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.engines.verification import MOST_STATES, Verification
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.plots.curves import OtherTorques, curve_data
-from paminsa_viz.plots.curves_data import CurveData
+from paminsa_viz.plots.series import EngineTorques, SeriesData, SeriesSources
+from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis, analyze
 
 
-class VerifiedCurves(NamedTuple):
+class VerificationFigure(NamedTuple):
     """A figure of a verification.
 
     Attributes:
         stem: Name for a file, without ending.
         title: Heading.
-        data: What `curves_paper.render_curves` draws.
+        data: What `series_figure.render_series` draws.
     """
 
     stem: str
     title: str
-    data: CurveData
+    data: SeriesData
 
 
-def engine_torques(analysis: TrajectoryAnalysis) -> OtherTorques:
-    """Return MuJoCo's torques along an analyzed trajectory, to be drawn beside its own.
+def engine_torques(analysis: TrajectoryAnalysis) -> EngineTorques:
+    """Return MuJoCo's torques along an analyzed trajectory, to be drawn next to its own.
 
     Engines here have no joint friction; the design's is added, so that the rest can be compared.
     It takes about half a millisecond a sample.
@@ -50,23 +50,25 @@ def engine_torques(analysis: TrajectoryAnalysis) -> OtherTorques:
     torque = robot.inverse_dynamics(t.pose, t.velocity, t.acceleration)
     torque += analysis.breakdown.friction
     torque[~analysis.check.good] = np.nan
-    return OtherTorques(f"MuJoCo {version}", torque)
+    return EngineTorques(f"MuJoCo {version}", torque)
 
 
-def verified_curves(found: Verification) -> list[VerifiedCurves]:
-    """Return the dynamic torques beside each engine's, then those of the formulae as printed."""
+def verification_figures(found: Verification) -> list[VerificationFigure]:
+    """Compare the dynamic torques with each engine's, then those of the formulae as published."""
     compared = [(check, Misprint.NONE) for check in found.engines]
     compared.append((found.engines[0], Misprint.ALL))
     figures = []
     for check, misprints in compared:
         analysis = analyze(found.design, found.trajectory, misprints=misprints)
-        other = OtherTorques(f"{check.engine} {check.version}", check.dynamic.reference)
-        kind = "formulae" if misprints is Misprint.NONE else "formulae as printed"
+        other = EngineTorques(f"{check.engine} {check.version}", check.dynamic.reference)
+        stem, title = "formulae", "Formulae"
+        if misprints is not Misprint.NONE:
+            stem, title = "formulae_as_printed", "Formulae as published"
         figures.append(
-            VerifiedCurves(
-                f"{kind.replace(' ', '_')}_{check.engine.lower()}",
-                f"{kind.capitalize()} and {check.engine}",
-                curve_data("comparison", analysis, engine=other),
+            VerificationFigure(
+                f"{stem}_{check.engine.lower()}",
+                f"{title} and {check.engine}",
+                build_series("comparison", SeriesSources(analysis, engine=other)),
             )
         )
     return figures

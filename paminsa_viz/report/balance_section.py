@@ -16,8 +16,9 @@ from paminsa_viz.model.lumped import (
 from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.plots.curves import curve_data
-from paminsa_viz.plots.curves_paper import render_curves
+from paminsa_viz.plots.series import SeriesSources
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import format_value, percent_change
@@ -110,9 +111,9 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
     lighter = analyze(after, analysis.trajectory, keep=analysis.solved)
     if analysis.summary and lighter.summary:
         blocks.append(_on_the_motion(analysis, lighter))
-        data = curve_data("torques", lighter, reference=analysis)
+        data = build_series("torques", SeriesSources(lighter, reference=analysis))
         title = "Balanced design, and the design before (dashed)"
-        svg = render_curves(data, "svg", title=title, caption=False)
+        svg = render_series(data, "svg", title=title, caption=False)
         blocks.append(Figure(svg, f"{title}: torques over time."))
     return blocks
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.plots.curves import CurveKind, curve_data
-from paminsa_viz.plots.curves_paper import render_curves
+from paminsa_viz.plots.series import FigureKind, SeriesSources
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
-FIGURES: tuple[CurveKind, ...] = ("pose", "torques", "breakdown", "power")
+FIGURES: tuple[FigureKind, ...] = ("pose", "torques", "breakdown", "power")
 
 
 def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
@@ -33,8 +34,8 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     if analysis.summary:
         blocks.append(_table(analysis))
         for figure in FIGURES:
-            data = curve_data(figure, analysis)
-            svg = render_curves(data, "svg", title=data.title, caption=figure == "torques")
+            data = build_series(figure, SeriesSources(analysis))
+            svg = render_series(data, "svg", title=data.title, caption=figure == "torques")
             blocks.append(Figure(svg, f"{data.title} over time, four panels."))
     return Section("trajectory", "Trajectory", tuple(blocks))
 

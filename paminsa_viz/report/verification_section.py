@@ -7,8 +7,8 @@ from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.plots.curves_paper import render_curves
-from paminsa_viz.plots.verified import verified_curves
+from paminsa_viz.plots.series_figure import render_series
+from paminsa_viz.plots.verified import verification_figures
 from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value, number
@@ -59,10 +59,10 @@ def verification_section(found: Verification | str) -> Section:
         blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
     figures = [
         Figure(
-            render_curves(data, "svg", title=title, caption=False),
+            render_series(data, "svg", title=title, caption=False),
             f"{title}: torques of both and their difference, over time.",
         )
-        for _, title, data in verified_curves(found)
+        for _, title, data in verification_figures(found)
     ]
     blocks += [figures[0], _simulation(found), _misprints(found), figures[-1]]
     return Section("verification", TITLE, tuple(blocks))

@@ -1,6 +1,6 @@
 """Trajectories: planned, timed within limits, checked, analyzed, and simulated with a controller.
 
-The way through it: a planner (or a preset) makes a `Plan`; `shortest` may give it its shortest
+The way through it: a planner (or a preset) makes a `Plan`; `minimum_time` may give it its shortest
 duration within limits; `Plan.sample` makes a `Trajectory`, as `from_samples` does of a file's rows;
 `analyze` says what it asks of a design, and where it fails; `simulate` lets a controller drive it.
 """
@@ -26,9 +26,9 @@ from paminsa_viz.trajectory.planners import (
     chain,
     circle,
     line,
-    move,
+    point_to_point,
     round_trip,
-    through,
+    via_points,
 )
 from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, home, paper_like
 from paminsa_viz.trajectory.sampled import States, Trajectory
@@ -39,7 +39,7 @@ from paminsa_viz.trajectory.simulation import (
 )
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw, fit_law
-from paminsa_viz.trajectory.timing import InfeasibleMotion, Shortest, shortest
+from paminsa_viz.trajectory.timing import InfeasibleMotion, MinimumTime, minimum_time
 
 __all__ = [
     "PRESET",
@@ -51,13 +51,13 @@ __all__ = [
     "Controller",
     "ImpossibleTrajectory",
     "InfeasibleMotion",
+    "MinimumTime",
     "MotionLimits",
     "PathCheck",
     "PathEvent",
     "Plan",
     "Preset",
     "Profile",
-    "Shortest",
     "Simulation",
     "SimulationFailed",
     "SolvedTrajectory",
@@ -77,11 +77,11 @@ __all__ = [
     "home",
     "line",
     "load_kernel",
-    "move",
+    "minimum_time",
     "paper_like",
+    "point_to_point",
     "round_trip",
-    "shortest",
     "simulate",
     "solve_trajectory",
-    "through",
+    "via_points",
 ]

@@ -17,7 +17,7 @@ if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoin
     from scipy.interpolate import BSpline
 
 
-class Curve(Protocol):
+class UnitCurve(Protocol):
     """A motion in unit time."""
 
     @property
@@ -36,7 +36,7 @@ class Curve(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Term:
+class Displacement:
     """A displacement (4,) made with a law between two instants of unit time."""
 
     shift: Array
@@ -50,7 +50,7 @@ class Blend:
     """A start pose (4,) and displacements on top of each other: lines, arches, pauses."""
 
     start: Array
-    terms: tuple[Term, ...]
+    terms: tuple[Displacement, ...]
 
     @property
     def breaks(self) -> Array:
@@ -151,7 +151,7 @@ class Chain:
         ends: (number of curves + 1,) instants at which they begin and end, from 0 to 1.
     """
 
-    curves: tuple[Curve, ...]
+    curves: tuple[UnitCurve, ...]
     ends: Array
 
     @property
@@ -182,7 +182,7 @@ class Chain:
 class Reversed:
     """A curve run backwards."""
 
-    curve: Curve
+    curve: UnitCurve
 
     @property
     def breaks(self) -> Array:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.trajectory.curves import Curve
+from paminsa_viz.trajectory.curves import UnitCurve
 from paminsa_viz.trajectory.sampled import RATE, States, Trajectory, sample_times
 
 
@@ -28,7 +28,7 @@ class Plan:
         InvalidInput: If the duration is not a positive, finite number.
     """
 
-    curve: Curve
+    curve: UnitCurve
     duration: float
     name: str = "trajectory"
     kind: str = ""

@@ -1,6 +1,6 @@
 """Planners: motions of the platform that start and end at rest.
 
-Each takes a duration; `timing.shortest` finds the shortest one within limits. Poses are
+Each takes a duration; `timing.minimum_time` finds the shortest one within limits. Poses are
 (x, y, theta, z) [m, m, rad, m] in the base frame.
 """
 
@@ -13,7 +13,15 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.trajectory.curves import Arc, Blend, Chain, Curve, Reversed, Spline, Term
+from paminsa_viz.trajectory.curves import (
+    Arc,
+    Blend,
+    Chain,
+    Displacement,
+    Reversed,
+    Spline,
+    UnitCurve,
+)
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
@@ -27,7 +35,7 @@ PLANES = {"xy": (0, 1), "xz": (0, 3), "yz": (1, 3)}
 """Columns of a pose along which a circle may lie."""
 
 
-def move(
+def point_to_point(
     start: ArrayLike,
     goal: ArrayLike,
     duration: float = 1.0,
@@ -45,7 +53,10 @@ def move(
     law = law or TimeLaw()
     begin, end = _pose(start, "start"), _pose(goal, "goal")
     return Plan(
-        Blend(begin, (Term(end - begin, law),)), duration, name, f"move, {law.profile.value}"
+        Blend(begin, (Displacement(end - begin, law),)),
+        duration,
+        name,
+        f"move, {law.profile.value}",
     )
 
 
@@ -61,7 +72,7 @@ def line(
     begin = _pose(start, "start")
     x, y, z = _finite(as_vectors(point, "point", 3), "point", (3,))
     law = law or TimeLaw()
-    plan = move(begin, [x, y, begin[2], z], duration, law, name=name)
+    plan = point_to_point(begin, [x, y, begin[2], z], duration, law, name=name)
     return Plan(plan.curve, duration, name, f"straight line, {law.profile.value}")
 
 
@@ -149,14 +160,14 @@ def arch(
     up, across, down = np.zeros(4), end - begin, np.zeros(4)
     up[3], across[3], down[3] = top - begin[3], 0.0, end[3] - top
     terms = (
-        Term(up, law, 0.0, lift_share),
-        Term(across, law, corner, 1.0 - corner),
-        Term(down, law, 1.0 - lift_share, 1.0),
+        Displacement(up, law, 0.0, lift_share),
+        Displacement(across, law, corner, 1.0 - corner),
+        Displacement(down, law, 1.0 - lift_share, 1.0),
     )
     return Plan(Blend(begin, terms), duration, name, f"arch, {law.profile.value}")
 
 
-def through(
+def via_points(
     poses: ArrayLike,
     duration: float | None = None,
     *,
@@ -225,7 +236,7 @@ def chain(*plans: Plan, name: str = "") -> Plan:
 
 def round_trip(plan: Plan) -> Plan:
     """Return a plan followed by itself run backwards: a closed motion of twice the duration."""
-    both: tuple[Curve, ...] = (plan.curve, Reversed(plan.curve))
+    both: tuple[UnitCurve, ...] = (plan.curve, Reversed(plan.curve))
     curve = Chain(both, np.array([0.0, 0.5, 1.0]))
     return Plan(curve, 2 * plan.duration, f"{plan.name}, there and back", plan.kind, plan.notes)
 

@@ -14,7 +14,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.reach import workspace_height
 from paminsa_viz.trajectory.plan import Plan
-from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, move, through
+from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, point_to_point, via_points
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
 
 PAPER_ACCELERATION = 1.0
@@ -75,7 +75,7 @@ def paper_like(geometry: Geometry) -> Plan:
     start, goal = room.pose(*_FROM), room.pose(*_TO)
     length = np.linalg.norm((goal - start)[PLACE])
     duration = np.sqrt(QUINTIC_PEAK * length / PAPER_ACCELERATION)
-    plan = move(start, goal, float(duration), name="four coordinates, 1 m/s²")
+    plan = point_to_point(start, goal, float(duration), name="four coordinates, 1 m/s²")
     note = (
         "A quintic move of all four coordinates with a largest acceleration of 1 m/s², which is "
         "what the paper's text says of its motion. It is not the motion of the paper's "
@@ -87,7 +87,7 @@ def paper_like(geometry: Geometry) -> Plan:
 def _move(profile: Profile) -> Callable[[Geometry], Plan]:
     def build(geometry: Geometry) -> Plan:
         room = Room(geometry)
-        return move(
+        return point_to_point(
             room.pose(*_FROM), room.pose(*_TO), 1.5, TimeLaw(profile), name=f"{profile.value} move"
         )
 
@@ -121,7 +121,7 @@ def _waypoints(geometry: Geometry) -> Plan:
         (-0.03, -0.09, -0.1, -0.04),
         (0.0, 0.0, 0.0, 0.0),
     ]
-    return through([room.pose(*corner) for corner in corners], 4.0)
+    return via_points([room.pose(*corner) for corner in corners], 4.0)
 
 
 PRESETS: tuple[Preset, ...] = (

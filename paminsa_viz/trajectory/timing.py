@@ -23,7 +23,7 @@ from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
-from paminsa_viz.trajectory.curves import Blend, Curve
+from paminsa_viz.trajectory.curves import Blend, UnitCurve
 from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import PLACE
@@ -35,7 +35,7 @@ _ROUNDING = 1e-12
 
 
 @dataclass(frozen=True)
-class Shortest:
+class MinimumTime:
     """A motion in its shortest duration.
 
     Attributes:
@@ -88,7 +88,7 @@ class InfeasibleMotion(PaminsaError):
         )
 
 
-def shortest(
+def minimum_time(
     plan: Plan,
     limits: MotionLimits,
     design: Design | None = None,
@@ -96,7 +96,7 @@ def shortest(
     reshape: bool = True,
     misprints: Misprint = Misprint.NONE,
     clearance: float = SINGULAR_CLEARANCE,
-) -> Shortest:
+) -> MinimumTime:
     """Return a motion in the shortest duration that keeps all limits; every longer one does too.
 
     One of the limits is reached, to rounding, and none exceeded, at any instant. Coulomb friction
@@ -144,7 +144,7 @@ def shortest(
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)
     limit = [*rates.ravel(), *limits.actuators][needed.column]
-    return Shortest(
+    return MinimumTime(
         plan.lasting(duration), QUANTITIES[needed.column], float(limit), UNITS[needed.column],
         needed.u * duration,
     )  # fmt: skip
@@ -165,7 +165,7 @@ def _reshaped(plan: Plan, limits: MotionLimits) -> Plan:
     return replace(plan, curve=replace(curve, terms=(replace(term, law=law),)))
 
 
-def _rate_durations(curve: Curve, limits: Array) -> Callable[[Array], Array]:
+def _rate_durations(curve: UnitCurve, limits: Array) -> Callable[[Array], Array]:
     """Return the durations that limits (3, 2) ask for, as a function (n,) -> (n, 6) [s]."""
 
     def durations(u: Array) -> Array:
@@ -183,7 +183,7 @@ def _rate_durations(curve: Curve, limits: Array) -> Callable[[Array], Array]:
 
 
 def _parts(
-    curve: Curve, design: Design, misprints: Misprint, u: Array
+    curve: UnitCurve, design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
     """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
     friction = design.friction
@@ -200,7 +200,7 @@ def _parts(
 
 
 def _torque_durations(
-    curve: Curve, limits: Array, design: Design, misprints: Misprint
+    curve: UnitCurve, limits: Array, design: Design, misprints: Misprint
 ) -> Callable[[Array], Array]:
     """Return the durations that limits (4,) ask for, as a function (n,) -> (n, 4) [s].
 
@@ -225,7 +225,7 @@ def _torque_durations(
 
 
 def _infeasible(
-    curve: Curve,
+    curve: UnitCurve,
     limits: MotionLimits,
     design: Design,
     misprints: Misprint,

@@ -96,7 +96,7 @@ def random_choices(
     c = lumped_matrix(d.geometry, d.gravity) @ values
     kilos = [p.startswith(("joints.", "links.")) for p in MASS_PATHS]
     total = 3 * values[kilos].sum(axis=0) + d.platform.mass + d.payload.mass
-    for rail in what.rails:
+    for rail in what.counterweights:
         weight, place = draw(rail.low, rail.high), draw(rail.nearest, rail.farthest)
         r5, r9, z5 = point_factors(d, rail.bar, rail.joint, place)
         c[0] += weight * d.gravity * z5

@@ -27,7 +27,7 @@ from tests.balancing.robots import changes, field, solved
 def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
     # no two of the same place, or what is taken away from the one could be had from the other
     masses = tuple(mass for mass in changes().masses if mass.path != "joints.j7")
-    what = Changes(masses, changes().rails[:2])
+    what = Changes(masses, changes().counterweights[:2])
     limit = (StaticPeak(field()), 0.5)
     result = optimize(APPENDIX_4, what, term, limits=[limit])
     h = 1e-4
@@ -44,9 +44,9 @@ def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
                 if mass.path == item.name else mass for mass in what.masses
             ))  # fmt: skip
         else:
-            other = replace(what, rails=tuple(
+            other = replace(what, counterweights=tuple(
                 replace(rail, **{item.side: item.bound + outward})
-                if rail.name == item.name else rail for rail in what.rails
+                if rail.name == item.name else rail for rail in what.counterweights
             ))  # fmt: skip
         return (
             result.objective
@@ -88,7 +88,7 @@ def test_limits_that_can_not_be_met_say_what_can() -> None:
         low, high = relaxed(mass.path, mass.low, mass.high)
         ranges.append(replace(mass, low=low, high=high))
     rails = []
-    for rail in what.rails:
+    for rail in what.counterweights:
         low, high = relaxed(rail.name, rail.low, rail.high)
         rails.append(replace(rail, low=low, high=high))
     result = optimize(

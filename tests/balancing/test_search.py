@@ -9,8 +9,8 @@ import pytest
 
 from paminsa_viz.balancing import (
     Measures,
-    Progress,
     Requirements,
+    SearchProgress,
     SearchResult,
     Weights,
     measure,
@@ -72,9 +72,9 @@ def test_it_comes_out_the_same_on_dask() -> None:
 
 
 def test_progress_and_canceling() -> None:
-    seen: list[Progress] = []
+    seen: list[SearchProgress] = []
 
-    def stop(progress: Progress) -> bool:
+    def stop(progress: SearchProgress) -> bool:
         seen.append(progress)
         return progress.generation == 2
 

@@ -120,8 +120,10 @@ def test_a_fit_is_as_good_as_its_bound_and_no_random_springs_are_better(measure:
         total = gravity.copy()
         for p, w, f in zip(places, whole, free, strict=True):
             near = fit.springs[places.index(p)].stiffness * rng.uniform(0.9, 1.1)
-            stiffness = min(near if rng.uniform() < 0.5 else rng.uniform(0, p.stiffest), p.stiffest)
-            total += stiffness * (w + rng.uniform(p.shortest, p.longest) * f)
+            stiffness = min(
+                near if rng.uniform() < 0.5 else rng.uniform(0, p.max_stiffness), p.max_stiffness
+            )
+            total += stiffness * (w + rng.uniform(p.min_free_length, p.max_free_length) * f)
         best = min(best, of(total))
     assert best >= fit.lower_bound - 1e-12
     for (low, high), spring in zip(fit.reach, fit.springs, strict=True):

@@ -18,7 +18,7 @@ from paminsa_viz.cli.trajectory import Flags
 from paminsa_viz.files.columns import POSE, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
-from paminsa_viz.trajectory import PRESET, analyze, compare, home, move
+from paminsa_viz.trajectory import PRESET, analyze, compare, home, point_to_point
 from tests.cli import running
 from tests.samples import random_design, with_knee
 
@@ -144,7 +144,7 @@ def test_a_motion_out_of_reach_is_exit_code_1_with_the_place(capsys, folder) -> 
 
 def test_a_motion_that_fails_at_once_has_no_numbers_and_no_page(capsys, folder) -> None:
     start = np.add(home(APPENDIX_4.geometry), (0.9, 0, 0, 0))
-    motion = move(start, start + 0.01).sample(10)
+    motion = point_to_point(start, start + 0.01).sample(10)
     rows = "\n".join(
         ",".join(map(repr, row)) for row in np.column_stack([motion.t, motion.pose]).tolist()
     )

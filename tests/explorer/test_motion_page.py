@@ -19,7 +19,7 @@ from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     analyze,
     home,
-    move,
+    point_to_point,
 )
 from tests.explorer.chromium import PATIENCE, until
 from tests.samples import with_knee
@@ -33,7 +33,7 @@ def planned(key: str, knee: KneeBranch = KneeBranch.LOWER):
 
 def beyond():
     start = home(APPENDIX_4.geometry)
-    return move(start, np.add(start, (0.45, 0.05, 0.3, 0.02)), 1.0).sample(200)
+    return point_to_point(start, np.add(start, (0.45, 0.05, 0.3, 0.02)), 1.0).sample(200)
 
 
 def held(page: bytes) -> dict:
@@ -77,7 +77,9 @@ def test_the_page_holds_the_motion(knee: KneeBranch) -> None:
 
 
 def test_only_what_moves_is_held() -> None:
-    lift = move(home(APPENDIX_4.geometry), np.add(home(APPENDIX_4.geometry), (0, 0, 0, 0.05)))
+    lift = point_to_point(
+        home(APPENDIX_4.geometry), np.add(home(APPENDIX_4.geometry), (0, 0, 0, 0.05))
+    )
     data = held(motion_html(APPENDIX_4, lift.sample(100)))
     assert not {node_name(f"leg{k}") for k in (1, 2, 3)} & set(data["turned"])
     assert node_name("leg1/slider") not in data["moved"]
@@ -126,7 +128,7 @@ def test_impossible_rates_are_refused(rate: float) -> None:
 def test_a_motion_that_fails_at_once_is_refused() -> None:
     start = np.add(home(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
     with pytest.raises(ImpossibleTrajectory, match="leg 1"):
-        motion_html(APPENDIX_4, move(start, start + 0.1).sample(20))
+        motion_html(APPENDIX_4, point_to_point(start, start + 0.1).sample(20))
 
 
 @pytest.mark.browser

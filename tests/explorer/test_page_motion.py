@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import requests, uplot
+from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.description import Kind, Timing
-from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.panels.motion_playback import TIME
+from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze
 from tests.explorer.chromium import Tab, until
 
@@ -48,7 +48,7 @@ def cursor_times(tab: Tab) -> list[float]:
     """Return the times at which the line through each chart stands."""
     return tab.page.evaluate(
         """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => {
-          const line = chart.over.querySelector(".paminsa-moment");
+          const line = chart.over.querySelector(".paminsa-time-cursor");
           if (!line || line.style.display === "none") return null;
           const x = line.getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
           return chart.posToVal(x, "x");
@@ -135,17 +135,17 @@ def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
         return bool(np.abs(series[3:6] - wanted).max() < 1e-9)
 
     until(as_the_model, "the page draws the model's torques")
-    assert len(page_curves(motion)[0][0]) < 1.1 * uplot.MOST_POINTS
+    assert len(page_curves(motion)[0][0]) < 1.1 * MOST_POINTS
 
 
 def test_a_pinned_design_and_misprints_stand_beside(motion: Tab) -> None:
     motion.session.dispatch("pin", actions.pin_reference)
     motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
-    switch = motion.handle("formulae as printed")._impl.uuid
+    switch = motion.handle("formulae as published")._impl.uuid
     motion.page.locator(f'[id="{switch}"]').click()
-    until(lambda: motion.state.plots.printed, "the switch is read")
+    until(lambda: motion.state.plots.published, "the switch is read")
     until(lambda: len(page_curves(motion)[0]) == 3 + 9, "nine curves")
-    until(lambda: "as printed" in motion.text("motion-numbers"), "numbers of all")
+    until(lambda: "as published" in motion.text("motion-numbers"), "numbers of all")
 
 
 def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -> None:
@@ -164,7 +164,7 @@ def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -
     motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
     until(lambda: motion.state.engine_answer is not answer, "the engine is asked again")
     motion.session.dispatch(
-        "test", lambda s: requests.set_plots(s, plot=Plot.DIFFERENCE, printed=True)
+        "test", lambda s: requests.set_plots(s, plot="differences", published=True)
     )
     until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
     assert motion.text("motion-numbers").count("FAIL") == 4
@@ -219,7 +219,7 @@ def test_a_simulation_shows_its_error(motion: Tab) -> None:
     motion.page.get_by_role("button", name="Simulate", exact=True).click()
     until(lambda: motion.state.simulating.outcome is not None, "it has run")
     motion.page.get_by_test_id("simulation").get_by_text("Ran to the end").wait_for()
-    assert motion.state.plots.plot is Plot.TRACKING
+    assert motion.state.plots.plot == "errors"
     until(lambda: motion.page.get_by_text("Error of x, y, z").is_visible(), "its error is plotted")
 
 

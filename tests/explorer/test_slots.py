@@ -37,13 +37,9 @@ class FakeSession:
 class FakeBridge:
     def __init__(self) -> None:
         self.listeners: dict[str, Any] = {}
-        self.scripts: list[str] = []
 
     def on(self, kind: str, listener: Any) -> None:
         self.listeners[kind] = listener
-
-    def run(self, script: str) -> None:
-        self.scripts.append(script)
 
 
 class TestSlots:

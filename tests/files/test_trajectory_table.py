@@ -29,14 +29,21 @@ from paminsa_viz.files.trajectory_table import (
     simulation_table,
 )
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
-from paminsa_viz.trajectory import Control, Controller, Trajectory, analyze, move, simulate
+from paminsa_viz.trajectory import (
+    Control,
+    Controller,
+    Trajectory,
+    analyze,
+    point_to_point,
+    simulate,
+)
 from tests.samples import with_knee
 
 HEAD = "t_s,x_m,y_m,theta_rad,z_m"
 ROWS = "0,0,0,0,-0.5\n0.5,0.01,0,0,-0.5\n"
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
-SAMPLES = move(HOME, [0.05, 0.02, 0.3, -0.45], 0.4, name="a move").sample(100)
-LEAVING = move(HOME, [0.3, 0.0, 0.0, -0.5], 0.4).sample(100)
+SAMPLES = point_to_point(HOME, [0.05, 0.02, 0.3, -0.45], 0.4, name="a move").sample(100)
+LEAVING = point_to_point(HOME, [0.3, 0.0, 0.0, -0.5], 0.4).sample(100)
 
 
 def parse(text: str, **options) -> Trajectory:

@@ -21,9 +21,9 @@ from paminsa_viz.meshes.bodies import (
     lengths_of,
     make_body,
 )
-from paminsa_viz.meshes.materials import ACCENT, SURFACES, linear
+from paminsa_viz.meshes.materials import ACCENT, SURFACES, srgb_to_linear
 from paminsa_viz.meshes.placement import BODIES
-from paminsa_viz.meshes.shading import is_plain, plain_shapes
+from paminsa_viz.meshes.solids import is_plain, plain_shapes
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from tests.samples import random_design, with_knee
 
@@ -62,10 +62,10 @@ def test_every_length_of_the_geometry_is_tried() -> None:
 def test_any_design_can_be_drawn(seed: int, knee: KneeBranch) -> None:
     geometry = random_design(np.random.default_rng(seed)).geometry
     for body in (*STANDING, *BODIES[:10]):
-        for piece in make_body(body, with_knee(geometry, knee)).pieces:
-            assert np.isfinite(piece.mesh.vertices).all()
-            assert np.isfinite(piece.mesh.vertex_normals).all()
-            assert len(piece.mesh.faces)
+        for solid in make_body(body, with_knee(geometry, knee)).solids:
+            assert np.isfinite(solid.mesh.vertices).all()
+            assert np.isfinite(solid.mesh.vertex_normals).all()
+            assert len(solid.mesh.faces)
 
 
 @pytest.mark.parametrize(
@@ -84,7 +84,7 @@ def test_a_bar_reaches_from_barrel_to_barrel(body: str, length: float) -> None:
 def test_an_arm_reaches_its_joint_and_is_as_long_as_the_design_says() -> None:
     geometry = replace(GEOMETRY, arm_length=0.2)
     carriage = make_body("carriage", geometry)
-    arms = [p.mesh for p in carriage.pieces if p.material == "accent"]
+    arms = [p.mesh for p in carriage.solids if p.material == "accent"]
     leg_3 = [m for m in arms if m.bounds[0, 1] > 0.05 and m.bounds[1, 1] < geometry.base_radius]
     assert len(leg_3) == 1
     assert leg_3[0].bounds[0, 1] == pytest.approx(geometry.base_radius - 0.2, abs=0.01)
@@ -119,7 +119,7 @@ def test_unknown_body(body: str) -> None:
 
 def test_a_part_handed_out_can_be_added_to_without_harm() -> None:
     make_body("leg1/b8", GEOMETRY).join(make_body("leg1/b3", GEOMETRY))
-    assert len(make_body("leg1/b8", GEOMETRY).pieces) < 40
+    assert len(make_body("leg1/b8", GEOMETRY).solids) < 40
     assert outline("leg1/b8", GEOMETRY) == outline("leg3/b8", GEOMETRY)
 
 
@@ -131,7 +131,7 @@ def test_plain_bodies_are_light_and_fill_the_same_room() -> None:
         with plain_shapes():
             plain = make_body(name, APPENDIX_4.geometry).without_small(SMALL)
         for part, detailed in ((fine, True), (plain, False)):
-            faces[detailed] += sum(len(piece.mesh.faces) for piece in part.pieces)
+            faces[detailed] += sum(len(solid.mesh.faces) for solid in part.solids)
         # Six-sided rods are a little slimmer, and bolts and glands stand out of what is left.
         np.testing.assert_allclose(plain.bounds(), fine.bounds(), atol=0.025)
     assert 3.8 * faces[False] < faces[True]
@@ -144,14 +144,14 @@ def test_a_plain_body_is_one_mesh_with_the_colors_of_all(name: str) -> None:
         part = make_body(name, geometry).without_small(SMALL)
     colors = {material: surface.color for material, surface in SURFACES.items()}
     colors[ACCENT] = color_of(name)
-    wanted = {linear(colors[material]): len(mesh.faces) for material, mesh in part.merged()}
+    wanted = {srgb_to_linear(colors[material]): len(mesh.faces) for material, mesh in part.merged()}
     scene = trimesh.load(io.BytesIO(body_glb(name, geometry, fine=False)), file_type="glb")
     assert isinstance(scene, trimesh.Scene)
     (mesh,) = scene.geometry.values()
     assert isinstance(mesh, trimesh.Trimesh)
     assert len(mesh.faces) == sum(wanted.values())
     np.testing.assert_allclose(mesh.bounds, part.bounds(), atol=1e-6)
-    shades = np.asarray(mesh.visual.vertex_attributes["color"])[mesh.faces[:, 0]]
+    shades = np.asarray(mesh.visual.vertex_attributes["color"])[mesh.faces[:, 0]] / 255
     for color, count in wanted.items():
         assert np.isclose(shades[:, :3], color, atol=2e-3).all(axis=1).sum() == count
 

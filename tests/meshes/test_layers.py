@@ -11,13 +11,13 @@ import pytest
 from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes import library
 from paminsa_viz.meshes.bodies import STANDING, make_body
-from paminsa_viz.meshes.catalog import CATALOGUE
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.placement import BODIES, place_parts
 from paminsa_viz.meshes.posed import transform
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
+from tests.meshes.make_parts import script
 from tests.meshes.winding import SolidBody
 from tests.samples import with_knee
 
@@ -49,7 +49,7 @@ def test_the_mesh_of_a_bar_keeps_to_its_layer(bar: str) -> None:
     """Tubes, sockets and barrels; only pins and their collars, which bridge layers, reach out."""
     part = make_body(f"leg1/{bar}", GEOMETRY)
     low, high = at.span(bar)
-    tubes = [piece.mesh for piece in part.pieces if piece.material == "accent"]
+    tubes = [solid.mesh for solid in part.solids if solid.material == "accent"]
     assert tubes
     for tube in tubes:
         center = tube.bounds[:, 1].mean()
@@ -63,7 +63,7 @@ def test_the_mesh_of_a_bar_keeps_to_its_layer(bar: str) -> None:
 @pytest.mark.parametrize("body", ["shaft", "guide", "slider"])
 def test_what_is_in_the_middle_stays_there_but_for_its_pin(body: str) -> None:
     part = make_body(f"leg1/{body}", GEOMETRY)
-    solid = [p.mesh for p in part.pieces if p.material in ("body", "accent")]
+    solid = [p.mesh for p in part.solids if p.material in ("body", "accent")]
     # The quill's collar turns above the base plate, out of the bars' reach.
     low = [m for m in solid if m.bounds[0, 2] < at.MOUNT or body != "guide"]
     if body == "guide":
@@ -76,9 +76,9 @@ def solid_parts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Use the parts as made: in the files, solids of one material are one mesh."""
     from paminsa_viz.meshes import bodies, frame
 
-    made = {fitting.name: fitting.make for fitting in CATALOGUE}
+    made = {fitting.name: fitting.make for fitting in script.CATALOG}
 
-    def fixed(name: str) -> Part:
+    def fixed(name: str) -> MeshPart:
         return made[name]()
 
     monkeypatch.setattr(bodies, "fixed_part", fixed)

@@ -13,9 +13,9 @@ import trimesh
 from paminsa_viz import palette
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.bodies import STANDING
-from paminsa_viz.meshes.joint_parts import LOAD_DENSITY, PAYLOAD_HEIGHT
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.meshes.materials import linear
+from paminsa_viz.meshes.load import LOAD_DENSITY, PAYLOAD_HEIGHT
+from paminsa_viz.meshes.materials import srgb_to_linear
 from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
@@ -74,7 +74,7 @@ def test_legs_have_their_colors(posed: bytes) -> None:
         node = next(n for n in file["nodes"] if n["name"] == f"leg{leg + 1}_b8.accent")
         primitive = file["meshes"][node["mesh"]]["primitives"][0]
         factor = file["materials"][primitive["material"]]["pbrMetallicRoughness"]["baseColorFactor"]
-        assert factor[:3] == pytest.approx(linear(color), abs=0.01)
+        assert factor[:3] == pytest.approx(srgb_to_linear(color), abs=0.01)
 
 
 def test_the_payloads_volume_shows_its_mass(posed: bytes) -> None:

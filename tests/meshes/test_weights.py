@@ -58,7 +58,7 @@ def test_it_stays_in_its_bars_layer_and_is_quickly_drawn(end: tuple[str, int]) -
     low, high = part.bounds()[:, 1]
     room = at.span(end[0])
     assert room[0] - 0.002 < low < high < room[1] + 0.002
-    assert sum(len(piece.mesh.faces) for piece in part.pieces) < 350
+    assert sum(len(solid.mesh.faces) for solid in part.solids) < 350
 
 
 def test_the_file_holds_those_with_mass() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.meshes.part import Part
+from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.placement import Array
 
 
@@ -25,14 +25,14 @@ def winding_numbers(points: Array, triangles: Array) -> Array:
 class SolidBody:
     """A body's solids, and points spread over their surfaces."""
 
-    def __init__(self, part: Part, spacing: float = 0.005) -> None:
+    def __init__(self, part: MeshPart, spacing: float = 0.005) -> None:
         rng = np.random.default_rng(0)
-        self.solids = [p.mesh.vertices[p.mesh.faces] for p in part.pieces]
+        self.solids = [p.mesh.vertices[p.mesh.faces] for p in part.solids]
         self.low = np.array([s.min(axis=(0, 1)) for s in self.solids])
         self.high = np.array([s.max(axis=(0, 1)) for s in self.solids])
         clouds = []
-        for piece in part.pieces:
-            mesh = piece.mesh
+        for solid in part.solids:
+            mesh = solid.mesh
             count = int(np.clip(mesh.area / spacing**2, 60, 4000))
             share = mesh.area_faces / mesh.area_faces.sum()
             corner = mesh.vertices[mesh.faces[rng.choice(len(mesh.faces), count, p=share)]]

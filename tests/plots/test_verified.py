@@ -8,7 +8,7 @@ import pytest
 from paminsa_viz.engines.verification import verify
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.plots import verified
-from paminsa_viz.plots.verified import engine_torques, verified_curves
+from paminsa_viz.plots.verified import engine_torques, verification_figures
 from paminsa_viz.trajectory import Trajectory, analyze, paper_like
 
 pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
@@ -43,7 +43,7 @@ def test_an_engine_is_not_asked_for_hours(monkeypatch: pytest.MonkeyPatch) -> No
 
 def test_a_verification_is_drawn_engine_by_engine_then_as_printed() -> None:
     found = verify(APPENDIX_4, MOTION, poses=5, misprints=())
-    figures = verified_curves(found)
+    figures = verification_figures(found)
     assert len(figures) == len(found.engines) + 1
     assert figures[0].stem == "formulae_mujoco"
     assert figures[-1].stem == "formulae_as_printed_mujoco"

@@ -17,9 +17,9 @@ from paminsa_viz.trajectory import (
     chain,
     circle,
     line,
-    move,
+    point_to_point,
     round_trip,
-    through,
+    via_points,
 )
 from paminsa_viz.trajectory.supremum import GAP
 from tests.samples import with_knee
@@ -46,16 +46,18 @@ def all_plans() -> list[Plan]:
     plans = []
     for law in LAWS:
         plans += [
-            move(A, B, 1.3, law),
+            point_to_point(A, B, 1.3, law),
             line(A, [0.1, 0.02, -0.5], 0.9, law),
             circle(C, 0.06, 2.0, law, plane="xz", begin=0.7, angle=-5.0),
             arch(A, B, 0.08, 1.1, law, lift_share=0.35, overlap=0.6),
-            round_trip(move(A, B, 0.7, law)),
+            round_trip(point_to_point(A, B, 0.7, law)),
         ]
     plans += [
-        through([A, B, C, A], 3.0),
-        through([A, C, B], times=[1.0, 1.5, 3.0]),
-        chain(move(A, B, 0.8), move(B, C, 0.5, LAWS[2]), through([C, A], 1.0)),
+        via_points([A, B, C, A], 3.0),
+        via_points([A, C, B], times=[1.0, 1.5, 3.0]),
+        chain(
+            point_to_point(A, B, 0.8), point_to_point(B, C, 0.5, LAWS[2]), via_points([C, A], 1.0)
+        ),
     ]
     return plans
 

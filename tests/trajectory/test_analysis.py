@@ -22,9 +22,9 @@ from paminsa_viz.trajectory import (
     chain,
     circle,
     compare,
-    move,
+    point_to_point,
     round_trip,
-    through,
+    via_points,
 )
 from paminsa_viz.trajectory.integrals import rms, running_integral
 from tests.model.cases import Case, assert_close, cases
@@ -80,7 +80,7 @@ def test_random_robots(case: Case) -> None:
     start = np.array(case.poses(1)[0])
     size = case.geometry.base_radius
     step = np.array([0.02, -0.01, 0.04, 0.02]) * [size, size, 1, size]
-    samples = move(start, start + step, 0.3).sample(200)
+    samples = point_to_point(start, start + step, 0.3).sample(200)
     found = analyze(case.design, samples, clearance=0.0)
     exact = inverse_dynamics(case.design, samples.pose, samples.velocity, samples.acceleration)
     assert_close(found.torque, exact.torque, 1e-9)
@@ -100,7 +100,7 @@ CHANGES = {
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("misprints", [Misprint.NONE, Misprint.ALL])
 def test_a_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> None:
-    samples = round_trip(move(A, B, 0.5)).sample(RATE)
+    samples = round_trip(point_to_point(A, B, 0.5)).sample(RATE)
     before = analyze(APPENDIX_4, samples, misprints=misprints)
     design = APPENDIX_4.vary(CHANGES[change])
     kept = analyze(design, samples, misprints=misprints, keep=before.solved)
@@ -115,13 +115,13 @@ def test_a_kept_solution_serves_other_masses(change: str, misprints: Misprint) -
 
 
 def test_a_kept_solution_serves_nothing_else() -> None:
-    samples = move(A, B).sample(20)
+    samples = point_to_point(A, B).sample(20)
     solved = analyze(APPENDIX_4, samples).solved
     longer = APPENDIX_4.vary({"geometry.base_radius": 0.36})
     others = (
         analyze(longer, samples, keep=solved),
         analyze(with_knee(APPENDIX_4, KneeBranch.UPPER), samples, keep=solved),
-        analyze(APPENDIX_4, move(A, B).sample(20), keep=solved),
+        analyze(APPENDIX_4, point_to_point(A, B).sample(20), keep=solved),
         analyze(APPENDIX_4, samples, misprints=Misprint.EQ14_SINE_SIGNS, keep=solved),
     )
     for other in others:
@@ -133,7 +133,7 @@ def test_a_kept_solution_serves_nothing_else() -> None:
 
 @pytest.mark.parametrize(
     "plan",
-    [circle(C, 0.07, 2.0), through([A, B, C, A], 3.0), round_trip(move(A, B, 0.8))],
+    [circle(C, 0.07, 2.0), via_points([A, B, C, A], 3.0), round_trip(point_to_point(A, B, 0.8))],
     ids=["circle", "waypoints", "there and back"],
 )
 @pytest.mark.parametrize("knee", KneeBranch)
@@ -167,7 +167,7 @@ def test_printed_formulae_do_not_balance() -> None:
 
 
 def test_summary() -> None:
-    samples = chain(move(A, B, 0.6), move(B, C, 0.5)).sample(500)
+    samples = chain(point_to_point(A, B, 0.6), point_to_point(B, C, 0.5)).sample(500)
     found = analyze(ROUGH, samples)
     assert len(found.summary) == 4
     for j, summary in enumerate(found.summary):
@@ -193,7 +193,7 @@ def test_summary() -> None:
     ],
 )
 def test_a_failing_path_is_nan_exactly_where_it_says(goal, limit) -> None:
-    samples = move(HOME, goal, 1.0).sample(400)
+    samples = point_to_point(HOME, goal, 1.0).sample(400)
     found = analyze(ROUGH, samples)
     bad = ~found.check.good
     assert bad.any()
@@ -213,7 +213,7 @@ def test_a_failing_path_is_nan_exactly_where_it_says(goal, limit) -> None:
 
 
 def test_a_path_that_fails_at_its_start_has_no_summary() -> None:
-    found = analyze(APPENDIX_4, move([1, 0, 0, -0.5], HOME).sample(50))
+    found = analyze(APPENDIX_4, point_to_point([1, 0, 0, -0.5], HOME).sample(50))
     assert found.summary == ()
     assert np.isnan(found.energy_residual).all()
     assert np.isnan(found.torque[0]).all()
@@ -229,7 +229,7 @@ def test_actuators_are_followed_without_jumps() -> None:
 
 
 def test_comparison_with_a_reference() -> None:
-    samples = move(A, B, 0.5).sample(200)
+    samples = point_to_point(A, B, 0.5).sample(200)
     reference = analyze(APPENDIX_4, samples)
     doubled = analyze(
         APPENDIX_4.vary(
@@ -248,7 +248,7 @@ def test_comparison_with_a_reference() -> None:
         assert change.top_power == pytest.approx(2)
         assert change.driven == pytest.approx(2)
     with pytest.raises(InvalidInput, match="same trajectory"):
-        compare(reference, analyze(APPENDIX_4, move(A, B, 0.5).sample(200)))
+        compare(reference, analyze(APPENDIX_4, point_to_point(A, B, 0.5).sample(200)))
 
 
 def test_running_integral() -> None:

@@ -15,7 +15,7 @@ from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     Trajectory,
     check_path,
-    move,
+    point_to_point,
     round_trip,
 )
 
@@ -26,7 +26,7 @@ NARROW = APPENDIX_4.vary({"geometry.platform_radius": 0.4, "geometry.base_radius
 
 
 def to(x: float, y: float, theta: float, z: float, duration: float = 2.0):
-    return move(HOME, [x, y, theta, z], duration)
+    return point_to_point(HOME, [x, y, theta, z], duration)
 
 
 @pytest.mark.parametrize("rate", [3.0, 40.0, 1000.0])
@@ -62,7 +62,7 @@ def test_a_guide_may_be_used_to_its_end_and_no_further() -> None:
     assert "guide" in check.first.explanation
     # a motion that ends where the guide does
     end = brentq(lambda y: check_reach(SHORT_GUIDE, [0, y, 0.1, -0.5]).margins[2, 2], -0.2, 0)
-    inside = check_path(SHORT_GUIDE, move(HOME, [0, end + 1e-12, 0.1, -0.5]).sample())
+    inside = check_path(SHORT_GUIDE, point_to_point(HOME, [0, end + 1e-12, 0.1, -0.5]).sample())
     assert inside.ok
 
 
@@ -79,7 +79,7 @@ def test_a_stretched_pantograph() -> None:
 @pytest.mark.parametrize("goal", [(0.3, 0, 0, -0.5), (0, 0, 1.6, -0.5), (0, 0, 0, -1.3)])
 def test_a_failure_between_two_good_samples_is_found(goal) -> None:
     """There and back between two samples: both of them, and every sample, can be taken."""
-    plan = round_trip(move(HOME, goal))
+    plan = round_trip(point_to_point(HOME, goal))
     t = np.array([0.0, 0.2, 1.8, 2.0])
     samples = Trajectory(t, *plan.at(t))
     check = check_path(GEOMETRY, samples)
@@ -93,7 +93,7 @@ def test_a_short_dip_between_many_samples_is_found() -> None:
     """A turning point a little beyond the limit, between two of a thousand samples."""
     limit = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
     for beyond, fails in ((1e-9, True), (-1e-9, False)):
-        plan = round_trip(move(HOME, [limit + beyond, 0, 0, -0.5]))
+        plan = round_trip(point_to_point(HOME, [limit + beyond, 0, 0, -0.5]))
         t = np.linspace(0, 2, 1000)  # the turning point at 1 s is none of them
         check = check_path(GEOMETRY, Trajectory(t, *plan.at(t)))
         assert check.good.all()
@@ -110,7 +110,7 @@ def test_what_lies_beyond_a_singularity_stays_marked() -> None:
     with pytest.raises(ImpossibleTrajectory, match="too close to a singular pose"):
         check.require()
     # started there, the same poses are fine: no singularity is crossed
-    back = check_path(GEOMETRY, move([0.3, 0, 0, -0.5], [0.28, 0, 0, -0.5]).sample())
+    back = check_path(GEOMETRY, point_to_point([0.3, 0, 0, -0.5], [0.28, 0, 0, -0.5]).sample())
     assert back.ok
     assert back.side == (-1.0, 1.0)
 
@@ -166,13 +166,15 @@ def test_closest_approach() -> None:
 
 
 def test_a_start_out_of_reach_fails_at_once() -> None:
-    check = check_path(GEOMETRY, move([1.0, 0, 0, -0.5], HOME).sample(50))
+    check = check_path(GEOMETRY, point_to_point([1.0, 0, 0, -0.5], HOME).sample(50))
     assert check.first is not None
     assert (check.first.t, check.until) == (0.0, 0)
 
 
 def test_a_platform_larger_than_the_base_has_no_singular_turn() -> None:
-    check = check_path(NARROW, move([0, 0, 0, -0.4], [0, 0, 0.05, -0.4]).sample(50), 0.001)
+    check = check_path(
+        NARROW, point_to_point([0, 0, 0, -0.4], [0, 0, 0.05, -0.4]).sample(50), 0.001
+    )
     assert np.isfinite(check.closest.margin)
 
 

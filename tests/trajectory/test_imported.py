@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.trajectory import from_samples, move, through
+from paminsa_viz.trajectory import from_samples, point_to_point, via_points
 from tests.trajectory.plans import A, B, C
 
-EXACT = move(A, B, 1.2).sample(400)
+EXACT = point_to_point(A, B, 1.2).sample(400)
 
 
 def test_rates_of_smooth_samples_are_recovered() -> None:
@@ -27,7 +27,7 @@ def test_rates_of_smooth_samples_are_recovered() -> None:
 def test_few_waypoints_at_rest_make_the_planners_motion() -> None:
     times = np.array([0.0, 0.7, 2.0])
     made = from_samples(times, [A, C, B], rest=True)
-    plan = through([A, C, B], times=times)
+    plan = via_points([A, C, B], times=times)
     for found, exact in zip(made.at(np.linspace(0, 2, 30)), plan.at(np.linspace(0, 2, 30)),
                             strict=True):  # fmt: skip
         np.testing.assert_allclose(found, exact, atol=1e-9)

@@ -14,9 +14,9 @@ from paminsa_viz.trajectory import (
     chain,
     circle,
     line,
-    move,
+    point_to_point,
     round_trip,
-    through,
+    via_points,
 )
 from tests.trajectory.plans import LAWS, PLANS, A, B, C, inside, place
 
@@ -85,7 +85,7 @@ def test_stretching_scales_the_rates(plan: Plan) -> None:
 
 @given(poses, poses, st.sampled_from(LAWS), st.floats(0.1, 10))
 def test_a_move_is_straight(start, goal, law, duration) -> None:
-    plan = move(start, goal, duration, law)
+    plan = point_to_point(start, goal, duration, law)
     pose = plan.at(np.linspace(0, duration, 20)).pose
     np.testing.assert_allclose(pose[[0, -1]], [start, goal], atol=1e-12)
     share = law(np.linspace(0, 1, 20))[:, None]
@@ -131,10 +131,10 @@ def test_an_arch_goes_up_over_and_down(start, goal, height, lift, overlap) -> No
 
 
 def test_waypoints_are_passed_when_they_should_be() -> None:
-    plan = through([A, C, B, A], times=[2.0, 2.5, 4.0, 4.5])
+    plan = via_points([A, C, B, A], times=[2.0, 2.5, 4.0, 4.5])
     assert plan.duration == pytest.approx(2.5)
     np.testing.assert_allclose(plan.at([0.0, 0.5, 2.0, 2.5]).pose, [A, C, B, A], atol=1e-12)
-    shared = through([A, C, B, A], 2.0)
+    shared = via_points([A, C, B, A], 2.0)
     np.testing.assert_allclose(shared.curve(shared.curve.breaks), [A, C, B, A], atol=1e-12)
     t = np.linspace(0.01, 1.99, 400)
     third = np.diff(shared.jerk(t), axis=0) / np.diff(t)[:, None]
@@ -143,12 +143,12 @@ def test_waypoints_are_passed_when_they_should_be() -> None:
 
 def test_two_waypoints_make_the_quintic_move() -> None:
     t = np.linspace(0, 1, 11)
-    for way, direct in zip(through([A, B]).at(t), move(A, B).at(t), strict=True):
+    for way, direct in zip(via_points([A, B]).at(t), point_to_point(A, B).at(t), strict=True):
         np.testing.assert_allclose(way, direct, atol=1e-11)
 
 
 def test_chain_and_back() -> None:
-    first, second = move(A, B, 0.5), move(B, C, 1.5)
+    first, second = point_to_point(A, B, 0.5), point_to_point(B, C, 1.5)
     whole = chain(first, second)
     assert whole.duration == 2.0
     np.testing.assert_allclose(whole.at([0.25]).velocity, first.at([0.25]).velocity)
@@ -162,7 +162,7 @@ def test_chain_and_back() -> None:
 
 
 def test_samples_are_those_of_the_plan() -> None:
-    plan = move(A, B, 1.23456)
+    plan = point_to_point(A, B, 1.23456)
     made = plan.sample(100)
     assert made.size == 124
     assert made.t[-1] == plan.duration
@@ -176,10 +176,10 @@ NAN = [np.nan, 0, 0, 0]
 @pytest.mark.parametrize(
     ("argument", "make"),
     [
-        ("start", lambda: move(NAN, B)),
-        ("goal", lambda: move(A, [1, 2, 3])),
-        ("duration", lambda: move(A, B, 0.0)),
-        ("duration", lambda: move(A, B, np.inf)),
+        ("start", lambda: point_to_point(NAN, B)),
+        ("goal", lambda: point_to_point(A, [1, 2, 3])),
+        ("duration", lambda: point_to_point(A, B, 0.0)),
+        ("duration", lambda: point_to_point(A, B, np.inf)),
         ("point", lambda: line(A, [0, 0, np.inf])),
         ("radius", lambda: circle(A, 0.0)),
         ("angle", lambda: circle(A, 0.1, angle=np.nan)),
@@ -188,15 +188,15 @@ NAN = [np.nan, 0, 0, 0]
         ("lift_share", lambda: arch(A, B, 0.1, lift_share=0.6)),
         ("overlap", lambda: arch(A, B, 0.1, overlap=1.5)),
         ("overlap", lambda: arch(A, B, 0.1, lift_share=0.5, overlap=0.0)),
-        ("poses", lambda: through([A])),
-        ("poses", lambda: through([A, B, B, C])),
-        ("poses", lambda: through([A, NAN])),
-        ("times", lambda: through([A, B, C], times=[0, 2, 1])),
-        ("times", lambda: through([A, B, C], times=[0, 1])),
+        ("poses", lambda: via_points([A])),
+        ("poses", lambda: via_points([A, B, B, C])),
+        ("poses", lambda: via_points([A, NAN])),
+        ("times", lambda: via_points([A, B, C], times=[0, 2, 1])),
+        ("times", lambda: via_points([A, B, C], times=[0, 1])),
         ("plans", lambda: chain()),
-        ("plans", lambda: chain(move(A, B), move(C, A))),
-        ("rate", lambda: move(A, B).sample(0.0)),
-        ("rate", lambda: move(A, B).sample(1e9)),
+        ("plans", lambda: chain(point_to_point(A, B), point_to_point(C, A))),
+        ("rate", lambda: point_to_point(A, B).sample(0.0)),
+        ("rate", lambda: point_to_point(A, B).sample(1e9)),
     ],
 )
 def test_refusals_name_the_argument(argument: str, make) -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.trajectory import Trajectory, move, through
+from paminsa_viz.trajectory import Trajectory, point_to_point, via_points
 from tests.trajectory.plans import A, B, C
 
 T = np.array([0.0, 0.3, 1.0])
@@ -14,7 +14,7 @@ ROWS = np.arange(12.0).reshape(3, 4) / 10
 
 
 def test_between_samples_a_quintic_comes_back_exactly() -> None:
-    for plan in (move(A, B, 1.5), through([A, C, B], 2.0)):
+    for plan in (point_to_point(A, B, 1.5), via_points([A, C, B], 2.0)):
         t = np.linspace(0, plan.duration, 41)
         breaks = plan.curve.breaks * plan.duration
         at = np.union1d(breaks, np.linspace(0, plan.duration, 5))
@@ -44,8 +44,8 @@ def test_before_and_after_it_is_the_end_state() -> None:
 
 
 def test_resampling_keeps_the_motion() -> None:
-    made = move(A, B, 2.0).sample(50).resampled(333)
-    exact = move(A, B, 2.0).at(made.t)
+    made = point_to_point(A, B, 2.0).sample(50).resampled(333)
+    exact = point_to_point(A, B, 2.0).at(made.t)
     assert made.size == 667
     np.testing.assert_allclose(made.acceleration, exact.acceleration, atol=1e-10)
 

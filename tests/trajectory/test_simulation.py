@@ -31,7 +31,7 @@ from paminsa_viz.trajectory import (
     Simulation,
     SimulationFailed,
     actuator_inertia,
-    move,
+    point_to_point,
     simulate,
 )
 from paminsa_viz.trajectory import plant as formulae
@@ -43,7 +43,7 @@ from tests.trajectory.plans import FRICTION, A, B, preset_plan
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
 ASIDE = np.array([0.05, 0.02, 0.2, -0.5])
 LOADED = APPENDIX_4.vary({"payload.mass": 1.0})
-SHORT = move(A, B, 0.6).sample(200)
+SHORT = point_to_point(A, B, 0.6).sample(200)
 
 
 def near(pose):
@@ -51,7 +51,7 @@ def near(pose):
     return pose + np.array([0, 0, 0, 1e-9])
 
 
-STAY = move(HOME, near(HOME), 1.0).sample(50)
+STAY = point_to_point(HOME, near(HOME), 1.0).sample(50)
 controls = pytest.mark.parametrize("control", Control)
 
 
@@ -103,7 +103,7 @@ def test_with_an_exact_model_the_robot_tracks(control: Control, knee: KneeBranch
 
 @controls
 def test_compiled_and_python_equations_are_the_same(control: Control) -> None:
-    samples = move(A, B, 0.6).lasting(0.15).sample(100)
+    samples = point_to_point(A, B, 0.6).lasting(0.15).sample(100)
     options = {"control": control, "offset": (1e-3, -2e-3, 5e-3, 1e-3), "model": LOADED}
     backend.compile_now()
     compiled = run(trajectory=samples, tolerance=1e-6, **options)
@@ -133,7 +133,7 @@ def test_drift_falls_with_the_tolerance() -> None:
 
 def test_feedback_holds_a_wrong_payload_where_the_gains_say() -> None:
     """At rest the PD torques make up for the unknown weight: error = weight's torque / gain."""
-    samples = move(ASIDE, near(ASIDE), 2.0).sample(50)
+    samples = point_to_point(ASIDE, near(ASIDE), 2.0).sample(50)
     controller = Controller(proportional=(200, 200, 200, 2e4), derivative=(20, 20, 20, 800))
     found = simulate(LOADED, samples, model=APPENDIX_4, controller=controller)
     end = found.pose[-1]
@@ -199,7 +199,7 @@ def test_it_stops_where_the_workspace_ends_and_says_why() -> None:
 
 def test_it_stops_at_the_end_of_a_guide() -> None:
     short = APPENDIX_4.vary({"geometry.guide_stroke": 0.14})
-    stay = move(HOME, near(HOME), 2.0).sample(50)
+    stay = point_to_point(HOME, near(HOME), 2.0).sample(50)
     found = run(short, trajectory=stay, control=Control.FEED_FORWARD, offset=(0, 0, 0.1, 0))
     assert found.stopped is not None
     assert found.stopped.limit is Limit.GUIDE
@@ -219,7 +219,7 @@ def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
 
 def test_what_can_not_be_simulated() -> None:
     with pytest.raises(ImpossibleTrajectory):
-        run(trajectory=move(HOME, [0.3, 0, 0, -0.5]).sample(50))
+        run(trajectory=point_to_point(HOME, [0.3, 0, 0, -0.5]).sample(50))
     with pytest.raises(InvalidInput, match="geometry"):
         run(model=APPENDIX_4.vary({"geometry.base_radius": 0.36}))
     with pytest.raises(InvalidInput, match="offset"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from paminsa_viz.trajectory import Control, Controller, move, simulate
+from paminsa_viz.trajectory import Control, Controller, point_to_point, simulate
 from tests.samples import with_knee
 from tests.trajectory.plans import A, B
 
@@ -18,7 +18,7 @@ def test_an_unknown_payload_makes_both_drift_alike(knee: KneeBranch) -> None:
     from paminsa_viz.engines.simulation import play
 
     height = np.array([0, 0, 0, 0.0 if knee is KneeBranch.LOWER else 0.945])
-    samples = move(A + height, B + height, 0.6).sample(400)
+    samples = point_to_point(A + height, B + height, 0.6).sample(400)
     loaded = APPENDIX_4.vary({"payload.mass": 0.5})
     blind = Controller(Control.FEED_FORWARD)
     model = with_knee(APPENDIX_4, knee)

@@ -11,13 +11,13 @@ from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, inverse_dyna
 from paminsa_viz.trajectory import (
     ImpossibleTrajectory,
     InfeasibleMotion,
+    MinimumTime,
     MotionLimits,
     Plan,
     Profile,
-    Shortest,
     TimeLaw,
-    move,
-    shortest,
+    minimum_time,
+    point_to_point,
 )
 from paminsa_viz.trajectory.limits import QUANTITIES
 from tests.model.cases import Case, cases
@@ -46,7 +46,7 @@ def turn(rows):
     return np.abs(rows[:, 2])
 
 
-def assert_at_its_limit(found: Shortest, limits: MotionLimits, *robot) -> None:
+def assert_at_its_limit(found: MinimumTime, limits: MotionLimits, *robot) -> None:
     plan = found.plan
     all_over = used(plan, dense(plan), limits, *robot)
     assert all_over.max() <= 1 + ROUNDING
@@ -68,19 +68,19 @@ KINEMATIC = [
 def test_limits_of_the_platform(plan: Plan, limits: MotionLimits) -> None:
     if not used(plan, dense(plan), limits).max() > 0:
         with pytest.raises(InvalidInput, match="nothing that moves"):
-            shortest(plan, limits)
+            minimum_time(plan, limits)
         return
-    assert_at_its_limit(shortest(plan, limits), limits)
+    assert_at_its_limit(minimum_time(plan, limits), limits)
 
 
 @PLANS
 def test_limits_of_jerk(plan: Plan) -> None:
     limits = MotionLimits(speed=1.0, acceleration=3.0, jerk=20.0, turn_jerk=90.0)
     if plan.curve.bounded_jerk:
-        assert_at_its_limit(shortest(plan, limits), limits)
+        assert_at_its_limit(minimum_time(plan, limits), limits)
     else:
         with pytest.raises(InvalidInput, match="jumps"):
-            shortest(plan, limits)
+            minimum_time(plan, limits)
 
 
 @PLANS
@@ -93,7 +93,7 @@ def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
     )
     top = np.abs(still.torque).max(axis=0)
     limits = MotionLimits(torque=1.5 * top[:3].max(), force=1.1 * top[3])
-    found = shortest(plan, limits, with_knee(design, knee))
+    found = minimum_time(plan, limits, with_knee(design, knee))
     assert found.quantity.split()[0] in ("torque", "force")
     assert_at_its_limit(found, limits, with_knee(design, knee))
     for factor in (1.001, 1.3, 4.0, 50.0):  # every longer duration keeps them too
@@ -107,7 +107,7 @@ def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
 def test_coulomb_friction_is_never_underrated(plan: Plan) -> None:
     design = APPENDIX_4.vary(FRICTION)
     limits = MotionLimits(torque=8.0, force=400.0)
-    found = shortest(plan, limits, design)
+    found = minimum_time(plan, limits, design)
     top = used(found.plan, dense(found.plan), limits, design).max()
     assert 0.995 < top <= 1 + ROUNDING
 
@@ -118,11 +118,13 @@ def test_random_robots(case: Case, law: TimeLaw, spare: float) -> None:
     design = case.design
     start = np.array(case.poses(1, natural=True)[0])
     size = design.geometry.base_radius
-    plan = move(start, start + np.array([0.01, -0.02, 0.03, 0.015]) * [size, size, 1, size], 1, law)
+    plan = point_to_point(
+        start, start + np.array([0.01, -0.02, 0.03, 0.015]) * [size, size, 1, size], 1, law
+    )
     still = inverse_dynamics(design, plan.curve(np.linspace(0, 1, 50)), [0] * 4, [0] * 4)
     top = spare * np.abs(still.torque).max(axis=0)
     limits = MotionLimits(torque=top[:3].max(), force=top[3])
-    found = shortest(plan, limits, design, clearance=0.0)
+    found = minimum_time(plan, limits, design, clearance=0.0)
     assert_at_its_limit(found, limits, design)
 
 
@@ -131,12 +133,12 @@ def test_a_straight_move_uses_all_its_limits(profile: Profile) -> None:
     limits = MotionLimits(speed=0.1, acceleration=0.5, jerk=4.0)
     if profile is Profile.TRAPEZOID:
         limits = MotionLimits(speed=0.1, acceleration=0.5)
-    plan = move(A, B, law=TimeLaw(profile))
-    found = shortest(plan, limits)
+    plan = point_to_point(A, B, law=TimeLaw(profile))
+    found = minimum_time(plan, limits)
     top = used(found.plan, dense(found.plan), limits).max(axis=0)
     reached = [0, 2] if profile is Profile.TRAPEZOID else [0, 2, 4]
     np.testing.assert_allclose(top[reached], 1.0, rtol=1e-9)
-    kept = shortest(plan, limits, reshape=False)
+    kept = minimum_time(plan, limits, reshape=False)
     assert kept.plan.curve is plan.curve
     assert kept.plan.duration > found.plan.duration
 
@@ -144,7 +146,7 @@ def test_a_straight_move_uses_all_its_limits(profile: Profile) -> None:
 def test_torques_are_a_quadratic_of_the_rate() -> None:
     """The structure that durations rest on: gravity + viscous/T + dynamic/T^2."""
     design = DESIGNS["viscous"]
-    plan = move(A, B)
+    plan = point_to_point(A, B)
     u = np.linspace(0, 1, 50)
 
     def torque(w: float):
@@ -162,7 +164,7 @@ def test_torques_are_a_quadratic_of_the_rate() -> None:
 
 def test_a_motor_too_weak_to_hold_the_weight_is_reported() -> None:
     with pytest.raises(InfeasibleMotion) as caught:
-        shortest(move(A, B), MotionLimits(force=200.0), APPENDIX_4)
+        minimum_time(point_to_point(A, B), MotionLimits(force=200.0), APPENDIX_4)
     error = caught.value
     assert error.actuator == 3
     assert error.limit == 200.0
@@ -171,31 +173,31 @@ def test_a_motor_too_weak_to_hold_the_weight_is_reported() -> None:
     assert "gravity" in str(error)
     assert "force of M4" in str(error)
     with pytest.raises(InfeasibleMotion) as caught:
-        shortest(move(A, B), MotionLimits(torque=0.5), APPENDIX_4)
+        minimum_time(point_to_point(A, B), MotionLimits(torque=0.5), APPENDIX_4)
     assert caught.value.actuator in (0, 1, 2)
     # held at rest, but not against Coulomb friction as well
     sticky = APPENDIX_4.vary({"friction.coulomb_linear": 50.0})
-    shortest(move(A, B), MotionLimits(force=260.0), APPENDIX_4)
+    minimum_time(point_to_point(A, B), MotionLimits(force=260.0), APPENDIX_4)
     with pytest.raises(InfeasibleMotion, match="Coulomb"):
-        shortest(move(A, B), MotionLimits(force=260.0), sticky)
+        minimum_time(point_to_point(A, B), MotionLimits(force=260.0), sticky)
 
 
 def test_what_can_not_be_asked() -> None:
     with pytest.raises(InvalidInput, match="design"):
-        shortest(move(A, B), MotionLimits(torque=5.0))
+        minimum_time(point_to_point(A, B), MotionLimits(torque=5.0))
     with pytest.raises(InvalidInput, match="nothing that moves"):
-        shortest(move(A, B), MotionLimits())
+        minimum_time(point_to_point(A, B), MotionLimits())
     with pytest.raises(InvalidInput, match="nothing that moves"):
-        shortest(move(A, [*A[:2], 1.0, A[3]]), MotionLimits(speed=1.0))
+        minimum_time(point_to_point(A, [*A[:2], 1.0, A[3]]), MotionLimits(speed=1.0))
     with pytest.raises(ImpossibleTrajectory):
-        shortest(move(A, [0.4, 0, 0, -0.5]), MotionLimits(speed=1.0), APPENDIX_4)
+        minimum_time(point_to_point(A, [0.4, 0, 0, -0.5]), MotionLimits(speed=1.0), APPENDIX_4)
     for value in (0.0, -1.0, np.nan, np.inf):
         with pytest.raises(InvalidInput, match="speed"):
             MotionLimits(speed=value)
 
 
 def test_the_explanation_names_limit_and_instant() -> None:
-    found = shortest(move(A, B), MotionLimits(speed=0.2))
+    found = minimum_time(point_to_point(A, B), MotionLimits(speed=0.2))
     assert found.t == pytest.approx(found.plan.duration / 2)
     assert (
         found.explanation

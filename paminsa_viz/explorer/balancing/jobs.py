@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-from paminsa_viz.balancing import Front, Optimum, Tornado
+from paminsa_viz.balancing import Optimum, ParetoFront, Tornado
 from paminsa_viz.explorer.balancing.settings import BalanceSettings
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.trajectory import Trajectory
@@ -72,7 +72,7 @@ class Outcome:
     after: Design | None = None
     optimum: Optimum | None = None
     effects: tuple[Effect, ...] = ()
-    front: Front | None = None
+    front: ParetoFront | None = None
     designs: tuple[Design, ...] = ()
     tornado: Tornado | None = None
     problem: PaminsaError | None = None

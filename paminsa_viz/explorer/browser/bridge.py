@@ -1,98 +1,50 @@
-"""What viser has no handle for: scripts sent to the tab, and messages that come back from it.
+"""What viser has no interface for: functions of ``page.js``, and messages that come back from it.
 
-Two things need it. Clicks on a Plotly figure happen in the page and have to reach the server; and a
-tab's own store (``sessionStorage``), unlike viser's ``local_storage``, is not shared between tabs,
-so that each finds its own state again after a reload. Messages come back through a hidden text
-input of the same tab, which the server's guard checks like any other input.
+Clicks on a Plotly figure happen in the page and have to reach the server; and a tab's own store
+(``sessionStorage``), unlike viser's ``local_storage``, is not shared between tabs, so that each
+finds its own state again after a reload. Messages come back through a hidden text input of the
+same tab, which the server's guard checks like any other input.
 """
 
 from __future__ import annotations
 
 import json
+import logging
 import threading
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import viser
-from viser import _messages
+
+from paminsa_viz.explorer.browser import asset
+
+log = logging.getLogger(__name__)
 
 STORE_KEY = "paminsa_viz"
 
 MESSAGE_LIMIT = 64_000
-"""Longest message that is looked at [characters]; a saved state is a tenth of it."""
+"""Longest message that is read [characters]; a saved state is a tenth of it."""
 
-_SETUP = """
-(() => {
-  const uuid = __UUID__;
-  const recent = [];
-  let count = 0;
-  const send = (kind, data) => {
-    const viewer = window.__viserMutable;
-    if (!viewer) return false;
-    recent.push([++count, kind, data]);
-    while (recent.length > 4) recent.shift();
-    viewer.sendMessage({type: "GuiUpdateMessage", uuid: uuid,
-      updates: {value: JSON.stringify(recent)}});
-    return true;
-  };
-  window.__paminsaSend = send;
-  const hello = () => {
-    let saved = null;
-    try { saved = sessionStorage.getItem(__KEY__); } catch (error) { saved = null; }
-    if (!send("hello", saved)) setTimeout(hello, 50);
-  };
-  hello();
-  const graphics = () => {
-    const canvas = window.__viserMutable && window.__viserMutable.canvas;
-    if (!canvas) { setTimeout(graphics, 200); return; }
-    const gl = canvas.getContext("webgl2");
-    const names = gl && gl.getExtension("WEBGL_debug_renderer_info");
-    send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
-  };
-  graphics();
-  const shown = () => { if (!send("shown", null)) setTimeout(shown, 50); };
-  const calm = window.requestIdleCallback || ((run) => setTimeout(run, 200));
-  requestAnimationFrame(() => calm(shown, {timeout: 1000}));
-  setTimeout(shown, 2000); // a tab in the background draws nothing
-  if (window.__paminsaClicks)
-    for (const kind of ["pointerdown", "pointerup"])
-      document.removeEventListener(kind, window.__paminsaClicks, true);
-  let down = null;
-  // Not the page's own click: while a figure is pressed, Plotly lays a cover over the window.
-  window.__paminsaClicks = (event) => {
-    const place = [event.clientX, event.clientY];
-    const figures = document.elementsFromPoint(...place).map((e) => e.closest(".js-plotly-plot"));
-    const plot = figures.find((figure) => figure && figure._fullLayout);
-    if (event.type === "pointerdown") { down = event.button === 0 && plot ? place : null; return; }
-    if (!plot || !down || Math.hypot(place[0] - down[0], place[1] - down[1]) > 4) return;
-    const box = plot.getBoundingClientRect();
-    for (const part of Object.values(plot._fullLayout._plots || {})) {
-      const x = place[0] - box.left - part.xaxis._offset;
-      const y = place[1] - box.top - part.yaxis._offset;
-      if (x < 0 || y < 0 || x > part.xaxis._length || y > part.yaxis._length) continue;
-      send("click", {title: String(plot._fullLayout.meta || ""),
-        x: part.xaxis.p2d(x), y: part.yaxis.p2d(y)});
-      return;
-    }
-  };
-  for (const kind of ["pointerdown", "pointerup"])
-    document.addEventListener(kind, window.__paminsaClicks, true);
-})();
-"""
-"""The tab's side. Each message repeats the last few: the input holds only the newest text, and one
-that follows another at once would otherwise take its place before it is read."""
+HELLO_TIMEOUT = 10.0
+"""How long the page is waited for before it is built without it [s]."""
 
 
 class Bridge:
-    """Scripts to one tab and messages from it."""
+    """Scripts to one tab and messages from it.
+
+    With a viser that has moved what it needs, it reports so once, sends nothing, and says hello in
+    the page's place: the page is then there, without what only its script can do.
+    """
 
     def __init__(self, client: viser.ClientHandle) -> None:
-        self._client = client
         self._listeners: dict[str, list[Callable[[Any], None]]] = {}
         self._last = 0
         self._lock = threading.Lock()
         self._inbox = client.gui.add_text("bridge", "", visible=False)
         self._inbox.on_update(self._receive)
+        self._run = _script_channel(client)
+        self.on("missing", _report_missing)
 
     def open(self) -> None:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
@@ -100,23 +52,43 @@ class Bridge:
         After it comes a ``shown``, once what has been sent so far stands on the screen; it may come
         twice. A ``graphics`` names what draws the 3D view.
         """
-        script = _SETUP.replace("__UUID__", json.dumps(self._inbox._impl.uuid))
-        self.run(script.replace("__KEY__", json.dumps(STORE_KEY)))
+        try:
+            config = {"inbox": self._inbox._impl.uuid, "storeKey": STORE_KEY}
+        except AttributeError as error:
+            _report_missing([f"messages from the page ({error})"])
+            self._run = None
+            config = {}
+        if self._run is None:
+            self._go_on_without()
+            return
+        timer = threading.Timer(HELLO_TIMEOUT, self._give_up_waiting)
+        timer.daemon = True
+        self.on("hello", lambda _: timer.cancel())
+        timer.start()
+        self._run(asset("backdrop.js"))
+        self._run(f"({asset('page.js').rstrip()})({json.dumps(config)})")
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:
         """Call ``listener`` too with the data of every message of one kind."""
         self._listeners.setdefault(kind, []).append(listener)
 
+    def call(self, function: str, *arguments: Any) -> None:
+        """Call one of the functions that ``page.js`` offers as ``window.paminsa``."""
+        if self._run is not None:
+            values = ", ".join(map(json.dumps, arguments))
+            self._run(f"window.paminsa?.{function}({values})")
+
     def save(self, text: str) -> None:
         """Keep a text in the tab's own store, where a reload finds it."""
-        store = f"sessionStorage.setItem({json.dumps(STORE_KEY)}, {json.dumps(text)})"
-        self.run(f"try {{ {store}; }} catch (error) {{ console.warn(error); }}")
+        self.call("save", text)
 
-    def run(self, script: str) -> None:
-        """Run a script in the tab."""
-        self._client.gui._websock_interface.queue_message(
-            _messages.RunJavascriptMessage(source=script)
-        )
+    def _give_up_waiting(self) -> None:
+        _report_missing([f"messages from the page (none within {HELLO_TIMEOUT:g} s)"])
+        self._go_on_without()
+
+    def _go_on_without(self) -> None:
+        for kind in ("hello", "shown"):
+            self._deliver(kind, None)
 
     def _receive(self, event: Any) -> None:
         text = self._inbox.value
@@ -131,5 +103,32 @@ class Bridge:
             if fresh:
                 self._last = fresh[-1][0]
         for _, kind, data in fresh:
-            for listener in self._listeners.get(kind, ()):
-                listener(data)
+            self._deliver(kind, data)
+
+    def _deliver(self, kind: str, data: Any) -> None:
+        for listener in self._listeners.get(kind, ()):
+            listener(data)
+
+
+def _script_channel(client: viser.ClientHandle) -> Callable[[str], None] | None:
+    """Return what runs a script in a tab, or None with a viser that has none."""
+    try:
+        from viser._messages import RunJavascriptMessage
+
+        queue = client.gui._websock_interface.queue_message
+    except (ImportError, AttributeError) as error:
+        _report_missing([f"scripts in the page ({error})"])
+        return None
+    return lambda source: queue(RunJavascriptMessage(source=source))
+
+
+def _report_missing(names: Any) -> None:
+    """Report features that the installed viser does not carry; ``names`` may come from the page."""
+    if isinstance(names, list):
+        for name in names[:20]:
+            _report_once(str(name)[:100])
+
+
+@cache
+def _report_once(name: str) -> None:
+    log.warning("viser %s: the page goes on without %r", viser.__version__, name)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,46 +12,34 @@ from paminsa_viz.engines.comparison import Comparison, torque_scale
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.plots.series import EngineTorques
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze
-
-if TYPE_CHECKING:
-    from paminsa_viz.plots.curves import OtherTorques
 
 MOST_SAMPLES = 250
 """Samples of a motion that the engine computes, in equal distance; it takes a tenth of a second."""
 
 
 @dataclass(frozen=True, eq=False)
-class EngineTorques:
+class EngineCheck:
     """An engine's torques along a motion.
 
     Attributes:
         thinned: The formulae's torques at the k samples that were computed.
-        kept: (k,) which samples of the whole motion they are.
         engine: The engine's torques there, joint friction added; NaN where the motion fails.
         tolerance: Largest difference over an actuator's largest torque that passes.
     """
 
     thinned: TrajectoryAnalysis
-    kept: NDArray[np.intp]
-    engine: OtherTorques
+    engine: EngineTorques
     tolerance: float
-
-    def difference(self, analysis: TrajectoryAnalysis) -> Array:
-        """Return the formulae's torques minus the engine's, (k, 4) [N m, N].
-
-        Args:
-            analysis: The same design on the whole motion, some formulae perhaps as printed.
-        """
-        return analysis.torque[self.kept] - self.engine.torque
 
     def comparison(self, analysis: TrajectoryAnalysis) -> Comparison:
         """Return the comparison at the samples where the motion does not fail.
 
         Args:
-            analysis: As of `difference`.
+            analysis: The same design on the whole motion, some formulae perhaps as published.
         """
-        computed = analysis.torque[self.kept[self._good]]
+        computed = self.engine.pick(analysis.torque)[self._good]
         return Comparison(computed, self.engine.torque[self._good], self._scale)
 
     @cached_property
@@ -78,7 +65,7 @@ class Answer:
     """
 
     analysis: TrajectoryAnalysis
-    found: EngineTorques | None
+    found: EngineCheck | None
     problem: str = ""
     missing: bool = False
 
@@ -101,8 +88,8 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         thinned = analyze(analysis.design, motion)
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
-        found = EngineTorques(thinned, kept, engine_torques(thinned), TOLERANCE)
-        return Answer(analysis, found)
+        engine = replace(engine_torques(thinned), samples=kept)
+        return Answer(analysis, EngineCheck(thinned, engine, TOLERANCE))
     except EngineMissing as error:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:

@@ -4,35 +4,22 @@ from __future__ import annotations
 
 from paminsa_viz.explorer.exports import RESOLUTIONS, WIDTHS, File, plain, require_range
 from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.plots import Plot
-from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
+from paminsa_viz.explorer.motion.plots import FIGURES, SIMULATED
+from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
-from paminsa_viz.model import InvalidInput, Misprint
-from paminsa_viz.plots.curves import CurveKind, figure_bytes
-from paminsa_viz.trajectory import analyze
-
-FIGURES: dict[Plot, CurveKind] = {
-    Plot.TORQUES: "torques",
-    Plot.DIFFERENCE: "comparison",
-    Plot.PARTS: "breakdown",
-    Plot.POWER: "power",
-    Plot.ENERGY: "energy",
-    Plot.POSE: "pose",
-    Plot.SPEED: "pose",
-    Plot.ACCELERATION: "pose",
-    Plot.TRACKING: "tracking",
-    Plot.DRIVEN: "tracking",
-}
-"""The printed figure that belongs to what is plotted on the page."""
-
-_SIMULATED = (Plot.TRACKING, Plot.DRIVEN)
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
+from paminsa_viz.plots.series import FigureKind, SeriesSources
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_figure import render_series
 
 
-def figure_kind(state: State) -> CurveKind:
+def figure_kind(state: State) -> FigureKind:
     """Return which figure `figure` draws of a state."""
-    return FIGURES[state.plots.plot]
+    plot = state.plots.plot
+    return FIGURES.get(plot) or next(kind for kind in FIGURE_KINDS if kind == plot)
 
 
 def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
@@ -50,33 +37,22 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
     """
     require_range("width", width_mm, WIDTHS)
     require_range("dpi", dpi, RESOLUTIONS)
-    found, what = _analyzed(state), figure_kind(state)
-    if state.plots.plot is Plot.DIFFERENCE:
-        return _difference(state, found, kind, width_mm, dpi)
-    simulation = found.simulation if what == "tracking" else None
-    if what == "tracking" and not (simulation and requests.simulated_as_it_is(state)):
+    found, what = _results(state), figure_kind(state)
+    sources, title = found.sources, None
+    if what == "tracking" and not requests.simulated_as_it_is(state):
         raise InvalidInput("simulation", "simulate the present motion first")
-    content = figure_bytes(
-        what, found.present, reference=found.reference, printed=found.printed,
-        simulation=simulation, format=kind, width_mm=width_mm, dpi=dpi,
-    )  # fmt: skip
+    if what == "comparison":
+        check = found.answer.found if found.answer else None
+        if check is None:
+            why = found.answer.problem if found.answer else ""
+            raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
+        published = sources.published
+        title = f"Formulae{' as published' if published else ''} and {check.engine.name}"
+        sources = SeriesSources(published or sources.analysis, engine=check.engine)
+    content = render_series(
+        build_series(what, sources), kind, width_mm=width_mm, dpi=dpi, title=title
+    )
     return File(_name(state, found, what, kind), content)
-
-
-def _difference(state: State, found: Analyzed, kind: str, width_mm: float, dpi: float) -> File:
-    torques = found.answer.found if found.answer else None
-    if torques is None:
-        why = found.answer.problem if found.answer else ""
-        raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
-    analysis, title = torques.thinned, f"Formulae and {torques.engine.name}"
-    if found.printed is not None:
-        analysis = analyze(analysis.design, analysis.trajectory, misprints=Misprint.ALL)
-        title = f"Formulae as printed and {torques.engine.name}"
-    content = figure_bytes(
-        "comparison", analysis, engine=torques.engine, title=title,
-        format=kind, width_mm=width_mm, dpi=dpi,
-    )  # fmt: skip
-    return File(_name(state, found, "comparison", kind), content)
 
 
 def table(state: State, kind: str) -> File:
@@ -89,14 +65,11 @@ def table(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If there is no motion, or no such kind.
     """
-    found = _analyzed(state)
-    simulated = state.plots.plot in _SIMULATED and found.simulation is not None
-    if simulated and found.simulation is not None:
-        content = simulation_table(found.simulation)
-    else:
-        content = analysis_table(found.present)
-    name = _name(state, found, "simulation" if simulated else "", kind)
-    return File(name, table_bytes(content, kind))
+    found = _results(state)
+    simulation = found.sources.simulation if state.plots.plot in SIMULATED else None
+    what = "" if simulation is None else "simulation"
+    series = analysis_table(found.present) if simulation is None else simulation_table(simulation)
+    return File(_name(state, found, what, kind), table_bytes(series, kind))
 
 
 def page(state: State) -> File:
@@ -107,13 +80,13 @@ def page(state: State) -> File:
     """
     from paminsa_viz.explorer.motion_page import motion_html  # late: it starts a server
 
-    found = _analyzed(state)
+    found = _results(state)
     document = state.document
     content = motion_html(document.design, found.present.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 
-def _analyzed(state: State) -> Analyzed:
+def _results(state: State) -> MotionResults:
     # A store of its own: the session's belongs to its worker.
     found = MotionStore().all(state)
     if found is None:
@@ -121,6 +94,6 @@ def _analyzed(state: State) -> Analyzed:
     return found
 
 
-def _name(state: State, found: Analyzed, what: str, ending: str) -> str:
+def _name(state: State, found: MotionResults, what: str, ending: str) -> str:
     parts = (state.document.design.name, found.present.trajectory.name, what)
     return "_".join(["paminsa", "motion", *filter(None, map(plain, parts))]) + f".{ending}"

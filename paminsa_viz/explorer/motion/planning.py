@@ -23,10 +23,10 @@ from paminsa_viz.trajectory import (
     check_path,
     circle,
     line,
-    move,
+    minimum_time,
+    point_to_point,
     round_trip,
-    shortest,
-    through,
+    via_points,
 )
 from paminsa_viz.trajectory.presets import Room
 
@@ -68,7 +68,7 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
     problem = bound = ""
     if motion.timing is Timing.SHORTEST:
         try:
-            found = shortest(plan, motion.limits, design)
+            found = minimum_time(plan, motion.limits, design)
             plan, bound = found.plan, found.explanation
         except ImpossibleTrajectory:
             bound = "no shortest duration, since the robot cannot run the path"
@@ -99,7 +99,7 @@ def make_plan(motion: Motion, geometry: Geometry) -> Plan:
     law, duration = TimeLaw(motion.profile), motion.duration
     start, goal = ends(motion, geometry)
     if motion.kind is Kind.MOVE:
-        return move(start, goal, duration, law)
+        return point_to_point(start, goal, duration, law)
     if motion.kind is Kind.LINE:
         return line(start, [goal[0], goal[1], goal[3]], duration, law)
     if motion.kind is Kind.ARCH:
@@ -109,7 +109,7 @@ def make_plan(motion: Motion, geometry: Geometry) -> Plan:
     if motion.kind is Kind.WAYPOINTS:
         if len(motion.waypoints) < 2:
             raise InvalidInput("waypoints", "two or more are needed; move the robot and add them")
-        return through(np.reshape(motion.waypoints, (-1, 4)), duration)
+        return via_points(np.reshape(motion.waypoints, (-1, 4)), duration)
     plan = PRESET[motion.preset].build(geometry)
     return plan.lasting(duration) if motion.timing is Timing.GIVEN else plan
 

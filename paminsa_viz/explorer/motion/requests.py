@@ -12,7 +12,7 @@ from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Kind, Pose, Timing
 from paminsa_viz.explorer.motion.planning import Planned
 from paminsa_viz.explorer.motion.playback import SPEEDS, advanced, begun
-from paminsa_viz.explorer.motion.plots import Plot
+from paminsa_viz.explorer.motion.plots import SIMULATED
 from paminsa_viz.explorer.motion.ranges import require_possible
 from paminsa_viz.explorer.motion.simulating import (
     BANDWIDTHS,
@@ -253,8 +253,8 @@ def simulate(state: State) -> State:
     if state.simulating.running is not None:
         raise InvalidInput("simulation", "the last one still runs")
     plots = state.plots
-    if plots.plot not in (Plot.TRACKING, Plot.DRIVEN):
-        plots = replace(plots, plot=Plot.TRACKING)
+    if plots.plot not in SIMULATED:
+        plots = replace(plots, plot="errors")
     running = wanted_job(state)
     return replace(state, plots=plots, simulating=replace(state.simulating, running=running))
 

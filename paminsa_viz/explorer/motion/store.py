@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, Misprint
+from paminsa_viz.plots.series import EngineTorques, SeriesSources
 from paminsa_viz.trajectory import (
-    Simulation,
     SolvedTrajectory,
     Trajectory,
     TrajectoryAnalysis,
@@ -18,23 +20,23 @@ from paminsa_viz.trajectory import (
 
 
 @dataclass(frozen=True, eq=False)
-class Analyzed:
+class MotionResults:
     """A motion and all that is plotted of it.
 
     Attributes:
-        present: The present design on the motion.
-        reference: The pinned design on the same motion, or None.
-        printed: The present design by the formulae as printed, or None if they are not shown.
-        simulation: The last simulation, or None.
+        sources: What the curves are made of. An engine's torques that are wanted and not known yet
+            are NaN there.
         answer: What came of asking an engine about the present design on this motion; None as long
             as it was not asked, or only about another.
     """
 
-    present: TrajectoryAnalysis
-    reference: TrajectoryAnalysis | None
-    printed: TrajectoryAnalysis | None
-    simulation: Simulation | None
+    sources: SeriesSources
     answer: Answer | None = None
+
+    @property
+    def present(self) -> TrajectoryAnalysis:
+        """The present design on the motion."""
+        return self.sources.analysis
 
 
 class MotionStore:
@@ -43,6 +45,7 @@ class MotionStore:
     def __init__(self) -> None:
         self._solved: dict[str, SolvedTrajectory] = {}
         self._last: dict[str, tuple[tuple[object, ...], TrajectoryAnalysis]] = {}
+        self._results: tuple[tuple[object, ...], MotionResults] | None = None
 
     def present(self, state: State) -> TrajectoryAnalysis | None:
         """Return the present design on the present motion, or None without a motion."""
@@ -52,23 +55,32 @@ class MotionStore:
             return None
         return self._analysis("present", document.design, found.trajectory)
 
-    def all(self, state: State) -> Analyzed | None:
-        """Return everything that is plotted, or None without a motion."""
+    def all(self, state: State) -> MotionResults | None:
+        """Return everything that is plotted, or None without a motion; the same while it holds."""
         present = self.present(state)
         if present is None:
             return None
         document, motion = state.document, present.trajectory
-        reference = printed = None
+        reference = published = None
         if document.reference is not None:
             reference = self._analysis("reference", document.reference, motion)
-        if state.plots.printed:
-            printed = self._analysis("printed", document.design, motion, Misprint.ALL)
-        outcome = state.simulating.outcome
-        answer = state.engine_answer
+        if state.plots.published:
+            published = self._analysis("published", document.design, motion, Misprint.ALL)
+        outcome, answer = state.simulating.outcome, state.engine_answer
+        simulation = outcome.simulation if outcome else None
         if answer is not None and not answer.serves(present):
             answer = None
-        simulation = outcome.simulation if outcome else None
-        return Analyzed(present, reference, printed, simulation, answer)
+        engine_wanted = state.plots.needs_engine
+        key = (present, reference, published, simulation, answer, engine_wanted)
+        if self._results is None or self._results[0] != key:
+            engine = None
+            if engine_wanted:
+                found = answer.found if answer else None
+                unknown = np.full(present.torque.shape, np.nan)
+                engine = found.engine if found else EngineTorques("engine", unknown)
+            sources = SeriesSources(present, reference, published, simulation, engine)
+            self._results = key, MotionResults(sources, answer)
+        return self._results[1]
 
     def _analysis(
         self,

@@ -33,23 +33,6 @@ VIEW_SIZES: dict[str, tuple[int, int] | None] = {
     "3840 × 2160": (3840, 2160),
 }
 
-_STYLE = """
-<style>
-div:has(> div > .paminsa-export) {
-  display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); align-items: center;
-  padding: 8px 0 8px 0;
-  & > div { grid-column: span 6; padding: 0 8px 5px 8px; }
-  & > div:has(> .paminsa-export) { display: none; }
-  & > div:has(> .paminsa-heading) { grid-column: 1 / -1; }
-  & > div:nth-child(4), & > div:nth-child(5) { grid-column: span 3; }
-  & > div > .mantine-Flex-root > div:first-child { width: 5.2em !important; }
-  & > div:nth-child(4) > .mantine-Flex-root > div:first-child,
-  & > div:nth-child(5) > .mantine-Flex-root > div:first-child { width: auto !important; }
-}
-</style>
-<span class="paminsa-export"></span>
-"""
-
 
 def heading(title: str, note: str) -> str:
     """Return the heading of a part of the tab."""
@@ -70,7 +53,7 @@ class ExportPanel:
         gui = session.client.gui
         self._session, self._store = session, store
         self._busy = threading.Lock()
-        gui.add_html(_STYLE)
+        gui.add_html('<span class="paminsa-export"></span>')
         self._about = gui.add_html(heading("Maps", self._what(session.state)))
         self._maps = gui.add_dropdown(
             "maps", (THREE, ONE), hint="What to save, as its tab shows it"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -29,6 +29,12 @@ Quantities = Callable[[State], Sequence[str]]
 LIVE_QUALITY = 88
 """Quality of the JPEG shown while dragging; the picture shown when idle is without loss."""
 
+Inputs = Literal["below", "right"]
+"""Where a picture's inputs stand: side by side below it, or one below the other at its right."""
+
+SHARES: dict[Inputs, float] = {"below": 1.0, "right": 0.52}
+"""What the picture takes of the panel's width; ``browser/page.css`` makes the room."""
+
 
 class MapPicture:
     """The picture of some maps, its caption, and what lies under the pointer.
@@ -48,8 +54,8 @@ class MapPicture:
         slots: Slots,
         name: str,
         quantities: Quantities,
+        inputs: Inputs,
         motions: MotionStore,
-        share: float = 1.0,
     ) -> None:
         """Make the picture.
 
@@ -59,8 +65,8 @@ class MapPicture:
             slots: Knows how wide the place is.
             name: Name of the place; it comes back with clicks.
             quantities: Keys of what to show, one a panel.
+            inputs: Where the inputs go.
             motions: Knows the motion, whose path is drawn on the maps.
-            share: What the picture takes of the panel's width.
         """
         gui = session.client.gui
         self._gui, self._store, self._slots = gui, store, slots
@@ -68,7 +74,7 @@ class MapPicture:
         self._live = LiveMaps()
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
-        gui.add_html(marker(name, share))
+        gui.add_html(marker(name, SHARES[inputs], inputs))
         blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
         self._markers = gui.add_html("")

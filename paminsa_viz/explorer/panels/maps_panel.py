@@ -41,13 +41,13 @@ class MapsPanel:
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
-                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, motions
+                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "below", motions
             )
             self._torque_inputs = Panel(session, torque_entries("torque maps", self._torques))
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                motions, share=0.52,
+                "right", motions,
             )  # fmt: skip
             self._single_inputs = Panel(session, single_entries("single map", self._single))
         motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)

@@ -4,8 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from paminsa_viz.explorer.motion import uplot
-from paminsa_viz.explorer.motion.traces import Chart, Values
+from paminsa_viz.plots.series import Values
+from paminsa_viz.plots.series_uplot import (
+    Chart,
+    ChartShape,
+    chart_shape,
+    shown_curve,
+    uplot_data,
+    uplot_options,
+)
 
 HEIGHT = 158
 """Height of a chart with its heading and axis [px]."""
@@ -27,7 +34,7 @@ class MotionChart:
     def __init__(self, gui: Any, container: Any, order: float) -> None:
         self._gui, self._container, self._order = gui, container, order
         self.handle: Any = None
-        self.shape: uplot.Layout | None = None
+        self.shape: ChartShape | None = None
 
     def draw(self, chart: Chart | None) -> None:
         """Show a chart, or nothing."""
@@ -38,8 +45,8 @@ class MotionChart:
             return
         # A chart that was made for more pieces is kept: in a drag, gaps come and go.
         known = self.shape.pieces if self.shape else 1
-        shape = uplot.layout(chart, known)
-        series = uplot.data(chart, shape.pieces)
+        shape = chart_shape(chart, known)
+        series = uplot_data(chart, shape.pieces)
         if self.handle is not None and shape == self.shape:
             self.handle.data = series
             return
@@ -48,10 +55,10 @@ class MotionChart:
         self.shape = shape
         with self._container:
             self.handle = self._gui.add_uplot(
-                series, **uplot.options(shape), height=HEIGHT, order=self._order
+                series, **uplot_options(shape), height=HEIGHT, order=self._order
             )
 
     def curve(self, number: int) -> tuple[Values, Values]:
         """Return time and values of a curve as the page has them, (n,) each."""
         assert self.shape is not None
-        return self.handle.data[0], uplot.curve(self.handle.data, self.shape, number)
+        return self.handle.data[0], shown_curve(self.handle.data, self.shape, number)

@@ -9,7 +9,7 @@ from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.checking import Answer, ask_engine
-from paminsa_viz.explorer.motion.store import Analyzed
+from paminsa_viz.explorer.motion.store import MotionResults
 from paminsa_viz.explorer.panels.motion_numbers import verdict
 from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.palette import BAD, INK, MUTED
@@ -35,7 +35,7 @@ class EngineChecker:
         self._seen: TrajectoryAnalysis | None = None
         self._since = 0.0
 
-    def draw(self, found: Analyzed | None, dragging: bool) -> None:
+    def draw(self, found: MotionResults | None, dragging: bool) -> None:
         """Ask about what is shown, unless it still changes or the answer is known.
 
         Args:
@@ -52,7 +52,7 @@ class EngineChecker:
             self._job.request(wanted)
 
 
-def verdict_html(answer: Answer | None, found: Analyzed) -> str:
+def verdict_html(answer: Answer | None, found: MotionResults) -> str:
     """Return what the line below the charts says of the engine."""
     if answer is None:
         return f'<span style="color:{MUTED}">engine: computing …</span>'
@@ -64,10 +64,10 @@ def verdict_html(answer: Answer | None, found: Analyzed) -> str:
         f"{escape(torques.engine.name)}, {len(own.computed)} samples: "
         f"{verdict(own.agrees(tolerance))}, off by {_share(own)} of the largest torque"
     )
-    if found.printed is not None:
-        printed = torques.comparison(found.printed)
-        passed = printed.agrees(tolerance)
-        said += f" · as printed {verdict(passed)}, {_share(printed)}"
+    if found.sources.published is not None:
+        published = torques.comparison(found.sources.published)
+        passed = published.agrees(tolerance)
+        said += f" · as published {verdict(passed)}, {_share(published)}"
         said += "" if passed else ": <b>the misprints</b>"
     return said
 

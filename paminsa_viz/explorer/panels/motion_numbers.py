@@ -7,62 +7,68 @@ from html import escape
 
 import numpy as np
 
-from paminsa_viz.explorer.motion.readings import Reading, value_at
-from paminsa_viz.explorer.motion.store import Analyzed
-from paminsa_viz.explorer.motion.traces import DASHED, DOTTED, SOLID, Chart, Trace
+from paminsa_viz.explorer.motion.store import MotionResults
 from paminsa_viz.palette import BAD, INK, MUTED, OK
+from paminsa_viz.plots.series import Dash, Statistics, Trace
+from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.units import number
 
 NOTHING = '<div class="paminsa-numbers"></div>'
 
 
-def numbers_html(
-    drawn: tuple[Chart, ...], read: tuple[tuple[Reading, ...], ...], time: float
-) -> str:
-    """Return the table of the curves: the value at the cursor, the largest one, the RMS."""
+def numbers_html(drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float) -> str:
+    """Return the table of the curves: the value at the cursor, the largest one, the RMS.
+
+    Args:
+        drawn: The charts.
+        read: Peak and RMS of every curve.
+        time: Of the cursor [s].
+    """
     if not drawn:
         return NOTHING
-    lines = [(chart, line) for chart, found in zip(drawn, read, strict=True) for line in found]
-    rows = [
-        (
-            line.trace,
-            (
-                f"<b>{written(value_at(chart, line.trace, time))}</b>", written(line.peak),
-                f"{line.peak_t:.3f} s" if np.isfinite(line.peak_t) else "–", written(line.rms),
-                line.unit,
-            ),
-        )
-        for dash in (SOLID, DASHED, DOTTED)
-        for chart, line in lines
-        if line.trace.dash == dash
-    ]  # fmt: skip
+    rows = []
+    for chart, trace in _rows(drawn):
+        peak, peak_t, mean = read[trace]
+        cells = (
+            f"<b>{written(chart.value_at(trace, time))}</b>", written(peak),
+            f"{peak_t:.3f} s" if np.isfinite(peak_t) else "–", written(mean), chart.unit,
+        )  # fmt: skip
+        rows.append((trace, cells))
     return _table((f"at {time:.3f} s", "largest", "at", "RMS", ""), rows)
 
 
-def difference_html(drawn: tuple[Chart, ...], found: Analyzed, time: float) -> str:
+def _rows(drawn: tuple[Chart, ...]) -> list[tuple[Chart, Trace]]:
+    """Return the curves in the order of their rows: the design's of all charts before others."""
+    rows = [(chart, trace) for chart in drawn for trace in chart.traces if not trace.marks]
+    return sorted(
+        rows, key=lambda row: ("", "reference", "as published").index(row[1].suffix or "")
+    )
+
+
+def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float) -> str:
     """Return the table of differences to an engine, over the largest torque, with a verdict."""
-    torques = found.answer.found if found.answer else None
-    rows: list[tuple[Trace, Sequence[str]]] = []
-    for dash, analysis in ((SOLID, found.present), (DOTTED, found.printed)):
-        if analysis is None:
+    check = found.answer.found if found.answer else None
+    shares: dict[str, list[float]] = {}
+    if check is not None:
+        for suffix, analysis in (("", found.present), ("as published", found.sources.published)):
+            if analysis is not None:
+                shares[suffix] = check.comparison(analysis).relative.tolist()
+    rows = []
+    for chart, trace in _rows(drawn):
+        if check is None:
+            rows.append((trace, ("<b>–</b>", "–", "–", "", "–", "")))
             continue
-        lines = [(c, trace) for c in drawn for trace in c.traces if trace.dash == dash]
-        if torques is None:
-            unknown = ("<b>–</b>", "–", "–", "", "–", "")
-            rows += [(trace, unknown) for _, trace in lines]
-            continue
-        shares = torques.comparison(analysis).relative.tolist()
-        for (chart, trace), share in zip(lines, shares, strict=True):
-            values = trace.values[np.isfinite(trace.values)]
-            cells = (
-                f"<b>{written(value_at(chart, trace, time))}</b>",
-                written(float(np.abs(values).max())),
-                written(float(np.sqrt((values**2).mean()))),
-                chart.unit,
-                number(share, 2),
-                verdict(share <= torques.tolerance),
-            )
-            rows.append((trace, cells))
+        values = trace.values[np.isfinite(trace.values)]
+        share = shares[trace.suffix or ""].pop(0)
+        cells = (
+            f"<b>{written(chart.value_at(trace, time))}</b>",
+            written(float(np.abs(values).max())),
+            written(float(np.sqrt((values**2).mean()))),
+            chart.unit,
+            number(share, 2),
+            verdict(share <= check.tolerance),
+        )
+        rows.append((trace, cells))
     heads = (f"at {time:.3f} s", "largest", "RMS", "", "relative", "")
     return _table(heads, rows)
 
@@ -73,9 +79,9 @@ def verdict(passed: bool) -> str:
     return f'<b style="color:{color}">{word}</b>'
 
 
-def stroke(color: str, dash: tuple[int, ...]) -> str:
+def stroke(color: str, dash: Dash) -> str:
     """Return a short piece of a curve for a table."""
-    style = "solid" if not dash else "dashed" if dash[0] > 3 else "dotted"
+    style = "dashed" if dash == "dashdot" else dash
     return (
         f'<span style="display:inline-block;width:16px;border-top:2.5px {style} {color};'
         'vertical-align:middle;margin-right:6px"></span>'

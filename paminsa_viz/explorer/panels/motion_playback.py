@@ -24,21 +24,6 @@ TIME = "t  [s]"
 SPEED_WORDS = {f"{speed:g} ×": speed for speed in SPEEDS}
 """What a person reads of a speed."""
 
-_STYLE = """
-<style>
-div:has(> div > .paminsa-playback) {
-  display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); align-items: center;
-  & > div { grid-column: 1 / -1; min-width: 0; }
-  & > div:nth-child(3) { grid-column: span 4; }
-  & > div:nth-child(4) { grid-column: span 4; }
-  & > div:nth-child(5) { grid-column: span 4; }
-  & > div:nth-child(4) > .mantine-Flex-root > div:first-child,
-  & > div:nth-child(5) > .mantine-Flex-root > div:first-child { width: auto !important; }
-}
-</style>
-<span class="paminsa-playback"></span>
-"""
-
 
 def status_html(state: State, store: MotionStore) -> str:
     """Return the line that says whether the motion is fine."""
@@ -62,7 +47,7 @@ class PlaybackInputs:
         gui = session.client.gui
         self._store = store
         playback = session.state.playback
-        gui.add_html(_STYLE)
+        gui.add_html('<span class="paminsa-playback"></span>')
         self._status = gui.add_html("")
         self.play = gui.add_button(
             PLAY, icon=Icon.PLAYER_PLAY, hint="Play the motion with the robot (key: M)"

@@ -9,12 +9,10 @@ from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.plots import Plot
-from paminsa_viz.explorer.motion.readings import Reading, readings
-from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
+from paminsa_viz.explorer.motion.plots import COMPARED, PLOTS, SIMULATED
+from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE, TimeCursor
-from paminsa_viz.explorer.motion.traces import Chart, charts
-from paminsa_viz.explorer.panels.motion_chart import HEIGHT, MotionChart
+from paminsa_viz.explorer.panels.motion_chart import MotionChart
 from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html, numbers_html
 from paminsa_viz.explorer.panels.motion_words import status_line
@@ -22,33 +20,13 @@ from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.plots.series import Statistics, Trace, statistics
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_uplot import Chart, charts
 from paminsa_viz.units import number
 
 ACTUATORS = ("M1", "M2", "M3", "M4")
-PLOTS = {plot.value: plot for plot in Plot}
-
-_STYLE = """
-<style>
-div:has(> div > [data-paminsa-slot="motion"]) {
-  display: grid; grid-template-columns: repeat(12, minmax(0, 1fr)); align-items: start;
-  padding: 4px 0 4px 0;
-  & > div { min-width: 0; padding: 0 6px 2px 6px; grid-column: span 4; }
-  & > div:has(> [data-paminsa-slot]) { display: none; }
-  & > div:has(> .uplot-container) { grid-column: span 6; padding: 0 2px; }
-  & > div:nth-child(2):has(> .uplot-container):not(:has(+ div > .uplot-container)) {
-    grid-column: 1 / -1; }
-  & > div:has(> .paminsa-whole) { grid-column: 1 / -1; }
-  & .uplot-container { margin: 0 !important; border: 0 !important; min-height: __HEIGHT__px; }
-  & .u-title { font-size: 12px; padding: 0; line-height: 15px; }
-  & > div:has(> .paminsa-numbers) { grid-column: 1 / span 8; grid-row: 3 / span 4; }
-  & > div:has(> .mantine-Flex-root), & > div:has(> .mantine-Box-root) { grid-column: span 4; }
-  & > div > .mantine-Flex-root > div:first-child { width: 5em !important; }
-  & > div > .mantine-Flex-root:has([type="checkbox"]) > div:first-child {
-    width: 8em !important; white-space: nowrap; }
-  & .u-over { cursor: pointer; }
-}
-</style>
-"""
+_LABELS = {plot: label for label, plot in PLOTS.items()}
 
 
 class MotionPlots:
@@ -65,13 +43,13 @@ class MotionPlots:
         gui = session.client.gui
         self._slots, self.store = slots, store
         self._moment = TimeCursor(bridge, lambda time: _scrub(session, time))
-        gui.add_html(marker(PLACE) + _STYLE.replace("__HEIGHT__", str(HEIGHT)), order=0)
+        gui.add_html(marker(PLACE), order=0)
         self.charts = tuple(MotionChart(gui, container, order) for order in (1.0, 2.0))
         self._caption = gui.add_html("", order=3)
         self._numbers = gui.add_html("", order=4)
         plots = session.state.plots
         shown = gui.add_dropdown(
-            "show", tuple(PLOTS), initial_value=plots.plot.value, order=5,
+            "show", tuple(PLOTS), initial_value=_LABELS[plots.plot], order=5,
             hint="What is plotted along the motion",
         )  # fmt: skip
         self.actuator = gui.add_dropdown(
@@ -82,15 +60,15 @@ class MotionPlots:
             "MuJoCo", plots.engine, order=6.5,
             hint="Marks: the torques that a physics engine finds, which knows none of the formulae",
         )  # fmt: skip
-        self.printed = gui.add_checkbox(
-            "formulae as printed", plots.printed, order=7,
+        self.published = gui.add_checkbox(
+            "formulae as published", plots.published, order=7,
             hint="Dotted: what the paper's formulae give with all their misprints",
         )  # fmt: skip
         self._controls = [
             Control(
                 session, shown, "plots.plot",
                 lambda s, value: requests.set_plots(s, plot=PLOTS[value]),
-                lambda s: s.plots.plot.value,
+                lambda s: _LABELS[s.plots.plot],
             ),
             Control(
                 session, self.actuator, "plots.actuator",
@@ -103,14 +81,14 @@ class MotionPlots:
                 lambda s: s.plots.engine,
             ),
             Control(
-                session, self.printed, "plots.printed",
-                lambda s, value: requests.set_plots(s, printed=bool(value)),
-                lambda s: s.plots.printed,
+                session, self.published, "plots.published",
+                lambda s, value: requests.set_plots(s, published=bool(value)),
+                lambda s: s.plots.published,
             ),
         ]  # fmt: skip
         self._key: tuple[object, ...] = ()
         self._drawn: tuple[Chart, ...] = ()
-        self._read: tuple[tuple[Reading, ...], ...] = ()
+        self._read: dict[Trace, Statistics] = {}
         self._checker = EngineChecker(session)
 
     def draw(self, frame: Frame, moving: bool) -> None:
@@ -120,26 +98,30 @@ class MotionPlots:
             control.draw(frame, moving)
         if not self._slots.width(PLACE):
             return
-        _show(self.actuator, state.plots.plot is Plot.PARTS)
-        _show(self.engine, state.plots.plot is Plot.TORQUES)
-        _show(self.printed, state.plots.plot in (*_COMPARED, Plot.DIFFERENCE))
+        _show(self.actuator, state.plots.plot == "breakdown")
+        _show(self.engine, state.plots.plot == "torques")
+        _show(self.published, state.plots.plot in (*COMPARED, "differences"))
         found = self.store.all(state)
         self._checker.draw(found if state.plots.needs_engine else None, moving)
         self._draw_curves(state, found)
         time = state.playback.time
         self._moment.show(time)
-        if found is not None and state.plots.plot is Plot.DIFFERENCE:
+        if found is not None and state.plots.plot == "differences":
             _write(self._numbers, difference_html(self._drawn, found, time))
         else:
             _write(self._numbers, numbers_html(self._drawn, self._read, time))
 
-    def _draw_curves(self, state: State, found: Analyzed | None) -> None:
-        key = (found, state.plots) if found is None else (*vars(found).values(), state.plots)
+    def _draw_curves(self, state: State, found: MotionResults | None) -> None:
+        key = (found, state.plots)
         if key == self._key:
             return
         self._key = key
-        self._drawn = () if found is None else charts(state.plots, found)
-        self._read = tuple(readings(chart) for chart in self._drawn)
+        self._drawn = () if found is None else drawn_charts(state, found)
+        self._read = {
+            trace: statistics(chart.t, trace, chart.until)
+            for chart in self._drawn
+            for trace in chart.traces
+        }
         for index, chart in enumerate(self.charts):
             chart.draw(self._drawn[index] if index < len(self._drawn) else None)
         _write(self._caption, caption_html(state, found, self._drawn))
@@ -149,7 +131,14 @@ def _scrub(session: Session, time: float) -> None:
     session.dispatch("playback.time", lambda state: requests.scrub(state, time), step=False)
 
 
-def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...]) -> str:
+def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:
+    """Return what is plotted; nothing for a simulation that has not been run."""
+    if state.plots.plot in SIMULATED and found.sources.simulation is None:
+        return ()
+    return charts(build_series(state.plots.plot, found.sources), state.plots.actuator)
+
+
+def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, ...]) -> str:
     """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
     if found is None:
         return _instead(status_line(state, None)[1])
@@ -157,16 +146,16 @@ def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...])
         return _instead("nothing has been simulated yet: press Simulate in the tab “Motion”")
     t = found.present.trajectory
     parts = [f"<b>{escape(t.name)}</b>, {number(t.duration, 4)} s"]
-    if found.reference is not None and state.plots.plot in _COMPARED:
-        parts.append(f"╌ reference “{escape(found.reference.design.name)}”")
-    if found.printed is not None and state.plots.plot in _COMPARED:
-        parts.append("┈ formulae as printed")
+    if found.sources.reference is not None and state.plots.plot in COMPARED:
+        parts.append(f"╌ reference “{escape(found.sources.reference.design.name)}”")
+    if found.sources.published is not None and state.plots.plot in COMPARED:
+        parts.append("┈ formulae as published")
     first = found.present.check.first
     if first is not None:
         parts.append(f'<span style="color:{BAD}"><b>fails</b> {escape(first.explanation)}</span>')
     engine = ""
     if state.plots.needs_engine:
-        mark = MARK if state.plots.plot is Plot.TORQUES else ""
+        mark = MARK if state.plots.plot == "torques" else ""
         verdict = verdict_html(found.answer, found)
         engine = f'<span style="flex-basis:100%">{mark}{verdict}</span>'
     marks = "click: go to that instant · drag: zoom"
@@ -183,9 +172,6 @@ def caption_html(state: State, found: Analyzed | None, drawn: tuple[Chart, ...])
 def _instead(words: str) -> str:
     style = f"padding:30px;color:{MUTED}"
     return f'<div class="paminsa-whole" style="{style}">{escape(words)}</div>'
-
-
-_COMPARED = (Plot.TORQUES, Plot.POWER, Plot.ENERGY)
 
 
 def _show(handle: Any, visible: bool) -> None:

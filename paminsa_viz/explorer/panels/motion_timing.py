@@ -42,14 +42,7 @@ LIMITS = (
     LimitInput("F₄ N", "force", 1.0, 10.0),
 )
 
-_STYLE = """
-<style>
-div:has(> div > .paminsa-limits) {
-  display: grid; grid-template-columns: 1fr 1fr;
-  & > div:has(> .paminsa-limits) { grid-column: 1 / -1; }
-  & > div > .mantine-Flex-root > div:first-child { width: 4.6em !important; white-space: nowrap; }
-}
-</style>
+_LIMITS_NOTE = """
 <div class="paminsa-limits" style="font-size:12px;color:#7b8794;padding:2px 8px">
 Largest speed, acceleration and jerk of the platform, torque of M1–M3, force of M4; 0: no limit
 </div>
@@ -72,7 +65,7 @@ class TimingInputs:
         )  # fmt: skip
         self._limits = gui.add_folder("Limits", expand_by_default=True)
         with self._limits:
-            gui.add_html(_STYLE)
+            gui.add_html(_LIMITS_NOTE)
             limits = [self._limit(session, item) for item in LIMITS]
         self._rate = gui.add_number(
             "Samples [1/s]", motion.rate, min=RATES[0], max=RATES[1], step=50.0,

@@ -1,7 +1,7 @@
 """What the page says of the places for pictures: whether they are seen, and how wide they are.
 
 A picture in a tab that is not open, or in a minimized panel, is not drawn; one that a person made
-wider is drawn wider. viser does not tell either, so a script in the page looks and reports.
+wider is drawn wider. viser does not tell either, so ``browser/page.js`` looks and reports.
 """
 
 from __future__ import annotations
@@ -18,35 +18,17 @@ NARROWEST, WIDEST = 300, 2400
 FINEST = 2.0
 """Most device pixels for one page pixel that pictures are made for."""
 
-_SCRIPT = """
-(() => {
-  clearInterval(window.__paminsaSlots);
-  let known = "", again = 0;
-  window.__paminsaSlots = setInterval(() => {
-    const found = {ratio: window.devicePixelRatio};
-    for (const mark of document.querySelectorAll("[data-paminsa-slot]")) {
-      const host = mark.parentElement && mark.parentElement.parentElement;
-      if (!host) continue;
-      const seen = host.clientHeight > 0 && host.getClientRects().length > 0;
-      const width = Math.floor(host.clientWidth * mark.dataset.share);
-      found[mark.dataset.paminsaSlot] = seen ? width : 0;
-    }
-    const now = JSON.stringify(found);
-    if (now !== known) { known = now; again = 3; }
-    if (again > 0 && window.__paminsaSend && window.__paminsaSend("slots", found)) again -= 1;
-  }, 200);
-})();
-"""
 
-
-def marker(name: str, share: float = 1.0) -> str:
+def marker(name: str, share: float = 1.0, inputs: str = "") -> str:
     """Return the HTML that marks the container it lies in as a place of this name.
 
     Args:
         name: Name of the place.
         share: What the picture takes of the container's width.
+        inputs: Where the container's inputs stand, for ``browser/page.css``.
     """
-    return f'<span data-paminsa-slot="{name}" data-share="{share:g}"></span>'
+    arranged = f' data-paminsa-inputs="{inputs}"' if inputs else ""
+    return f'<span data-paminsa-slot="{name}" data-share="{share:g}"{arranged}></span>'
 
 
 class Slots:
@@ -62,7 +44,6 @@ class Slots:
         self._widths = dict(widths)
         self.ratio = 1.0
         bridge.on("slots", self._hear)
-        bridge.run(_SCRIPT)
 
     def width(self, name: str) -> int:
         """Return how wide a place is [page pixels], 0 if it is not seen."""

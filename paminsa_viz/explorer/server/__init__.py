@@ -1,1 +1,1 @@
-"""The guards around the web server: names, limits, messages, and the one viser_patch to viser."""
+"""The guard around the web server: names, limits, messages, and the one patch to viser."""

@@ -1,8 +1,9 @@
-"""One guarded connection, and the gate that all of them come through."""
+"""One guarded connection, and the guard that all of them pass."""
 
 from __future__ import annotations
 
 import asyncio
+import math
 import time
 from collections.abc import Callable
 from typing import Any, cast
@@ -12,13 +13,13 @@ from websockets.asyncio.server import ServerConnection
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 
-from .buckets import Bucket
-from .limits import Limits
+from .limits import Limits, RateLimit, logger
+from .message_filter import MessageFilter
+from .messages import Decode
 from .names import NameRules
-from .reports import Reports
-from .screening import MessageFilter
 
-_SLICE = 4096  # bytes taken in at a time: at most some 700 of the smallest frames, a few ms
+_READ_BYTES = 4096  # read at a time: at most some 700 of the smallest frames, a few ms
+_PAUSE = 1.0  # s without a message after which a flood is over
 _MANY_FRAGMENTS = 4096  # of one message; a browser splits a large one into some hundreds
 
 _PAGE_HEADERS = {
@@ -40,21 +41,22 @@ class ConnectionGuard:
     Args:
         rules: Names that are served.
         limits: How much is served.
+        decode: Reads one message of a page.
 
     Attributes:
         open: Requests are answered with 503 until the server is ready.
         limits: As given.
-        report: Log for what connections do.
+        decode: As given.
         held: Connections that sent too much and have to wait. They share what one may send.
     """
 
-    def __init__(self, rules: NameRules, limits: Limits) -> None:
+    def __init__(self, rules: NameRules, limits: Limits, decode: Decode) -> None:
         self.open = False
         self.limits = limits
-        self.report = Reports()
+        self.decode = decode
         self.held: set[GuardedConnection] = set()
         self._rules = rules
-        self._starts = Bucket(limits.sessions_per_second, limits.sessions, time.monotonic())
+        self._starts = RateLimit(limits.sessions_per_second, limits.sessions)
         self._waiting: dict[GuardedConnection, None] = {}
         self._sessions: set[GuardedConnection] = set()
 
@@ -101,7 +103,7 @@ class ConnectionGuard:
         if "Upgrade" in headers:
             if len(self._sessions) >= self.limits.sessions:
                 return 503, "too many pages are open; close one"
-            if self._starts.level(time.monotonic()) < 1.0:
+            if self._starts.delay(1.0, time.monotonic()) > 0.0:
                 return 503, "too many pages were opened at once; try again in a second"
         return None
 
@@ -122,88 +124,76 @@ class ConnectionGuard:
 class GuardedConnection(ServerConnection):
     """A WebSocket connection that reads no faster than allowed and passes on only what is expected.
 
-    A flood is not answered by dropping messages, which would lose the last value of an eager hand,
+    A flood is not answered by dropping messages, which would lose the last value of a fast drag,
     but by reading more slowly, so that the sender has to wait; other connections do not notice. One
     that goes on regardless is cut off.
 
     Args:
         protocol: As in :class:`~websockets.asyncio.server.ServerConnection`.
         server: As there.
-        gate: The gate this connection comes through.
+        guard: The guard this connection passes.
         options: As there.
 
     Attributes:
-        screen: What is passed on.
+        filter: What is passed on.
     """
 
     def __init__(
-        self, protocol: Any, server: Any, *, gate: ConnectionGuard, **options: Any
+        self, protocol: Any, server: Any, *, guard: ConnectionGuard, **options: Any
     ) -> None:
         # Flow control is this class's own; that of websockets counts data frames only, and only
         # after a whole read of up to 256 kB, some 40,000 of the smallest frames, has been parsed.
         options["max_queue"] = None
         super().__init__(protocol, server, **options)
-        limits, now = gate.limits, self.loop.time()
-        self.screen = MessageFilter(limits, gate.report)
-        self._gate = gate
-        self._frame_allowance = Bucket(limits.frames_per_second, limits.frame_burst, now)
-        self._byte_allowance = Bucket(limits.bytes_per_second, limits.byte_burst, now)
-        self._unread = bytearray()
+        limits = guard.limits
+        self.filter = MessageFilter(guard.decode, limits, logger.warning)
+        self._guard = guard
+        self._frame_limit = RateLimit(limits.frames_per_second, limits.frame_burst)
+        self._byte_limit = RateLimit(limits.bytes_per_second, limits.byte_burst)
         self._resume: asyncio.TimerHandle | None = None
-        self._held_since: float | None = None
+        self._held_since = self._held_until = -math.inf
         self._frames = 0
         self._fragments = 0
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        """Report to the gate."""
+        """Report to the guard; read in small pieces."""
         super().connection_made(transport)
-        self._gate.arrived(self)
+        # asyncio's sockets read up to this much at a time.
+        transport.max_size = _READ_BYTES  # pyright: ignore[reportAttributeAccessIssue]
+        self._guard.arrived(self)
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Give the place free."""
-        self._gate.left(self)
-        self._unread.clear()
+        self._guard.left(self)
         if self._resume is not None:
             self._resume.cancel()
         super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
-        """Take in bytes, in slices and not faster than allowed."""
-        self._unread += data
-        if self._resume is None:
-            self._read_on()
-
-    def _read_on(self) -> None:
-        self._resume = None
-        while self._unread and not self.transport.is_closing():
-            piece = bytes(self._unread[:_SLICE])
-            del self._unread[:_SLICE]
-            frames_before = self._frames
-            super().data_received(piece)
-            now = self.loop.time()
-            delay = max(
-                self._frame_allowance.take(self._frames - frames_before, now),
-                self._byte_allowance.take(len(piece), now),
-            )
-            if delay > 0.0:
-                self._hold(now, delay)
-                return
-        self._held_since = None
-        self._gate.held.discard(self)
-        self.transport.resume_reading()
+        """Take in bytes; where they come faster than allowed, wait before reading more."""
+        before = self._frames
+        super().data_received(data)
+        now = self.loop.time()
+        delay = max(
+            self._frame_limit.take(self._frames - before, now),
+            self._byte_limit.take(len(data), now),
+        )
+        if delay == 0.0:
+            self._guard.held.discard(self)
+        elif not self.transport.is_closing():
+            self._hold(now, delay)
 
     def _hold(self, now: float, delay: float) -> None:
-        if self._held_since is None:
+        if now - self._held_until > _PAUSE:
             self._held_since = now
-        held = self._gate.held
-        held.add(self)
-        delay *= len(held)
-        if now + delay - self._held_since > self._gate.limits.patience:
-            self._gate.report("a connection that sent far too much was cut off")
+        self._guard.held.add(self)
+        self._held_until = now + delay * len(self._guard.held)
+        if self._held_until - self._held_since > self._guard.limits.patience:
+            logger.warning("a connection that sent far too much was cut off")
             self.transport.abort()
             return
         self.transport.pause_reading()
-        self._resume = self.loop.call_later(delay, self._read_on)
+        self._resume = self.loop.call_at(self._held_until, self.transport.resume_reading)
 
     def process_event(self, event: Any) -> None:
         """Count frames of every kind; cut off a message in endless pieces."""
@@ -220,6 +210,6 @@ class GuardedConnection(ServerConnection):
     async def recv(self, decode: bool | None = None) -> Any:
         """Return the next message that a page of ours could have sent."""
         while True:
-            passed = self.screen.passed(await super().recv(decode))
+            passed = self.filter.passed(await super().recv(decode))
             if passed is not None:
                 return passed

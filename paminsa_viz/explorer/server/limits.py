@@ -1,7 +1,10 @@
-"""How much one page, and all of them together, may ask of the server."""
+"""How much one page, and all of them together, may send, how fast, and what of it is logged."""
 
 from __future__ import annotations
 
+import logging
+import math
+import time
 from dataclasses import dataclass
 
 
@@ -39,3 +42,63 @@ class Limits:
     bytes_per_second: float = 4.0 * 2**20
     byte_burst: float = 32.0 * 2**20
     patience: float = 10.0
+
+
+class RateLimit:
+    """How much at once, and how much in the long run; what was taken too early is waited for.
+
+    Args:
+        rate: Amount in a second, in the long run [1/s].
+        burst: Amount at once.
+    """
+
+    def __init__(self, rate: float, burst: float) -> None:
+        self._rate, self._burst = rate, burst
+        self._paid = -math.inf  # until when what was taken is paid for [s]
+
+    def delay(self, amount: float, now: float) -> float:
+        """Return how long ``amount`` has to wait at time ``now`` [s]."""
+        return max(0.0, self._after(amount, now) - now)
+
+    def take(self, amount: float, now: float) -> float:
+        """Take ``amount``, allowed or not; return how long to wait before the next [s]."""
+        self._paid = self._after(amount, now)
+        return max(0.0, self._paid - now)
+
+    def _after(self, amount: float, now: float) -> float:
+        return max(self._paid, now - self._burst / self._rate) + amount / self._rate
+
+
+class RepeatFilter(logging.Filter):
+    """Passes a few records a minute: no page may fill a disk with them."""
+
+    PERIOD = 60.0  # s
+    MANY = 10  # records in a period
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._since, self._count = -math.inf, 0
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        """Return whether to log a record; the last one of a period says that more are left out."""
+        now = time.monotonic()
+        if now - self._since > self.PERIOD:
+            self._since, self._count = now, 0
+        self._count += 1
+        if self._count == self.MANY + 1:
+            record.msg, record.args = "more lines like these are left out for up to a minute", None
+            record.exc_info = None
+        return self._count <= self.MANY + 1
+
+
+def _not_a_clients_fault(record: logging.LogRecord) -> bool:
+    return record.msg not in ("opening handshake failed", "keepalive ping failed")
+
+
+logger = logging.getLogger(__package__)
+"""What connections do."""
+logger.addFilter(RepeatFilter())
+
+socket_logger = logging.getLogger(f"{__package__}.sockets")
+"""What websockets reports, without what any broken client can cause."""
+socket_logger.addFilter(_not_a_clients_fault)

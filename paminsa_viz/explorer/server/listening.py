@@ -17,7 +17,6 @@ Two rules for the page that is built on it:
 from __future__ import annotations
 
 import errno
-import functools
 import socket
 from collections.abc import Iterable
 
@@ -26,7 +25,7 @@ import viser
 from paminsa_viz.model.errors import PaminsaError
 
 from . import viser_patch
-from .connection import ConnectionGuard, GuardedConnection
+from .connection import ConnectionGuard
 from .limits import Limits
 from .names import NameRules, exposure_notice
 from .viser_patch import ViserChanged
@@ -91,21 +90,18 @@ def open_server(
         InvalidInput: An entry of ``allowed_hosts`` cannot be read.
         ViserChanged: The installed viser is not one that can be guarded.
     """
-    viser_patch.require_known_viser()
-    limits = limits or Limits()
+    decode = viser_patch.require_known_viser()
     bound = _bind(host, port)
     try:
         rules = NameRules.for_server(host, bound.getsockname()[1], allowed_hosts)
-        gate = ConnectionGuard(rules, limits)
-        server = viser_patch.start_viser(
-            bound, host, gate, functools.partial(GuardedConnection, gate=gate)
-        )
+        guard = ConnectionGuard(rules, limits or Limits(), decode)
+        server = viser_patch.start_viser(bound, host, guard)
     except BaseException:
         bound.close()
         raise
-    viser_patch.contain_failures(server.get_event_loop(), gate.report)
+    viser_patch.log_failures(server.get_event_loop())
     server.gui.configure_theme(show_share_button=False)
-    gate.open = True
+    guard.open = True
     return server
 
 

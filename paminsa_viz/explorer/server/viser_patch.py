@@ -18,24 +18,24 @@ Each is looked for at the start, and a viser that has another shape is refused w
 from __future__ import annotations
 
 import asyncio
-import dataclasses
 import inspect
 import socket
 import threading
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import rich
 import viser
-from viser import _messages
 from viser.infra import _infra
 from websockets.asyncio.server import ServerConnection
 from websockets.asyncio.server import serve as websockets_serve
 
 from .connection import ConnectionGuard, GuardedConnection
-from .messages import PAGE_MESSAGES
-from .reports import socket_logger
+from .limits import logger, socket_logger
+from .messages import Decode, UnknownMessage, page_decoder
 
 SERIES = "1.1."
 """The releases of viser that this file was written for."""
@@ -57,19 +57,11 @@ class ViserChanged(RuntimeError):
         )
 
 
-class _Overlay:
-    """A module with some names replaced."""
-
-    def __init__(self, below: Any, **replaced: Any) -> None:
-        self._below = below
-        self.__dict__.update(replaced)
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._below, name)
-
-
-def require_known_viser() -> None:
+def require_known_viser() -> Decode:
     """Compare viser's messages and names with what the guards were written for.
+
+    Returns:
+        What reads the messages of a page.
 
     Raises:
         ViserChanged: Something differs.
@@ -82,28 +74,23 @@ def require_known_viser() -> None:
         raise ViserChanged("websockets' serve() takes other options")
     if not set(dir(ServerConnection)) >= _NEEDED_OF_CONNECTION:
         raise ViserChanged("websockets' connections are built differently")
-    for ours in PAGE_MESSAGES:
-        theirs = getattr(_messages, ours.__name__, None)
-        fields = {field.name for field in dataclasses.fields(theirs)} if theirs else set()
-        if fields != set(ours.__struct_fields__):
-            raise ViserChanged(f"its {ours.__name__} is different")
+    try:
+        return page_decoder()
+    except UnknownMessage as error:
+        raise ViserChanged(str(error)) from error
 
 
 def start_viser(
     bound: socket.socket,
     host: str,
-    gate: ConnectionGuard,
-    wrap_connection: Callable[..., GuardedConnection],
+    guard: ConnectionGuard,
 ) -> viser.ViserServer:
-    """Start viser on a socket that is already bound, behind ``gate``.
-
-    The gate is still closed when this returns.
+    """Start viser on a socket that is already bound, behind a guard, which is still closed after.
 
     Args:
         bound: Listening socket.
         host: Name it was bound under, for viser's messages.
-        gate: Decides what is served.
-        wrap_connection: Makes a connection; see ``create_connection`` of websockets' ``serve``.
+        guard: Decides what is served.
 
     Raises:
         ViserChanged: viser did not start its server the way it used to.
@@ -112,25 +99,24 @@ def start_viser(
     pages: list[Any] = []
 
     # Must not raise: viser waits for this thread without end. What is amiss is found out below,
-    # while the gate is closed.
+    # while the guard is closed.
     def serve(handler: Any, *_address: Any, **options: Any) -> websockets_serve:
         pages.append(options.get("process_request"))
         ours = {
-            "process_request": gate.answering(pages[-1]),
-            "process_response": gate.process_response,
-            "create_connection": wrap_connection,
-            "max_size": gate.limits.message_bytes,
+            "process_request": guard.answering(pages[-1]),
+            "process_response": guard.process_response,
+            "create_connection": partial(GuardedConnection, guard=guard),
+            "max_size": guard.limits.message_bytes,
             "close_timeout": _CLOSE_TIMEOUT,
-            "logger": socket_logger(),
+            "logger": socket_logger,
         }
         return websockets_serve(handler, sock=bound, **(options | ours))
 
     names = _infra.__dict__
     with _making:
         real = names["websockets"]
-        names["websockets"] = _Overlay(
-            real, asyncio=_Overlay(real.asyncio, server=_Overlay(real.asyncio.server, serve=serve))
-        )
+        patched = _with(real.asyncio, server=_with(real.asyncio.server, serve=serve))
+        names["websockets"] = _with(real, asyncio=patched)
         try:
             with quiet():
                 server = viser.ViserServer(host, port, verbose=False)
@@ -144,6 +130,11 @@ def start_viser(
         server.stop()
         raise
     return server
+
+
+def _with(module: Any, **replaced: Any) -> SimpleNamespace:
+    """Return the names of a module, with some replaced."""
+    return SimpleNamespace(**(vars(module) | replaced))
 
 
 @contextmanager
@@ -175,19 +166,17 @@ def _separate_pages(server: viser.ViserServer) -> None:
     async def find_inputs(client: viser.ClientHandle) -> None:  # pyright: ignore[reportUnusedFunction]
         connection = connections.get(client.client_id)
         if isinstance(connection, GuardedConnection):
-            connection.screen.inputs = _inputs(client.gui)
+            connection.filter.inputs = _inputs(client.gui)
 
 
 def _inputs(gui: viser.GuiApi) -> Mapping[str, Any]:
     return gui._gui_input_handle_from_uuid
 
 
-def contain_failures(
-    loop: asyncio.AbstractEventLoop, report: Callable[[str, BaseException | None], None]
-) -> None:
-    """Send what goes wrong in viser's tasks to ``report`` instead of to the console every time."""
+def log_failures(loop: asyncio.AbstractEventLoop) -> None:
+    """Log what goes wrong in viser's tasks, instead of printing it on the console every time."""
 
     def handle(_loop: asyncio.AbstractEventLoop, context: dict[str, Any]) -> None:
-        report(context["message"], context.get("exception"))
+        logger.warning("%s", context["message"], exc_info=context.get("exception"))
 
     loop.call_soon_threadsafe(loop.set_exception_handler, handle)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import threading
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,18 +12,17 @@ import pytest
 from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import exporting, requests, uplot
+from paminsa_viz.explorer.motion import exporting, requests
 from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.plots import Plot
-from paminsa_viz.explorer.motion.readings import readings
-from paminsa_viz.explorer.motion.store import Analyzed, MotionStore
-from paminsa_viz.explorer.motion.traces import charts
+from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_engine
 from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html
+from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
+from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
 from paminsa_viz.units import power_of_ten
 from tests.samples import with_knee
 
@@ -40,10 +38,10 @@ def mujoco() -> Any:
 def state() -> State:
     """A design of its own on the paper-like motion, its torques beside the engine's."""
     changed = actions.vary(initial_state(), {"payload.mass": 2.0, "links.b4": 0.9})
-    return requests.set_plots(changed, engine=True, printed=True)
+    return requests.set_plots(changed, engine=True, published=True)
 
 
-def analyzed(state: State) -> Analyzed:
+def analyzed(state: State) -> MotionResults:
     found = MotionStore().all(state)
     assert found is not None
     return found
@@ -61,14 +59,14 @@ def test_numbers_are_those_of_a_verification(state: State, knee: KneeBranch) -> 
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
-    assert found.printed is not None
+    assert found.sources.published is not None
     motion = torques.thinned.trajectory
     assert motion.size == MOST_SAMPLES
     assert (motion.t[0], motion.t[-1]) == (0.0, found.present.trajectory.t[-1])
     design = found.present.design
     known = verify(with_knee(design, knee), motion, poses=1, misprints=(Misprint.ALL,))
     np.testing.assert_array_equal(torques.engine.torque, known.engines[0].dynamic.reference)
-    own, printed = torques.comparison(found.present), torques.comparison(found.printed)
+    own, printed = torques.comparison(found.present), torques.comparison(found.sources.published)
     assert own.agrees(TOLERANCE)
     assert own.relative.max() < 1e-11
     np.testing.assert_allclose(own.scale, known.engines[0].dynamic.scale, rtol=1e-12)
@@ -99,12 +97,12 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
     ):
         found = analyzed(other)
         assert found.answer is None
-        for chart in charts(other.plots, found):
+        for chart in drawn_charts(other, found):
             marks = [trace for trace in chart.traces if trace.marks]
             assert marks
             assert all(np.isnan(trace.values).all() for trace in marks)
-        view = replace(other.plots, plot=Plot.DIFFERENCE)
-        for chart in charts(view, found):
+        other = requests.set_plots(other, plot="differences")
+        for chart in drawn_charts(other, analyzed(other)):
             assert all(np.isnan(trace.values).all() for trace in chart.traces)
         assert "computing" in verdict_html(found.answer, found)
     back = actions.vary(actions.vary(known, {"links.b3": 0.5}), {"links.b3": 0.406})
@@ -114,11 +112,10 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
 @needs_mujoco
 def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
     waiting, found = analyzed(state), analyzed(answered(state))
-    for before, chart in zip(charts(state.plots, waiting), charts(state.plots, found), strict=True):
-        assert uplot.layout(before) == uplot.layout(chart)
+    for before, chart in zip(drawn_charts(state, waiting), drawn_charts(state, found), strict=True):
+        assert chart_shape(before) == chart_shape(chart)
         marks = [trace for trace in chart.traces if trace.marks]
-        assert len(readings(chart)) == len(chart.traces) - len(marks)
-        series = uplot.data(chart, 1)
+        series = uplot_data(chart, 1)
         for number, trace in enumerate(chart.traces):
             if trace not in marks:
                 continue
@@ -126,20 +123,20 @@ def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
             assert 25 <= seen.size <= 51
             own = chart.traces[marks.index(trace)].values
             np.testing.assert_allclose(trace.values[seen], own[seen], atol=1e-9)
-            shown = uplot.curve(series, uplot.layout(chart), number)
+            shown = shown_curve(series, chart_shape(chart), number)
             assert np.isfinite(shown).sum() == seen.size
 
 
 @needs_mujoco
 def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> None:
-    state = requests.set_plots(answered(state), plot=Plot.DIFFERENCE, printed=False)
+    state = requests.set_plots(answered(state), plot="differences", published=False)
     found = analyzed(state)
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
-    turning, lifting = charts(state.plots, found)
+    turning, lifting = drawn_charts(state, found)
     assert "10⁻" in turning.unit
-    wanted = torques.difference(found.present)[:, 0]
+    wanted = (torques.engine.pick(found.present.torque) - torques.engine.torque)[:, 0]
     ratio = turning.traces[0].values[wanted != 0] / wanted[wanted != 0]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
     assert turning.unit.startswith(power_of_ten(-round(np.log10(ratio[0]))))
@@ -149,16 +146,16 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "FAIL" not in table
     assert "PASS" in verdict_html(found.answer, found)
 
-    state = requests.set_plots(state, printed=True)
+    state = requests.set_plots(state, published=True)
     found = analyzed(state)
-    drawn = charts(state.plots, found)
+    drawn = drawn_charts(state, found)
     assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
     table = difference_html(drawn, found, 0.1)
     assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
     assert "misprints" in verdict_html(found.answer, found)
     figure = exporting.figure(state, "svg", 120.0, 100.0)
     assert "comparison" in figure.name
-    assert b"as printed" in figure.content or b"<svg" in figure.content
+    assert b"Formulae as published and MuJoCo" in figure.content
 
 
 @needs_mujoco
@@ -169,12 +166,12 @@ def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
-    good = found.present.check.good[torques.kept]
+    good = found.present.check.good[torques.engine.samples]
     assert 0 < good.sum() < good.size
     comparison = torques.comparison(found.present)
     assert len(comparison.computed) == good.sum()
     assert comparison.agrees(TOLERANCE)
-    (chart, _) = charts(replace(line.plots, plot=Plot.DIFFERENCE), found)
+    (chart, _) = drawn_charts(requests.set_plots(line, plot="differences"), found)
     np.testing.assert_array_equal(np.isnan(chart.traces[0].values), ~good)
     np.testing.assert_array_equal(chart.failing, ~good)
 
@@ -197,10 +194,10 @@ def test_a_missing_engine_is_told_once_for_all_designs(
         assert "pip install" in said
         assert str(EngineMissing("MuJoCo")).split(";")[0] in said
         assert "–" in difference_html(
-            charts(replace(other.plots, plot=Plot.DIFFERENCE), found), found, 0.0
+            drawn_charts(requests.set_plots(other, plot="differences"), found), found, 0.0
         )
     with pytest.raises(InvalidInput, match="pip install"):
-        exporting.figure(requests.set_plots(state, plot=Plot.DIFFERENCE), "png", 120.0, 100.0)
+        exporting.figure(requests.set_plots(state, plot="differences"), "png", 120.0, 100.0)
 
 
 class Asked:
@@ -274,9 +271,9 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
 
 def test_nothing_is_asked_that_is_not_shown(state: State) -> None:
     assert state.plots.needs_engine
-    assert not requests.set_plots(state, plot=Plot.POWER).plots.needs_engine
+    assert not requests.set_plots(state, plot="power").plots.needs_engine
     assert not requests.set_plots(state, engine=False).plots.needs_engine
-    assert requests.set_plots(state, engine=False, plot=Plot.DIFFERENCE).plots.needs_engine
+    assert requests.set_plots(state, engine=False, plot="differences").plots.needs_engine
 
 
 @needs_mujoco
@@ -286,5 +283,5 @@ def test_of_few_samples_all_are_computed(state: State) -> None:
     assert answer is not None
     assert answer.found is not None
     assert motion is not None
-    assert answer.found.kept.tolist() == list(range(motion.size))
+    assert answer.found.engine.samples.tolist() == list(range(motion.size))
     assert motion.size < MOST_SAMPLES

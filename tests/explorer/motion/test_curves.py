@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import requests, uplot
+from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.path_segments import cut
-from paminsa_viz.explorer.motion.plots import Plot, PlotView
-from paminsa_viz.explorer.motion.readings import readings, value_at
+from paminsa_viz.explorer.motion.plots import PLOTS, SIMULATED, PlotView
 from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run
 from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.motion.traces import Chart, Trace, charts
+from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Misprint
+from paminsa_viz.plots import series_uplot
+from paminsa_viz.plots.series import SeriesKind, Trace, runs, statistics
+from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
 
 
@@ -23,7 +27,7 @@ from paminsa_viz.trajectory import analyze
 def state() -> State:
     """A heavier design with the paper's pinned, and the formulae as printed shown."""
     state = actions.pin_reference(requests.choose_preset(initial_state(), "circle"))
-    return requests.set_plots(actions.vary(state, {"links.b4": 2.0}), printed=True)
+    return requests.set_plots(actions.vary(state, {"links.b4": 2.0}), published=True)
 
 
 @pytest.fixture
@@ -37,7 +41,7 @@ def failing() -> State:
 def test_curves_are_the_models(state: State) -> None:
     found = MotionStore().all(state)
     assert found is not None
-    turning, lifting = charts(state.plots, found)
+    turning, lifting = drawn_charts(state, found)
     motion, design = found.present.trajectory, state.document.design
     assert state.document.reference is not None
     for offset, torque in (
@@ -48,34 +52,35 @@ def test_curves_are_the_models(state: State) -> None:
         for j in range(3):
             np.testing.assert_allclose(turning.traces[offset + j].values, torque[:, j], atol=1e-12)
         np.testing.assert_allclose(lifting.traces[offset // 3].values, torque[:, 3], atol=1e-10)
-    own = (*readings(turning)[:3], readings(lifting)[0])
-    for line, summary in zip(own, found.present.summary, strict=True):
-        assert line.peak == summary.peak
-        assert line.peak_t == summary.peak_t
-        assert line.rms == pytest.approx(summary.rms, rel=1e-12)
+    own = (*turning.traces[:3], lifting.traces[0])
+    for trace, summary in zip(own, found.present.summary, strict=True):
+        peak, peak_t, mean = statistics(turning.t, trace, turning.until)
+        assert (peak, peak_t) == (summary.peak, summary.peak_t)
+        assert mean == pytest.approx(summary.rms, rel=1e-12)
 
 
-ALONE = [p for p in Plot if "simulation" not in p.value and p is not Plot.DIFFERENCE]
+ALONE = [plot for plot in PLOTS.values() if plot not in (*SIMULATED, "differences")]
 """Plots of the formulae alone."""
 
 
 @pytest.mark.parametrize("plot", ALONE)
-def test_every_plot_has_numbers(plot: Plot, state: State) -> None:
+def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
+    state = replace(state, plots=PlotView(plot, actuator=2, published=True))
     found = MotionStore().all(state)
     assert found is not None
-    drawn = charts(PlotView(plot, actuator=2, printed=True), found)
+    drawn = drawn_charts(state, found)
     assert drawn
     for chart in drawn:
         for trace in chart.traces:
             assert trace.values.shape == chart.t.shape
             assert np.isfinite(trace.values).all()
-            assert value_at(chart, trace, chart.t[7]) == trace.values[7]
+            assert chart.value_at(trace, chart.t[7]) == trace.values[7]
 
 
 def test_parts_add_up(state: State) -> None:
     found = MotionStore().all(state)
     assert found is not None
-    (chart,) = charts(PlotView(Plot.PARTS, actuator=1), found)
+    (chart,) = drawn_charts(requests.set_plots(state, plot="breakdown", actuator=1), found)
     *parts, whole = (trace.values for trace in chart.traces)
     np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
 
@@ -86,21 +91,21 @@ def test_a_mass_costs_one_product(state: State) -> None:
     assert before is not None
     assert after is not None
     assert after.present.solved is before.present.solved
-    assert after.reference is before.reference
+    assert after.sources.reference is before.sources.reference
     assert np.abs(after.present.torque - before.present.torque).max() > 0.1
 
 
 def test_what_is_drawn_has_peaks_and_gaps(failing: State) -> None:
     found = MotionStore().all(failing)
     assert found is not None
-    for chart in charts(failing.plots, found):
-        shape = uplot.layout(chart)
+    for chart in drawn_charts(failing, found):
+        shape = series_uplot.chart_shape(chart)
         assert shape.pieces == 2
-        series = uplot.data(chart, shape.pieces)
-        assert len(series) == len(uplot.options(shape)["series"])
-        assert series[0].size <= 1.1 * uplot.MOST_POINTS
+        series = series_uplot.uplot_data(chart, shape.pieces)
+        assert len(series) == len(series_uplot.uplot_options(shape)["series"])
+        assert series[0].size <= 1.1 * series_uplot.MOST_POINTS
         for number, trace in enumerate(chart.traces):
-            curve = uplot.curve(series, shape, number)
+            curve = series_uplot.shown_curve(series, shape, number)
             known = np.isin(chart.t, series[0])
             np.testing.assert_array_equal(curve, trace.values[known])
             assert np.nanmax(curve) == np.nanmax(trace.values)
@@ -111,20 +116,20 @@ def test_what_is_drawn_has_peaks_and_gaps(failing: State) -> None:
 
 def test_no_curve_is_drawn_over_a_gap() -> None:
     values = np.array([np.nan, 1.0, 2.0, np.nan, np.nan, 3.0, np.nan, 4.0])
-    assert uplot.runs(values) == [slice(1, 3), slice(5, 6), slice(7, 8)]
+    assert runs(values) == [slice(1, 3), slice(5, 6), slice(7, 8)]
     chart = Chart(
         "a", "b", np.arange(8.0), (Trace("c", values, "#000000"),), np.isnan(values), 0
     )  # fmt: skip
-    pieces = uplot.data(chart, 3)[3:]
+    pieces = series_uplot.uplot_data(chart, 3)[3:]
     assert [int((~np.isnan(piece)).sum()) for piece in pieces] == [2, 1, 1]
-    assert np.isnan(readings(chart)[0].peak)
-    assert uplot.bounds(chart.traces) == (1.0, 4.0)
+    assert np.isnan(statistics(chart.t, chart.traces[0], 0).peak)
+    assert series_uplot.bounds(chart.traces) == (1.0, 4.0)
 
 
 def test_nothing_and_next_to_nothing_have_a_range() -> None:
     nothing = Trace("c", np.full(3, np.nan), "#000000")
-    assert uplot.bounds((nothing,)) == (0.0, 1.0)
-    low, high = uplot.bounds((Trace("c", np.array([0.0, 1e-15]), "#000000"),))
+    assert series_uplot.bounds((nothing,)) == (0.0, 1.0)
+    low, high = series_uplot.bounds((Trace("c", np.array([0.0, 1e-15]), "#000000"),))
     assert low < 0 < high
 
 
@@ -155,8 +160,8 @@ def test_simulations_say_what_came_of_them() -> None:
     assert requests.receive_simulation(done, run(job)) is done
     found = MotionStore().all(done)
     assert found is not None
-    place, turn = charts(PlotView(Plot.TRACKING), found)
-    assert "µm" in place.title
+    place, turn = drawn_charts(done, found)
+    assert "10⁻³ mm" in place.title
     error = np.degrees(outcome.simulation.error[:, 2])
     np.testing.assert_allclose(turn.traces[0].values, 1e3 * error, rtol=1e-12)
 

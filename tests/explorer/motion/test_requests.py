@@ -13,7 +13,6 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import requests
 from paminsa_viz.explorer.motion.description import MOST_SAMPLES, MOST_WAYPOINTS, Kind, Timing
 from paminsa_viz.explorer.motion.playback import SPEEDS, Playback, advanced, begun
-from paminsa_viz.explorer.motion.plots import Plot
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
 from paminsa_viz.trajectory import PRESETS, Profile, from_samples
@@ -203,7 +202,7 @@ def test_a_mass_leaves_the_trajectory_alone() -> None:
 
 def test_a_simulation_is_asked_for_once() -> None:
     state = requests.simulate(initial_state())
-    assert state.plots.plot is Plot.TRACKING
+    assert state.plots.plot == "errors"
     with pytest.raises(InvalidInput, match="still runs"):
         requests.simulate(state)
     with pytest.raises(InvalidInput, match="none to simulate"):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import dataclasses
 from typing import Any
 
+import msgspec
 import pytest
 from viser import _messages
 
-from paminsa_viz.explorer.server.messages import PAGE_MESSAGES, decode, encode
+from paminsa_viz.explorer.server.messages import PAGE_MESSAGES, page_decoder
 
 from ..raw_page import CAMERA, pack
 
@@ -49,13 +50,13 @@ def _tuples(value: Any) -> Any:
 
 
 def test_there_is_an_example_of_each() -> None:
-    assert set(EXAMPLES) == {each.__name__ for each in PAGE_MESSAGES}
+    assert set(EXAMPLES) == set(PAGE_MESSAGES)
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_viser_reads_from_ours_what_the_page_sent(name: str) -> None:
     sent = pack({"type": name, **EXAMPLES[name]})
-    read = _messages.Message.deserialize(encode(decode(sent)))
+    read = _messages.Message.deserialize(msgspec.msgpack.encode(page_decoder()(sent)))
     assert type(read).__name__ == name
     assert dataclasses.is_dataclass(read)
     assert vars(read) == {key: _tuples(value) for key, value in EXAMPLES[name].items()}

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from paminsa_viz.explorer.server.limits import Limits
-from paminsa_viz.explorer.server.messages import GetRenderResponseMessage, encode
-from paminsa_viz.explorer.server.pictures import pixel_count
-from paminsa_viz.explorer.server.screening import MessageFilter
+from paminsa_viz.explorer.server.message_filter import MessageFilter, pixel_count
+from paminsa_viz.explorer.server.messages import page_decoder
+
+from ..raw_page import pack
 
 
 def _drawn(width: int, height: int, kind: str, **options: object) -> bytes:
@@ -57,6 +58,6 @@ def test_an_animation_is_not_a_picture() -> None:
     ],
 )
 def test_a_page_may_return_a_picture_of_reasonable_size(payload: bytes, goes_on: bool) -> None:
-    screen = MessageFilter(Limits(), report=lambda _: None)
-    answer = encode(GetRenderResponseMessage(payload=payload, render_uuid="r"))
-    assert (screen.passed(answer) is not None) == goes_on
+    messages = MessageFilter(page_decoder(), Limits(), report=lambda _: None)
+    answer = {"type": "GetRenderResponseMessage", "payload": payload, "render_uuid": "r"}
+    assert (messages.passed(pack(answer)) is not None) == goes_on

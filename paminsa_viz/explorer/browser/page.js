@@ -1,0 +1,199 @@
+/**
+ * The page's side of a session: everything in a browser tab that viser has no interface for.
+ *
+ * All names of viser, Plotly, uPlot and Mantine that are not public are read here and in page.css.
+ * `features` names them; one that a release has moved is reported, and the rest goes on.
+ */
+(config) => {
+  "use strict";
+  window.paminsa?.stop(); // a tab that has connected again is set up again
+  const stopped = new AbortController();
+  const timers = [];
+  const every = (period, run) => timers.push(setInterval(run, period));
+  const viewer = () => window.__viserMutable || {};
+
+  // --- messages to the server ---------------------------------------------------------------
+  // They are the text of a hidden input. It holds only the newest text, and one that follows
+  // another at once would take its place before it is read: so each repeats the last few.
+  const recent = [];
+  let count = 0;
+  const send = (kind, data) => {
+    if (!viewer().sendMessage) return false;
+    recent.push([++count, kind, data]);
+    while (recent.length > 4) recent.shift();
+    const updates = { value: JSON.stringify(recent) };
+    viewer().sendMessage({ type: "GuiUpdateMessage", uuid: config.inbox, updates });
+    return true;
+  };
+  const retry = (attempt, period) => {
+    if (!stopped.signal.aborted && !attempt()) setTimeout(() => retry(attempt, period), period);
+  };
+
+  let saved = null;
+  try {
+    saved = sessionStorage.getItem(config.storeKey);
+  } catch (error) {
+    console.warn(error);
+  }
+  retry(() => send("hello", saved), 50);
+
+  retry(() => {
+    const canvas = viewer().canvas;
+    if (!canvas) return false;
+    const gl = canvas.getContext("webgl2");
+    const names = gl?.getExtension("WEBGL_debug_renderer_info");
+    return send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
+  }, 200);
+
+  const shown = () => retry(() => send("shown", null), 50);
+  const whenIdle = window.requestIdleCallback || ((run) => setTimeout(run, 200));
+  requestAnimationFrame(() => whenIdle(shown, { timeout: 1000 }));
+  setTimeout(shown, 2000); // a tab in the background draws nothing
+
+  const save = (text) => {
+    try {
+      sessionStorage.setItem(config.storeKey, text);
+    } catch (error) {
+      console.warn(error);
+    }
+  };
+
+  // --- clicks on Plotly figures -------------------------------------------------------------
+  // By the place of the pointer and not by the page's own click: while a figure is pressed,
+  // Plotly lays a cover over the window.
+  const plotAt = (place) =>
+    document.elementsFromPoint(...place).map((element) => element.closest(".js-plotly-plot"))
+      .find((figure) => figure?._fullLayout?._plots);
+  let pressed = null;
+  const onPointer = (event) => {
+    const place = [event.clientX, event.clientY];
+    const plot = plotAt(place);
+    if (event.type === "pointerdown") {
+      pressed = event.button === 0 && plot ? place : null;
+      return;
+    }
+    const still = pressed && Math.hypot(place[0] - pressed[0], place[1] - pressed[1]) <= 4;
+    if (!plot || !still) return;
+    const box = plot.getBoundingClientRect();
+    for (const { xaxis, yaxis } of Object.values(plot._fullLayout._plots)) {
+      const x = place[0] - box.left - xaxis._offset;
+      const y = place[1] - box.top - yaxis._offset;
+      if (x < 0 || y < 0 || x > xaxis._length || y > yaxis._length) continue;
+      const title = String(plot._fullLayout.meta || "");
+      send("click", { title, x: xaxis.p2d(x), y: yaxis.p2d(y) });
+      return;
+    }
+  };
+  for (const kind of ["pointerdown", "pointerup"])
+    document.addEventListener(kind, onPointer, { capture: true, signal: stopped.signal });
+
+  // --- places for figures: which are visible, and how wide ----------------------------------
+  const hostOf = (mark) => mark?.parentElement?.parentElement;
+  let reported = "";
+  let again = 0;
+  every(200, () => {
+    const found = { ratio: window.devicePixelRatio };
+    for (const mark of document.querySelectorAll("[data-paminsa-slot]")) {
+      const host = hostOf(mark);
+      if (!host) continue;
+      const visible = host.clientHeight > 0 && host.getClientRects().length > 0;
+      const width = Math.floor(host.clientWidth * mark.dataset.share);
+      found[mark.dataset.paminsaSlot] = visible ? width : 0;
+    }
+    const now = JSON.stringify(found);
+    if (now !== reported) {
+      reported = now;
+      again = 3;
+    }
+    if (again > 0 && send("slots", found)) again -= 1;
+  });
+
+  // --- time cursor: a line through all charts of a place ------------------------------------
+  // Charts are looked for again and again: the page makes, widens and zooms them.
+  let cursor = { slot: "", time: null };
+  const charts = () => {
+    const host = hostOf(document.querySelector(`[data-paminsa-slot="${cursor.slot}"]`));
+    return Object.values(window.__viserTestpoints?.uplots || {})
+      .map((entry) => entry.chart)
+      .filter((chart) => host?.contains(chart.root));
+  };
+  const lineOf = (chart) => {
+    const known = chart.over.querySelector(".paminsa-time-cursor");
+    if (known) return known;
+    const line = document.createElement("div");
+    line.className = "paminsa-time-cursor";
+    chart.over.appendChild(line);
+    let down = null;
+    chart.over.addEventListener("mousedown", (event) => { down = event.clientX; });
+    chart.over.addEventListener("mouseup", (event) => {
+      if (event.button !== 0 || down === null || Math.abs(event.clientX - down) > 3) return;
+      const box = chart.over.getBoundingClientRect();
+      window.paminsa.send("time", chart.posToVal(event.clientX - box.left, "x"));
+    });
+    return line;
+  };
+  const drawCursor = () => {
+    if (!cursor.slot) return;
+    for (const chart of charts()) {
+      const line = lineOf(chart);
+      const x = cursor.time === null ? NaN : chart.valToPos(cursor.time, "x");
+      const inside = x >= -1 && x <= chart.over.clientWidth + 1;
+      line.style.display = inside ? "" : "none";
+      if (inside) line.style.transform = `translateX(${x}px)`;
+    }
+  };
+  every(200, drawCursor);
+  const showTime = (slot, time) => {
+    cursor = { slot, time };
+    drawCursor();
+  };
+
+  // --- rendering on demand ------------------------------------------------------------------
+  // viser draws the scene over and over for a quarter of a second after every change. Without a
+  // graphics card that takes all of a machine, and the next change has to wait. Then the scene is
+  // drawn once for a change, and again when late followers have come.
+  const invalidator = () => viewer().scene?.__r3f?.root?.getState?.()?.invalidate;
+  const renderOnDemand = () => {
+    document.documentElement.classList.add("paminsa-render-on-demand");
+    if (!viewer().requestRender || !invalidator()) return;
+    let timer = 0;
+    viewer().requestRender = () => {
+      const draw = () => invalidator()();
+      clearTimeout(timer);
+      timer = setTimeout(draw, 250);
+      draw();
+    };
+  };
+
+  // --- self-test ----------------------------------------------------------------------------
+  // A name that stays missing for ten seconds is reported; `UNKNOWN`: nothing here can tell yet.
+  const UNKNOWN = Symbol("unknown");
+  const onceThere = (selector, test) => (document.querySelector(selector) ? test() : UNKNOWN);
+  const features = {
+    "graphics card detection (canvas)": () => viewer().canvas,
+    "plain background (backgroundMaterial)": () => viewer().backgroundMaterial,
+    "rendering on demand (requestRender, __r3f)": () => viewer().requestRender && invalidator(),
+    "layout of inputs (mantine-Flex-root)": () =>
+      onceThere("[role=slider]", () => document.querySelector(".mantine-Flex-root")),
+    "clicks on figures (_fullLayout)": () =>
+      onceThere(".plot-container.plotly", () =>
+        document.querySelector(".js-plotly-plot")?._fullLayout?._plots),
+    "time cursor (uplots)": () => onceThere(".uplot", () => window.__viserTestpoints?.uplots),
+  };
+  const waited = Object.fromEntries(Object.keys(features).map((name) => [name, 0]));
+  every(500, () => {
+    const missing = [];
+    for (const name of Object.keys(waited)) {
+      const found = features[name]();
+      if (!found && ++waited[name] > 20) missing.push(name);
+      if (found && found !== UNKNOWN) delete waited[name];
+    }
+    if (missing.length && send("missing", missing)) for (const name of missing) delete waited[name];
+  });
+
+  const stop = () => {
+    stopped.abort();
+    timers.forEach(clearInterval);
+  };
+  window.paminsa = { stop, send, save, showTime, renderOnDemand };
+}

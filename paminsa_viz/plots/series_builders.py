@@ -1,0 +1,311 @@
+"""From analyzed trajectories to the panels of each kind of series."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
+from paminsa_viz.plots.series import (
+    FIGURES,
+    Dash,
+    EngineTorques,
+    Panel,
+    SeriesData,
+    SeriesKind,
+    SeriesSources,
+    Trace,
+    Values,
+)
+from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis
+from paminsa_viz.units import format_value
+
+SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
+UNITS = ("N m", "N m", "N m", "N")
+COORDINATES = ("x", "y", "θ", "z")
+COORDINATE_UNITS = ("m", "m", "rad", "m")
+
+PUBLISHED = "#b5121b"
+"""Color of the formulae as published, next to the corrected ones."""
+
+SIMULATED = "#8aa4bf"
+"""Color of what a simulated robot does, below the wanted motion."""
+
+CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
+    ("gravity", "gravity", "#56B4E9", "dashed"),
+    ("inertial", "inertia", "#E69F00", "solid"),
+    ("velocity", "centrifugal and Coriolis", "#CC79A7", "dashdot"),
+    ("friction", "friction", "#6b6b6b", "dotted"),
+)
+"""Parts of a torque: attribute of `TorqueBreakdown`, label, color, stroke."""
+
+_COMPARED: tuple[tuple[str, str, str, str | None, Dash, float], ...] = (
+    ("analysis", "design", "", None, "solid", 1.3),
+    ("reference", "reference", "reference", REFERENCE, "dashed", 1.0),
+    ("published", "formulae as published", "as published", PUBLISHED, "dotted", 1.0),
+)
+"""What is drawn of an actuator: source, label, suffix, color (None for its own), stroke, width."""
+
+MOST_MARKS = 50
+"""About how many of an engine's torques are marked on a curve."""
+
+
+def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
+    """Return the panels of a kind.
+
+    Raises:
+        InvalidInput: If there is no such kind, or it needs something that is not given.
+    """
+    if kind not in _BUILDERS:
+        raise InvalidInput("kind", f"one of {', '.join(FIGURES)} is needed, not {kind!r}")
+    title, builder = _BUILDERS[kind]
+    panels = tuple(builder(sources))
+    check, time = sources.analysis.check, sources.analysis.trajectory.t
+    failing, until = ~check.good, check.until
+    if kind in ("comparison", "differences"):
+        samples = sources.other.samples_of(time.size)
+        time, failing, until = time[samples], failing[samples], int((samples < until).sum())
+    elif kind in ("tracking", "errors", "commands"):
+        time = sources.simulated_time if kind == "tracking" else sources.simulated.t
+        failing, until = np.zeros(time.size, dtype=bool), time.size
+    return SeriesData(kind, title, sources, time, panels, failing, until)
+
+
+def _compared(
+    panel: Panel,
+    j: int,
+    sources: SeriesSources,
+    values: Callable[[TrajectoryAnalysis], Values],
+    annotate: Callable[[ActuatorSummary, Trace], tuple[Trace, str]] | None = None,
+) -> Panel:
+    """Return the panel of actuator ``j`` with design, reference and published formulae.
+
+    Args:
+        panel: Without traces.
+        j: Index of the actuator.
+        sources: What is drawn, the design above the others.
+        values: Returns what is drawn of an analysis (n, 4).
+        annotate: Returns a trace with what is marked on it, and its note.
+    """
+    traces, notes = [], []
+    for source, label, suffix, fixed, dash, width in _COMPARED:
+        analysis: TrajectoryAnalysis | None = getattr(sources, source)
+        if analysis is None:
+            continue
+        color = fixed or panel.color
+        until = analysis.check.until
+        trace = Trace(label, values(analysis)[:, j], color, dash, width, suffix, until=until)
+        if annotate is not None and analysis.summary:
+            trace, note = annotate(analysis.summary[j], trace)
+            notes.append((f"{suffix}: {note}" if suffix else note, color))
+        traces.append(trace)
+    return replace(panel, traces=(*traces[1:], traces[0]), notes=tuple(notes))
+
+
+def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[int, Panel]]:
+    for j in range(4):
+        yield j, Panel(f"M{j + 1}", f"M{j + 1}", symbols[j], units[j], ACTUATOR_COLORS[j])
+
+
+def _coordinates(suffix: str = "") -> Iterator[tuple[int, Panel]]:
+    for i, (name, unit) in enumerate(zip(COORDINATES, COORDINATE_UNITS, strict=True)):
+        yield i, Panel(name, name, name, unit + suffix, INK)
+
+
+def _torques(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield torques of M1..M3 and force of M4, as in Figs. 6 and 7, with peaks and RMS."""
+    for j, panel in _actuators(SYMBOLS, UNITS):
+        drawn = _compared(panel, j, sources, lambda a: a.torque, partial(_with_torque, panel.unit))
+        if sources.engine is not None:
+            marks = _marks(sources.engine, sources.analysis.trajectory.size, j)
+            drawn = replace(drawn, traces=(*drawn.traces, marks))
+        yield drawn
+
+
+def _with_torque(unit: str, summary: ActuatorSummary, trace: Trace) -> tuple[Trace, str]:
+    peak, peak_t, mean = summary.peak, summary.peak_t, summary.rms
+    marked = replace(trace, peak=(peak_t, peak), level=math.copysign(mean, peak))
+    return marked, f"{_peak_text(peak, peak_t, unit)}, RMS {_text(mean, unit)}"
+
+
+def _marks(engine: EngineTorques, size: int, j: int) -> Trace:
+    """Return some of an engine's torques of actuator ``j`` as marks."""
+    samples = engine.samples_of(size)
+    step = max(math.ceil(samples.size / MOST_MARKS), 1)
+    values = np.full(size, np.nan)
+    values[samples[::step]] = engine.torque[::step, j]
+    return Trace(engine.name, values, INK, suffix=engine.name, marks=True)
+
+
+def _power(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the power of each actuator, positive where it drives."""
+    for j, panel in _actuators(("P₁", "P₂", "P₃", "P₄"), ("W",) * 4):
+        annotate = partial(_with_power, "rad/s" if j < 3 else "m/s")
+        yield _compared(panel, j, sources, lambda a: a.power, annotate)
+
+
+def _with_power(speed_unit: str, summary: ActuatorSummary, trace: Trace) -> tuple[Trace, str]:
+    text = _peak_text(summary.top_power, summary.top_power_t, "W")
+    if not trace.suffix:  # the speeds of the others are the same
+        text = f"{text}, speed up to {_text(summary.top_speed, speed_unit)}"
+    return replace(trace, peak=(summary.top_power_t, summary.top_power)), text
+
+
+def _with_work(summary: ActuatorSummary, trace: Trace) -> tuple[Trace, str]:
+    return trace, f"drives {_text(summary.driven, 'J')}, brakes {_text(summary.braked, 'J')}"
+
+
+def _energy(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the work of each actuator, the robot's energy, and how well the two balance."""
+    analysis = sources.analysis
+    for j, panel in _actuators(("W₁", "W₂", "W₃", "W₄"), ("J",) * 4):
+        yield _compared(panel, j, sources, lambda a: a.work, _with_work)
+    work = Trace("work of all four", analysis.work.sum(axis=1), MUTED, width=1.8)
+    gain = Trace("energy gained", analysis.energy - analysis.energy[0], INK, "dashed")
+    residual = Trace("work − losses − gain", analysis.energy_residual, INK, width=0.8)
+    gains = f"gains up to {_size_text(gain.values, 'J')}"
+    balance = f"up to {_size_text(residual.values, 'J')}"
+    yield Panel("Robot", "Robot", "ΔE", "J", INK, (work, gain), ((gains, MUTED),))
+    yield Panel("Balance", "Balance", "W − ΔE", "J", INK, (residual,), ((balance, MUTED),))
+
+
+def _breakdown(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield each actuator's torque by its causes; friction only where there is any."""
+    analysis = sources.analysis
+    parts = analysis.breakdown
+    rubs = bool(np.nanmax(np.abs(parts.friction), initial=0.0) > 0)
+    for j, panel in _actuators(SYMBOLS, UNITS):
+        causes = [
+            Trace(label, getattr(parts, name)[:, j], color, dash)
+            for name, label, color, dash in CAUSES
+            if rubs or name != "friction"
+        ]
+        notes = [
+            ", ".join(f"{t.label} up to {_size_text(t.values, panel.unit)}" for t in row)
+            for row in (causes[:2], causes[2:])
+        ]
+        total = Trace("total", analysis.torque[:, j], panel.color, width=1.3)
+        yield replace(panel, traces=(*causes, total), notes=tuple((text, MUTED) for text in notes))
+
+
+def _pose(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the platform's coordinates, the quantities of Figs. 8-11."""
+    t = sources.analysis.trajectory
+    for i, panel in _coordinates():
+        speed = _size_text(t.velocity[:, i], f"{panel.unit}/s")
+        acceleration = _size_text(t.acceleration[:, i], f"{panel.unit}/s²")
+        note = f"speed up to {speed}, acceleration up to {acceleration}"
+        yield replace(panel, traces=(_of_platform(t.pose[:, i]),), notes=((note, MUTED),))
+
+
+def _speed(sources: SeriesSources) -> Iterator[Panel]:
+    for i, panel in _coordinates("/s"):
+        values = sources.analysis.trajectory.velocity[:, i]
+        yield replace(panel, traces=(_of_platform(values),))
+
+
+def _acceleration(sources: SeriesSources) -> Iterator[Panel]:
+    for i, panel in _coordinates("/s²"):
+        values = sources.analysis.trajectory.acceleration[:, i]
+        yield replace(panel, traces=(_of_platform(values),))
+
+
+def _of_platform(values: Values) -> Trace:
+    return Trace("motion", values, INK, width=1.3, suffix="")
+
+
+def _tracking(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the simulated platform next to the wanted motion, and the error of each coordinate."""
+    time, simulation = sources.simulated_time, sources.simulated
+    wanted = sources.analysis.trajectory.at(time).pose
+    actual = np.full((time.size, 4), np.nan)
+    actual[: simulation.t.size] = simulation.pose
+    for i, panel in _coordinates():
+        simulated = Trace("simulated", actual[:, i], SIMULATED, width=2.2)
+        traces = (simulated, Trace("wanted", wanted[:, i], INK, "dashed", 0.9))
+        yield replace(panel, traces=traces)
+        yield _difference(panel, "Error", time, actual[:, i] - wanted[:, i])
+
+
+def _errors(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the error of each simulated coordinate alone."""
+    simulation = sources.simulated
+    for i, panel in _coordinates():
+        yield _difference(panel, "Error", simulation.t, simulation.error[:, i])
+
+
+def _commands(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the torques that the controller of a simulation commands."""
+    torque = sources.simulated.torque
+    for j, panel in _actuators(SYMBOLS, UNITS):
+        command = Trace("commanded", torque[:, j], panel.color, width=1.3, suffix="")
+        yield replace(panel, traces=(command,))
+
+
+def _comparison(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield each actuator's torque from two sources, and their difference."""
+    other = sources.other
+    time, torque = other.pick(sources.analysis.trajectory.t), other.pick(sources.analysis.torque)
+    for j, panel in _actuators(SYMBOLS, UNITS):
+        own = Trace("this analysis", torque[:, j], panel.color, width=1.6)
+        compared = Trace(other.name, other.torque[:, j], INK, "dashed", 0.8)
+        yield replace(panel, traces=(own, compared))
+        yield _difference(panel, "Difference", time, torque[:, j] - other.torque[:, j])
+
+
+def _differences(sources: SeriesSources) -> Iterator[Panel]:
+    """Yield the formulae's torques minus an engine's, with those of the formulae as published."""
+    other, formulae = sources.other, replace(sources, reference=None)
+    for j, panel in _actuators(SYMBOLS, UNITS):
+        drawn = _compared(panel, j, formulae, lambda a: other.pick(a.torque) - other.torque)
+        yield replace(drawn, traces=tuple(replace(trace, until=None) for trace in drawn.traces))
+
+
+def _difference(panel: Panel, what: str, t: Values, values: Values) -> Panel:
+    """Return the panel of a difference, with its largest value marked and in words."""
+    trace = Trace("difference", values, panel.color, width=0.9, suffix="")
+    notes = ()
+    known = np.flatnonzero(np.isfinite(values))
+    if known.size:
+        top = known[np.abs(values[known]).argmax()]
+        peak_t, peak = float(t[top]), float(values[top])
+        trace = replace(trace, peak=(peak_t, peak))
+        notes = ((f"largest {_text(peak, panel.unit)} at {_text(peak_t, 's')}", MUTED),)
+    name, symbol = f"{what} of {panel.name}", f"Δ{panel.symbol}"
+    return replace(panel, name=name, symbol=symbol, traces=(trace,), notes=notes)
+
+
+def _text(value: float, unit: str) -> str:
+    return format_value(value, unit, 3)
+
+
+def _peak_text(value: float, t: float, unit: str) -> str:
+    return f"peak {_text(value, unit)} at {_text(t, 's')}"
+
+
+def _size_text(values: Values, unit: str) -> str:
+    """Return the largest size among values (n,), with its unit; a dash if there is none."""
+    known = np.abs(values[np.isfinite(values)])
+    return _text(float(known.max()) if known.size else math.nan, unit)
+
+
+_BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[Panel]]]] = {
+    "torques": ("Actuator torques and force", _torques),
+    "breakdown": ("Actuator torques by cause", _breakdown),
+    "pose": ("Motion of the platform", _pose),
+    "speed": ("Speed of the platform", _speed),
+    "acceleration": ("Acceleration of the platform", _acceleration),
+    "power": ("Power of the actuators", _power),
+    "energy": ("Work of the actuators and energy of the robot", _energy),
+    "tracking": ("Simulated motion", _tracking),
+    "errors": ("Errors of the simulated motion", _errors),
+    "commands": ("Commanded torques and force", _commands),
+    "comparison": ("Torques and force from two sources", _comparison),
+    "differences": ("Differences of torques and force", _differences),
+}
+"""Title and builder by kind."""

@@ -1,0 +1,86 @@
+"""The mesh files are what the script makes, and are found wherever the package runs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from paminsa_viz.meshes import library
+from paminsa_viz.meshes.materials import SURFACES
+from tests.meshes.make_parts import ASSETS, script
+
+PARTS = pytest.mark.parametrize("fitting", script.CATALOG, ids=lambda fitting: fitting.name)
+
+
+def names(folder: Path) -> set[str]:
+    return {str(path.relative_to(folder)) for path in folder.rglob("*.*")}
+
+
+def test_the_files_are_those_that_the_script_makes(tmp_path: Path) -> None:
+    first = {path: path.read_bytes() for path in script.write_parts(tmp_path)}
+    assert {path: path.read_bytes() for path in script.write_parts(tmp_path)} == first
+    kept = library.checkout_folder()
+    assert names(tmp_path) == names(kept)
+    for path in tmp_path.rglob("*.glb"):
+        made = trimesh.load_scene(path, process=False)
+        old = trimesh.load_scene(kept / path.relative_to(tmp_path), process=False)
+        assert list(made.geometry) == list(old.geometry)
+        for name, mesh in made.geometry.items():
+            assert mesh.vertices == pytest.approx(old.geometry[name].vertices, abs=1e-7)
+            assert np.array_equal(mesh.faces, old.geometry[name].faces)
+    assert (tmp_path / "README.md").read_text() == (kept / "README.md").read_text()
+
+
+@PARTS
+def test_a_part_comes_back_from_its_file_closed_and_upright(fitting) -> None:
+    made, read = fitting.make(), library.fixed_part(fitting.name)
+    assert {s.material for s in made.solids} == {s.material for s in read.solids} <= set(SURFACES)
+    assert read.bounds() == pytest.approx(made.bounds(), abs=1e-7)
+    for (name, ours), (other, theirs) in zip(made.merged(), read.merged(), strict=True):
+        assert name == other
+        assert len(ours.faces) == len(theirs.faces)
+        assert ours.area == pytest.approx(theirs.area, rel=1e-5)
+    for solid in made.solids:
+        whole = solid.mesh.copy()
+        whole.merge_vertices(merge_norm=True, merge_tex=True)
+        assert whole.is_watertight, solid.material
+        assert whole.volume > 0
+    scene = trimesh.load_scene(library.checkout_folder() / f"{fitting.name}.glb")
+    assert scene.bounds[:, 1] == pytest.approx(made.bounds()[:, 2], abs=1e-6)  # y is up there
+
+
+def test_the_package_has_precedence_and_missing_files_are_named(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr(library.resources, "files", lambda name: tmp_path)
+    monkeypatch.setattr(library, "checkout_folder", lambda: tmp_path / "nowhere")
+    library.mesh_folder.cache_clear()
+    try:
+        with pytest.raises(library.MissingMeshes, match=r"python assets/make_parts\.py"):
+            library.mesh_folder()
+        packaged = tmp_path / "assets" / "meshes"
+        script.write_parts(packaged)
+        assert Path(str(library.mesh_folder())) == packaged
+    finally:
+        library.mesh_folder.cache_clear()
+
+
+@pytest.mark.parametrize("name", ["../secret", "none", ""])
+def test_an_unknown_part_is_refused(name: str) -> None:
+    with pytest.raises(KeyError):
+        library.fixed_part(name)
+
+
+def test_the_script_writes_to_the_folder_given_and_refuses_other_arguments(tmp_path) -> None:
+    def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+        command = [sys.executable, str(ASSETS / "make_parts.py"), *arguments]
+        return subprocess.run(command, capture_output=True, text=True, check=False)
+
+    assert run(str(tmp_path / "out")).returncode == 0
+    assert (tmp_path / "out" / "slider.glb").read_bytes()[:4] == b"glTF"
+    done = run("--help")
+    assert done.returncode == 2
+    assert "usage" in done.stderr

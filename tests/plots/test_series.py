@@ -1,0 +1,283 @@
+"""Figures over time: what they are made of, and that files hold what they should."""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ElementTree
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.transforms import Bbox
+from PIL import Image
+
+from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, Misprint
+from paminsa_viz.plots import series_builders, series_text
+from paminsa_viz.plots.formats import drawing
+from paminsa_viz.plots.series import FIGURES, EngineTorques, Panel, SeriesSources, Trace, thinned
+from paminsa_viz.plots.series_builders import build_series
+from paminsa_viz.plots.series_figure import draw_series, figure_bytes, value_range
+from paminsa_viz.trajectory import (
+    PRESET,
+    Control,
+    Controller,
+    analyze,
+    home,
+    point_to_point,
+    round_trip,
+    simulate,
+)
+
+RUBBING = replace(APPENDIX_4, friction=Friction(viscous_rotary=0.2, coulomb_linear=2.0))
+ACROSS = (0.45, 0.05, 0.3, 0.02)
+"""From home across the singular circle."""
+
+
+@pytest.fixture(scope="module")
+def motion():
+    return PRESET["paper-like"].build(APPENDIX_4.geometry).sample(200)
+
+
+@pytest.fixture(scope="module")
+def analysis(motion):
+    return analyze(RUBBING, motion)
+
+
+@pytest.fixture(scope="module")
+def everything(analysis, motion):
+    """What every kind of figure can be made of."""
+    light = replace(RUBBING.vary({"links.b4": 0.2}), name="Light")
+    return {
+        "reference": analyze(light, motion),
+        "published": analyze(RUBBING, motion, misprints=Misprint.ALL),
+        "simulation": simulate(RUBBING.vary({"payload.mass": 0.5}), motion, model=RUBBING),
+    }
+
+
+@pytest.fixture(scope="module")
+def failing():
+    start = home(APPENDIX_4.geometry)
+    beyond = round_trip(point_to_point(start, np.add(start, ACROSS), 1.0))
+    return analyze(APPENDIX_4, beyond.sample(200))
+
+
+def _series(kind, analysis, **others):
+    return build_series(kind, SeriesSources(analysis, **others))
+
+
+def test_torques_are_those_of_the_analysis(analysis, everything) -> None:
+    data = _series("torques", analysis, **everything)
+    for j, panel in enumerate(data.panels):
+        *beside, own = panel.traces
+        np.testing.assert_array_equal(own.values, analysis.torque[:, j])
+        np.testing.assert_array_equal(beside[0].values, everything["reference"].torque[:, j])
+        np.testing.assert_array_equal(beside[1].values, everything["published"].torque[:, j])
+        summary = analysis.summary[j]
+        assert own.peak == (summary.peak_t, summary.peak)
+        assert own.level == np.copysign(summary.rms, summary.peak)
+        assert len(panel.notes) == 3
+
+
+def test_parts_add_up_to_the_last_curve(analysis) -> None:
+    for panel in _series("breakdown", analysis).panels:
+        *parts, whole = (trace.values for trace in panel.traces)
+        assert len(parts) == len(series_builders.CAUSES)
+        np.testing.assert_allclose(sum(parts), whole, atol=1e-12)
+
+
+def test_friction_is_left_out_where_there_is_none(motion) -> None:
+    panel = _series("breakdown", analyze(APPENDIX_4, motion)).panels[0]
+    assert [trace.label for trace in panel.traces] == [
+        "gravity", "inertia", "centrifugal and Coriolis", "total",
+    ]  # fmt: skip
+
+
+def test_no_figure_claims_to_be_the_papers(analysis) -> None:
+    data = _series("pose", analysis)
+    assert "It is not the motion of the paper's Figs. 8-11" in series_text.caption(data)
+    assert "Fig" not in data.title
+
+
+def test_energies_balance(analysis) -> None:
+    robot, balance = _series("energy", analysis).panels[-2:]
+    work, gained = (trace.values for trace in robot.traces)
+    lost = work - gained - balance.traces[0].values
+    assert np.diff(lost).min() > -1e-8  # friction only takes; but for the integration
+    assert np.abs(balance.traces[0].values).max() < 1e-5
+
+
+def test_differences_are_against_the_engine_first(analysis, everything) -> None:
+    other = EngineTorques("an engine", analysis.torque + np.array([1e-3, 0.0, 0.0, 2.0]))
+    data = _series("comparison", analysis, engine=other, **everything)
+    differences = [panel.traces[0].values for panel in data.panels[1::2]]
+    np.testing.assert_allclose(differences[0], -1e-3, rtol=1e-9)
+    np.testing.assert_array_equal(differences[1], 0.0)
+    assert data.panels[0].traces[1].label == "an engine"
+    without = _series("comparison", analysis, published=everything["published"])
+    assert without.panels[0].traces[1].label == "formulae as published"
+
+
+def test_a_stopped_simulation_ends_where_it_stopped() -> None:
+    circle = PRESET["circle"].build(APPENDIX_4.geometry).sample(100)
+    blind = Controller(Control.FEED_FORWARD)
+    run = simulate(APPENDIX_4, circle, controller=blind, offset=(0.01, 0.0, 0.02, 0.0))
+    assert run.stopped is not None
+    data = _series("tracking", analyze(APPENDIX_4, circle), simulation=run)
+    assert data.time[-1] == circle.t[-1]
+    simulated, wanted = data.panels[0].traces
+    assert np.isfinite(simulated.values).sum() == run.t.size
+    assert np.isfinite(wanted.values).all()
+    assert [(f.start, f.end) for f in series_text.failures(data)] == [(run.stopped.t, circle.t[-1])]
+    assert "The simulation stopped at" in series_text.caption(data)
+
+
+def test_failures_are_shaded_exactly_where_there_are_no_torques(failing) -> None:
+    data = _series("torques", failing)
+    (failure,) = series_text.failures(data)
+    shaded = (data.time >= failure.start) & (data.time < failure.end)
+    np.testing.assert_array_equal(shaded, np.isnan(data.panels[0].traces[-1].values))
+    assert failing.check.first is not None
+    assert failure.start == failing.check.first.t
+    assert failure.reason == "too close to a singular pose"
+    assert "The motion fails, shaded: 0.52" in series_text.caption(data)
+
+
+def test_a_failure_between_two_samples_is_an_instant() -> None:
+    start = home(APPENDIX_4.geometry)
+    quick = round_trip(point_to_point(start, np.add(start, ACROSS), 1.0)).sample(1.0)
+    poses = quick.pose.copy()
+    poses[1] = poses[0]
+    analysis = analyze(APPENDIX_4, replace(quick, pose=poses, velocity=poses * 0 + [3, 0, 0, 0]))
+    assert analysis.check.good.all()
+    assert not analysis.check.ok
+    (failure,) = series_text.failures(_series("torques", analysis))
+    assert failure.start == failure.end == analysis.check.first.t
+
+
+@pytest.mark.parametrize("kind", FIGURES)
+def test_every_kind_is_a_picture_of_its_size(kind, analysis, everything) -> None:
+    for width in (85.0, 170.0):
+        content = figure_bytes(kind, analysis, **everything, width_mm=width, dpi=60)
+        image = Image.open(io.BytesIO(content))
+        assert image.width == round(width / 25.4 * 60)
+        assert image.height < 297 / 25.4 * 60  # a page
+        assert np.asarray(image.convert("L")).std() > 10
+
+
+def _texts(figure) -> list[tuple[str, Bbox]]:
+    """Return all texts of a figure with their extents [pixels]."""
+    figure.draw_without_rendering()
+    texts = [*figure.texts, *(text for legend in figure.legends for text in legend.get_texts())]
+    for area in figure.axes:
+        texts += [area._left_title, area.xaxis.label, area.yaxis.label, *area.texts]
+        for axis, (low, high) in ((area.xaxis, area.get_xlim()), (area.yaxis, area.get_ylim())):
+            ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
+            texts += [tick.label1 for tick in ticks if tick.label1.get_visible()]
+    return [(text.get_text(), text.get_window_extent()) for text in texts if text.get_text()]
+
+
+@pytest.mark.parametrize("kind", FIGURES)
+@pytest.mark.parametrize("width", [60.0, 170.0])
+def test_words_are_on_the_page_and_clear_of_each_other(
+    kind, width, motion, analysis, everything
+) -> None:
+    still = analyze(RUBBING, replace(motion, t=600.0 / motion.t[-1] * motion.t, name="W" * 70))
+    given = {} if kind != "tracking" else everything
+    if kind == "comparison":
+        given = {"engine": EngineTorques("engine", still.torque * (1 + 1e-12))}
+    data = _series(kind, analysis if kind == "tracking" else still, **given)
+    with drawing():
+        figure = draw_series(data, width, 150.0, data.title, series_text.caption(data))
+        found = _texts(figure)
+        right, top = figure.bbox.max
+    for words, box in found:
+        assert min(box.x0, box.y0) >= 0, words
+        assert max(box.x1 - right, box.y1 - top) <= 0.5, words
+    for i, (words, box) in enumerate(found):
+        for other, beside in found[i + 1 :]:
+            apart = box.x1 <= beside.x0 + 1 or beside.x1 <= box.x0 + 1
+            assert apart or box.y1 <= beside.y0 + 1.5 or beside.y1 <= box.y0 + 1.5, (words, other)
+
+
+@pytest.mark.parametrize("kind", [k for k in FIGURES if k not in ("tracking", "comparison")])
+def test_a_motion_that_fails_at_once_is_still_drawn(kind) -> None:
+    start = np.add(home(APPENDIX_4.geometry), (0.9, 0.0, 0.0, 0.0))
+    analysis = analyze(
+        APPENDIX_4, point_to_point(start, np.add(start, (0.0, 0.1, 0.0, 0.0))).sample(20)
+    )
+    assert not analysis.summary
+    assert figure_bytes(kind, analysis, dpi=40).startswith(b"\x89PNG")
+
+
+def test_vector_files_repeat_to_the_byte(analysis) -> None:
+    svg = figure_bytes("torques", analysis, format="svg")
+    assert svg == figure_bytes("torques", analysis, format="svg")
+    assert "Appendix 4" in "".join(ElementTree.fromstring(svg).itertext())
+    assert figure_bytes("torques", analysis, format="pdf").startswith(b"%PDF")
+
+
+def test_without_title_and_caption_the_figure_is_lower(analysis) -> None:
+    full, bare = (
+        Image.open(io.BytesIO(figure_bytes("pose", analysis, dpi=50, title=title, caption=below)))
+        for title, below in ((None, True), ("", False))
+    )
+    assert bare.height < full.height
+
+
+@pytest.mark.parametrize(
+    ("kind", "more", "field"),
+    [
+        ("tracking", {}, "simulation"),
+        ("comparison", {}, "engine"),
+        ("pictures", {}, "kind"),
+        ("torques", {"engine": EngineTorques("x", np.zeros((3, 4)))}, "engine"),
+    ],
+)
+def test_what_is_missing_is_named(kind, more, field, analysis) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        _series(kind, analysis, **more)
+    assert caught.value.argument == field
+
+
+def test_another_motion_is_refused(analysis, failing) -> None:
+    with pytest.raises(InvalidInput, match="same trajectory"):
+        _series("torques", analysis, reference=failing)
+
+
+@pytest.mark.parametrize(("field", "changes"), [("width_mm", {"width_mm": 55.0}),
+                                                ("dpi", {"dpi": 5.0}),
+                                                ("format", {"format": "gif"})])  # fmt: skip
+def test_impossible_files_are_refused(field, changes, analysis) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        figure_bytes("pose", analysis, **changes)
+    assert caught.value.argument == field
+
+
+@given(st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(np.nan)), min_size=1, max_size=300),
+       st.integers(2, 40))  # fmt: skip
+def test_a_thinned_curve_keeps_ends_extremes_and_gaps(numbers, most) -> None:
+    values = np.array(numbers)
+    kept = thinned([values, values[::-1]], most)
+    assert (np.diff(kept) > 0).all()
+    assert {0, values.size - 1} <= set(kept.tolist())
+    if np.isfinite(values).any():
+        assert np.nanmax(values[kept]) == np.nanmax(values)
+        assert np.nanmin(values[kept]) == np.nanmin(values)
+    gaps = np.flatnonzero(np.diff(np.isnan(values)))
+    shown = np.isnan(values[kept])
+    assert np.diff(shown).sum() == gaps.size
+
+
+@given(
+    st.lists(st.floats(-1e12, 1e12), min_size=1, max_size=20), st.sampled_from(["m", "N", "rad"])
+)
+def test_a_value_axis_shows_all_values(numbers, unit) -> None:
+    values = np.array(numbers)
+    trace = Trace("x", values, "#000000")
+    axis, low, high = value_range(Panel("x", "x", "x", unit, "#000000", (trace,)))
+    shown = values * axis.factor
+    assert low < shown.min()
+    assert shown.max() < high
+    assert max(abs(low), abs(high)) < 1.2e5
