@@ -118,6 +118,20 @@ def static_map() -> None:
     table(["what", "ns a pose", "ratio"], _rows(timed, timed[0][1]))
 
 
+def sharing() -> None:
+    """Time static torques on larger maps by one and by two threads."""
+    rows = []
+    for side in (200, 500, 1000, 2000):
+        grid = fig3_grid(side)
+        one, two = (
+            best(lambda n=n, g=grid: rotary_torques(DESIGN, g, threads=n)) / grid.size
+            for n in (1, 2)
+        )
+        rows.append([f"{grid.size:,}", number(1e9 * one), number(1e9 * two), number(one / two)])
+    heading("Static torques of M1..M3 by one and by two threads")
+    table(["poses", "one [ns a pose]", "two [ns a pose]", "ratio"], rows)
+
+
 def dynamics() -> None:
     """Time inverse dynamics on 10,000 random states."""
     p, v, a = random_states(10_000)
@@ -252,7 +266,7 @@ def main() -> None:
         memory()
         return
     compiled.warm_up()
-    for part in (static_map, limits, dynamics, mass_change, growth):
+    for part in (static_map, sharing, limits, dynamics, mass_change, growth):
         part()
 
 

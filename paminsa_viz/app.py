@@ -86,7 +86,7 @@ def _warm_up(design: Design, met: threading.Event) -> None:
     """
     importlib.import_module("paminsa_viz.explorer.page")
     met.wait(PATIENCE)
-    importlib.import_module("paminsa_viz.explorer.scene.view")
+    importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.meshes import prepare
 
     prepare(design.geometry)

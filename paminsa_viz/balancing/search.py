@@ -6,13 +6,13 @@ lengths, and the same ones for the same seed, whatever it runs on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paminsa_viz.balancing.executors import as_mapper, in_parts
 from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
@@ -155,11 +155,12 @@ def search_geometry(
         seed: The same seed gives the same result.
         generations: Most generations.
         population: Trials in a generation for each path.
-        executor: See `as_mapper`; the result is the same whichever.
+        executor: None for this process; an executor of `concurrent.futures`; a client of
+            ``dask.distributed``; or any function like the built-in ``map``. The result is the same.
         progress: Called after each generation; true ends the search with the best so far.
 
     Raises:
-        InvalidInput: If a range is empty or a path is no length.
+        InvalidInput: If a range is empty, a path is no length, or the executor is none of these.
     """
     chosen = _ranges(design, ranges)
     trial = GeometryCost(design, tuple(chosen), needs, weights or Weights(), scale_bars)
@@ -175,13 +176,12 @@ def search_geometry(
             canceled = True
             raise StopIteration
 
-    workers: Any = in_parts(as_mapper(executor), PART)
     from scipy.optimize import differential_evolution  # slow to load
 
     found = differential_evolution(
         trial, list(chosen.values()), maxiter=generations, popsize=population,
         rng=np.random.default_rng(seed), callback=after_generation, polish=False,
-        updating="deferred", workers=workers, tol=1e-6,
+        updating="deferred", workers=_mapper(executor), tol=1e-6,
     )  # fmt: skip
     try:
         best = trial.robot(found.x)
@@ -217,3 +217,24 @@ def _ranges(
     if not ranges:
         raise InvalidInput("ranges", "at least one length has to be searched")
     return dict(ranges)
+
+
+def _mapper(executor: Any) -> Any:
+    """Return a function like ``map`` that hands `PART` items at a time to an executor."""
+    if hasattr(executor, "get_executor"):  # a client of Dask
+        executor = executor.get_executor(pure=False)
+    run = map if executor is None else getattr(executor, "map", executor)
+    if not callable(run):
+        raise InvalidInput("executor", "something with a map method, or like map itself, is needed")
+
+    def mapped(function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+        listed = list(items)
+        parts = [listed[start : start + PART] for start in range(0, len(listed), PART)]
+        found: Any = run(partial(_each, function), parts)
+        return [value for part in found for value in part]
+
+    return mapped
+
+
+def _each(function: Callable[[Any], Any], part: Sequence[Any]) -> list[Any]:
+    return [function(item) for item in part]

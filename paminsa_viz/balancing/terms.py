@@ -13,13 +13,13 @@ import numpy as np
 
 from paminsa_viz.balancing.changes import AMOUNTS, MASS, MassSpace
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs, Norm, PositivePartSum
-from paminsa_viz.balancing.time_weights import time_weights
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.dynamics import frictionless
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.trajectory.integrals import time_weights
 from paminsa_viz.trajectory.solved import SolvedTrajectory
 
 ROTARY = (0, 1, 2)

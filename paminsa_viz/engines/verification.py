@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
+from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.simulation import Played, play
-from paminsa_viz.engines.states import workspace_poses
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import inverse_dynamics

@@ -83,7 +83,8 @@ class Panel:
         ends = SliderRange(entry, handle, state) if isinstance(entry, Slider) else None
 
         def draw(frame: Frame, dragging: bool) -> None:
-            del dragging
+            if entry.idle and dragging:
+                return
             written = binding.draw(frame.state)
             if ends is not None:
                 ends.draw(frame.state, written)

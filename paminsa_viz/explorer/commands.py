@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import requests as balancing
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
 
 
@@ -61,7 +61,7 @@ def commands(session: Session) -> list[Command]:
             "Play or pause the motion",
             "M",
             None,
-            lambda: session.dispatch("playback.play", requests.play_or_pause, step=False),
+            lambda: session.dispatch("playback.play", motions.play_or_pause, step=False),
         ),
         *(
             Command(f"Camera: {name}", str(number), None, camera(name))

@@ -11,11 +11,11 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.clock import Clock
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
-from paminsa_viz.explorer.panels.compare_panel import ComparePanel
+from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
-from paminsa_viz.explorer.panels.file_panel import FilePanel
+from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.view_panel import ViewPanel
@@ -60,11 +60,11 @@ def build_tabs(
     with places["Motion"]:
         motion = MotionPanel(session, motions)
     with places["Compare"]:
-        compare = ComparePanel(session)
+        compare = Panel(session, COMPARE)
     with places["View"]:
         view = ViewPanel(session)
     with places["File"]:
-        files = FilePanel(session)
+        files = Panel(session, FILE)
     session.immediate.append(Clock(session))
     session.fast += [design, balance, motion, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)

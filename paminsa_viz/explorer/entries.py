@@ -89,6 +89,7 @@ class Input(Entry, ABC):
         read: Its value in a state; in SI if it is a number.
         apply: The state with another value; may raise `PaminsaError`.
         undo: Whether setting it can be undone.
+        idle: Whether it follows the state only when nothing is dragged.
         typed: Whether its value is typed character by character, and may be impossible on the way.
     """
 
@@ -96,6 +97,7 @@ class Input(Entry, ABC):
     read: Callable[[State], Any]
     apply: Callable[[State, Any], State]
     undo: bool = True
+    idle: bool = False
     typed: ClassVar[bool] = True
 
     def shown(self, state: State) -> Any:

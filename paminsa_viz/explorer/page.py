@@ -14,7 +14,7 @@ from paminsa_viz.explorer import actions, saving
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import style_html
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE
 from paminsa_viz.explorer.panels.readout import READOUT
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
@@ -70,7 +70,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     def build_robot() -> None:
         if session.immediate:
             return
-        from paminsa_viz.explorer.scene.view import look
+        from paminsa_viz.explorer.scene.cameras import look
 
         look(session, "3D")
         session.immediate += build_views(context, animated=True)

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.explorer.motion import saving as motions
+from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -51,7 +51,7 @@ def _described(design: Design) -> dict[str, Any]:
 def dump(document: Document) -> str:
     """Write a document as text; without a motion that is a file's, which may be long."""
     reference = document.reference
-    motion = motions.described(document.motion)
+    motion = motion_data(document.motion)
     return json.dumps(
         _described(document.design)
         | {
@@ -82,7 +82,7 @@ def load(text: str) -> Document:
             design=_design(data).with_knee(knee),
             pose=(x, y, theta, z),
             reference=None if reference is None else _design(reference).with_knee(knee),
-            motion=motions.motion_of(data.get("motion", {})),
+            motion=motion_from_data(data.get("motion", {})),
         )
     except PaminsaError:
         raise

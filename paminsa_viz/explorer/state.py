@@ -8,11 +8,10 @@ from enum import Enum
 import numpy as np
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
-from paminsa_viz.explorer.motion.checking import Answer
 from paminsa_viz.explorer.motion.description import Motion, Pose
-from paminsa_viz.explorer.motion.playback import Playback
-from paminsa_viz.explorer.motion.plots import PlotView
-from paminsa_viz.explorer.motion.simulating import Simulating
+from paminsa_viz.explorer.motion.engine_check import Answer
+from paminsa_viz.explorer.motion.playback import Playback, PlotView
+from paminsa_viz.explorer.motion.simulation import Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -86,6 +85,23 @@ class Document:
 
 
 @dataclass(frozen=True)
+class ExportSettings:
+    """How files are exported.
+
+    Attributes:
+        single: The single map instead of the three torque maps.
+        width: Width of a figure [mm].
+        dpi: Its resolution [pixels per inch].
+        view_size: Width and height of the 3D view's picture [pixels]; None for the page's own.
+    """
+
+    single: bool = False
+    width: float = 170.0
+    dpi: float = 300.0
+    view_size: tuple[int, int] | None = None
+
+
+@dataclass(frozen=True)
 class State:
     """Everything one browser tab shows.
 
@@ -108,6 +124,7 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     engine_answer: Answer | None = None
+    export: ExportSettings = field(default_factory=ExportSettings)
 
 
 def home_pose(geometry: Geometry) -> Pose:

@@ -69,11 +69,13 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
             beside.unlink()
 
 
-def as_file_error(name: str, error: OSError | ValueError, action: str) -> FileError:
+def as_file_error(
+    name: str, error: OSError | ValueError, action: str, kind: type[FileError] = FileError
+) -> FileError:
     """Return an operating system's error as one line that names the file as the person wrote it."""
     if isinstance(error, FileError):
         return error
     reason = error.strerror if isinstance(error, OSError) and error.strerror else str(error)
     if isinstance(error, FileNotFoundError) and action == "written":
         reason = "its folder does not exist"
-    return FileError(name, f"cannot be {action}: {reason[:1].lower()}{reason[1:]}")
+    return kind(name, f"cannot be {action}: {reason[:1].lower()}{reason[1:]}")

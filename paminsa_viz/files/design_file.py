@@ -56,8 +56,7 @@ def load_design(path: str | os.PathLike[str]) -> Design:
         with open(path, "rb") as file:
             data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
-        problem = as_file_error(os.fspath(path), error, "read").problem
-        raise DesignFileError(os.fspath(path), problem) from error
+        raise as_file_error(os.fspath(path), error, "read", DesignFileError) from error
     return read_design(data, os.fspath(path))
 
 
@@ -172,9 +171,10 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
         for key in KEYS
         if key.name in (content.get(key.table, {}) if key.table else content)
     }
-    knee = KneeBranch(content.get("geometry", {}).get(KNEE, APPENDIX_4.geometry.knee))
-    entries = content.get(COUNTERWEIGHTS, [])
-    count, found = content.get("value_count", 0), len(numbers) + sum(map(len, entries))
+    geometry, entries = content.get("geometry", {}), content.get(COUNTERWEIGHTS, [])
+    knee = KneeBranch(geometry.get(KNEE, APPENDIX_4.geometry.knee))
+    count = content.get("value_count", 0)
+    found = len(numbers) + (KNEE in geometry) + sum(map(len, entries))
     if found < count:
         problem = (
             f"only {found} values are there, so the file was cut short; if you removed some to use "

@@ -25,9 +25,8 @@ COUNTERWEIGHTS = "counterweights"
 COUNTERWEIGHT_KEYS = {"bar": "bar", "joint": "joint", "beyond": "beyond_m", "mass": "mass_kg"}
 """Keys of a counterweight by the names of its fields; each of them has to be there."""
 
-
 KNEE = "knee"
-"""Key of the knee's branch in ``[geometry]``; it stands there where it is not the printed one."""
+"""Key of the knee's branch in ``[geometry]``; written where it is not the default."""
 
 
 def unit_suffix(unit: str) -> str:

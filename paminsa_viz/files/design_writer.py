@@ -64,7 +64,7 @@ def write_design(design: Design, *, comment: str = "") -> str:
         texts = [f"{key} = {v}" for key, v in zip(COUNTERWEIGHT_KEYS.values(), values, strict=True)]
         body += ["", f"[[{COUNTERWEIGHTS}]]"]
         body += _aligned(list(zip(texts, _COUNTERWEIGHT_COMMENTS, strict=True)))
-    count = sum("=" in line and not line.startswith(("#", KNEE)) for line in body)
+    count = sum("=" in line and not line.startswith("#") for line in body)
     name = design.name.replace("\\", "\\\\").replace('"', '\\"')
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
     lines += ["", f'name = "{name}"']

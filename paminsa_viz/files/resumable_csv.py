@@ -60,8 +60,7 @@ class ResumableCsv:
             number = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
             self._file: BinaryIO = open(number, "r+b")  # noqa: SIM115  closed in close()
         except OSError as error:
-            problem = as_file_error(self._source, error, "written").problem
-            raise TableFileError(self._source, problem) from error
+            raise as_file_error(self._source, error, "written", TableFileError) from error
         try:
             self._lock()
             if restart:
@@ -133,8 +132,7 @@ class ResumableCsv:
             self._file.write(text.encode())
             self._file.flush()
         except OSError as error:
-            problem = as_file_error(self._source, error, "written").problem
-            raise TableFileError(self._source, problem) from error
+            raise as_file_error(self._source, error, "written", TableFileError) from error
 
     def _find_head(self, head: Mapping[str, str], identity: str) -> bool:
         """Read the lines above the rows; return false if a kill left no more than a part of them.

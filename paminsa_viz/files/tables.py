@@ -214,7 +214,7 @@ class TableReader:
             row = self._row + len(records)
             raise self._refused(f"is not valid CSV: {error}", row) from error
         except OSError as error:
-            raise self._refused(as_file_error(self._source, error, "read").problem) from error
+            raise as_file_error(self._source, error, "read", TableFileError) from error
         self._row += len(records)
         return records
 
@@ -257,14 +257,15 @@ def open_table(path: str | os.PathLike[str]) -> TextIO:
     try:
         with open(path, "rb") as file:
             mark = file.read(2)
-        if mark in (b"\xff\xfe", b"\xfe\xff"):
-            raise TableFileError(os.fspath(path), "is UTF-16; save it as CSV in UTF-8")
-        return open(path, encoding="utf-8-sig", errors="surrogateescape", newline="")
-    except TableFileError:
-        raise
+        lines = open(  # noqa: SIM115  the caller closes it
+            path, encoding="utf-8-sig", errors="surrogateescape", newline=""
+        )
     except (OSError, ValueError) as error:
-        problem = as_file_error(os.fspath(path), error, "read").problem
-        raise TableFileError(os.fspath(path), problem) from error
+        raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
+    if mark in (b"\xff\xfe", b"\xfe\xff"):
+        lines.close()
+        raise TableFileError(os.fspath(path), "is UTF-16; save it as CSV in UTF-8")
+    return lines
 
 
 def _bounded(lines: TextIO) -> Iterator[str]:

@@ -84,11 +84,10 @@ class _Kernels:
 
     def load(self, *formulas: Formula) -> None:
         with self.lock:
-            from paminsa_viz.model import compiled, compiled_regressor
+            from paminsa_viz.model import compiled
 
             if self.module is None:
                 compiled.warm_up()
-                compiled_regressor.warm_up()
             for formula in formulas:
                 if formula not in self.loops:
                     self.loops[formula] = compiled.over_poses(formula.function, formula.results)
@@ -152,14 +151,13 @@ def over_list(formula: Formula, m: leg.Mechanism, pose: Array) -> Array:
     Returns:
         (n, results of the formula).
     """
-    pose = np.ascontiguousarray(pose)
-    c, s = _cos_sin(pose[:, 2])
     loops = _kernels.get_loops(formula, len(pose))
     if loops is not None:
         out = np.empty((len(pose), formula.results))
-        loops[1](m, pose, c, s, out)
+        loops[1](m, np.ascontiguousarray(pose), out)
         return out
-    x, y, _, z = pose.T
+    x, y, theta, z = pose.T
+    c, s = _cos_sin(theta)
     return np.stack(on_arrays(formula, m, x, y, c, s, z), axis=-1)
 
 
@@ -173,27 +171,39 @@ def on_arrays(
     return [np.broadcast_to(value, shape) for value in values]
 
 
-def over_grid(formula: Formula, m: leg.Mechanism, outer: Array, inner: Array, out: Array) -> None:
-    """Evaluate a formula on all sums of an outer and an inner pose; theta is the outer's alone.
+def over_grid(
+    formula: Formula, m: leg.Mechanism, outer: Array, inner: Array
+) -> Callable[[slice, slice, Array], None]:
+    """Prepare a formula for all sums of an outer and an inner pose; theta is the outer's alone.
 
     Args:
         formula: What to evaluate.
         m: The mechanism.
         outer: (rows, 4) parts of poses [m, m, rad, m].
         inner: (columns, 4) parts of poses; the third column is not used.
-        out: (rows, results of the formula, columns), contiguous; filled.
+
+    Returns:
+        ``fill(rows, columns, out)``, which evaluates a block into a contiguous array (rows,
+        results of the formula, columns). It may be called from several threads.
     """
     c, s = _cos_sin(outer[:, 2])
     loops = _kernels.get_loops(formula, len(outer) * len(inner))
     if loops is not None:
-        rows = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
-        columns = np.ascontiguousarray(inner[:, [0, 1, 3]].T)
-        along_x = not columns[1:].any()
-        loops[0](m, rows, columns, along_x, out)
-        return
-    sums = outer[:, None, :] + inner[None, :, :]
-    x, y, _, z = np.moveaxis(sums, -1, 0)
-    out[:] = np.stack(on_arrays(formula, m, x, y, c[:, None], s[:, None], z), axis=1)
+        table = np.column_stack([outer[:, 0], outer[:, 1], outer[:, 3], c, s])
+        parts = np.ascontiguousarray(inner[:, [0, 1, 3]].T)
+        along_x = not parts[1:].any()
+
+        def compiled(rows: slice, columns: slice, out: Array) -> None:
+            loops[0](m, table[rows], np.ascontiguousarray(parts[:, columns]), along_x, out)
+
+        return compiled
+
+    def on_numpy(rows: slice, columns: slice, out: Array) -> None:
+        x, y, _, z = np.moveaxis(outer[rows, None, :] + inner[None, columns, :], -1, 0)
+        values = on_arrays(formula, m, x, y, c[rows, None], s[rows, None], z)
+        out[:] = np.stack(values, axis=1)
+
+    return on_numpy
 
 
 def inverse_dynamics_kernel(
@@ -246,15 +256,14 @@ def regressor(
 
     ``terms`` (21, 18) maps the lumped coefficients to the energy terms.
     """
-    if _kernels.get(_REGRESSOR_WORTH * len(pose)) is None:
+    kernels = _kernels.get(_REGRESSOR_WORTH * len(pose))
+    if kernels is None:
         return None
-    from paminsa_viz.model import compiled_regressor
-
     pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
     rows, columns = np.nonzero(terms)
     y = np.empty((len(pose), 4, terms.shape[1]))
-    compiled_regressor.regressor(
+    kernels.regressor(
         m, gravity, pose, c, s, velocity, acceleration, rows, columns, terms[rows, columns], y
     )
     return y

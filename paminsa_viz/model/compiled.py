@@ -20,7 +20,7 @@ import numpy as np
 from numba import njit
 from numba.extending import overload, register_jitable
 
-from paminsa_viz.model import leg, robot
+from paminsa_viz.model import leg, leg_forces, robot
 
 
 @overload(robot.where, jit_options={"forceinline": True})
@@ -70,6 +70,13 @@ OPTIONS: dict[str, Any] = {
 }
 
 
+_BLOCK = 128
+"""States worked on at a time: their columns lie in one small buffer that stays in the L1 cache.
+
+With a score of arrays LLVM would give up proving that none overlaps another, and not vectorize.
+"""
+
+
 def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
     """Compile a formula of a pose, or load it from disk: loops over a grid and over a list.
 
@@ -103,28 +110,33 @@ def over_poses(formula: Callable[..., Any], count: int) -> tuple[Any, Any]:
                         out[i, n, j] = values[n]
 
     @njit(**OPTIONS)
-    def over_list(m, pose, c, s, out):  # type: ignore[no-untyped-def]
+    def over_list(m, pose, out):  # type: ignore[no-untyped-def]
         if digest < 0:
             return
-        for j in range(c.size):
-            values = formula(m, pose[j, 0], pose[j, 1], c[j], s[j], pose[j, 3])
-            for n in range(count):
-                out[j, n] = values[n]
+        w = np.empty((5 + count, _BLOCK))
+        for start in range(0, len(pose), _BLOCK):
+            size = min(_BLOCK, len(pose) - start)
+            for j in range(size):
+                w[0, j] = pose[start + j, 0]
+                w[1, j] = pose[start + j, 1]
+                w[2, j] = np.cos(pose[start + j, 2])
+                w[3, j] = np.sin(pose[start + j, 2])
+                w[4, j] = pose[start + j, 3]
+            for j in range(size):
+                values = formula(m, w[0, j], w[1, j], w[2, j], w[3, j], w[4, j])
+                for n in range(count):
+                    w[5 + n, j] = values[n]
+            for j in range(size):
+                for n in range(count):
+                    out[start + j, n] = w[5 + n, j]
 
-    none = np.zeros(0)
     over_grid(_MECHANISM, np.zeros((0, 5)), np.zeros((3, 0)), True, np.zeros((0, count, 0)))
-    over_list(_MECHANISM, np.zeros((0, 4)), none, none, np.zeros((0, count)))
+    over_list(_MECHANISM, np.zeros((0, 4)), np.zeros((0, count)))
     return over_grid, over_list
 
 
 _MECHANISM = leg.Mechanism(*[1.0] * len(leg.Mechanism._fields))
 """Some mechanism, for a call on no poses that compiles a kernel."""
-
-_BLOCK = 128
-"""States worked on at a time: their columns lie in one small buffer that stays in the L1 cache.
-
-With a score of arrays LLVM would give up proving that none overlaps another, and not vectorize.
-"""
 
 
 def _motion_kernels(digest: int) -> tuple[Any, Any]:
@@ -183,9 +195,98 @@ inverse_dynamics_kernel, mass_matrix = _motion_kernels(
 )
 
 
+_AXES = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
+_LEG_TERMS = len(robot.EnergyTerms._fields) - 2  # the last two belong to the platform
+_TURN, _MASS, _INERTIA = _LEG_TERMS - 1, _LEG_TERMS, _LEG_TERMS + 1
+
+
+def _regressor_kernel(digest: int) -> Any:
+    """Compile the regressor over lists of states.
+
+    The mechanics in it is that of `leg_forces.leg_regressor`; the map from the legs to the
+    actuators alone is written a second time, as loops, beside the array form in `regressor.py`.
+    """
+
+    @njit(**OPTIONS)
+    def regressor(m, gravity, pose, c, s, velocity, acceleration, terms, coefficients, factors, y):  # type: ignore[no-untyped-def]
+        """Fill ``y`` (n, 4, coefficients).
+
+        Energy term ``terms[i]`` adds ``factors[i]`` times its torque to ``coefficients[i]``.
+        """
+        if digest < 0:
+            return
+        forces = np.empty((3, 3, _LEG_TERMS))  # on rho, on theta_k, on Z; by leg
+        v = np.empty((3, 6))  # the legs' vectors, see `leg.LegVector`, and 1/rho
+        j = np.empty((3, 3))  # d (x, y, theta) / d theta_k, by coordinate and leg
+        torque = np.empty((4, _LEG_TERMS + 2))
+        for n in range(c.size):
+            vx, vy, vt, vz = velocity[n, 0], velocity[n, 1], velocity[n, 2], velocity[n, 3]
+            ax, ay, at, az = (
+                acceleration[n, 0], acceleration[n, 1], acceleration[n, 2], acceleration[n, 3]
+            )  # fmt: skip
+            for k in range(3):
+                g = leg.leg_position(
+                    m, _AXES[k][0], _AXES[k][1], pose[n, 0], pose[n, 1], c[n], s[n], pose[n, 3]
+                )
+                q = leg.leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az)
+                on_rho, on_zeta, on_beta, on_lift = leg_forces.leg_regressor(m, g, q)
+                for t in range(_LEG_TERMS):
+                    forces[0, k, t] = on_rho[t]
+                    forces[1, k, t] = on_beta[t]
+                    forces[2, k, t] = m.k * on_zeta[t] + on_lift[t]
+                v[k, 0], v[k, 1], v[k, 4] = g.px, g.py, g.rho * g.rho
+                v[k, 2], v[k, 3], v[k, 5] = g.ux * g.rho, g.uy * g.rho, g.inverse_rho
+            det = robot.platform_determinant(m, pose[n, 0], pose[n, 1], c[n])
+            v1 = leg.LegVector(v[0, 0], v[0, 1], v[0, 2], v[0, 3], v[0, 4])
+            v2 = leg.LegVector(v[1, 0], v[1, 1], v[1, 2], v[1, 3], v[1, 4])
+            v3 = leg.LegVector(v[2, 0], v[2, 1], v[2, 2], v[2, 3], v[2, 4])
+            for i in range(3):
+                fx, fy, ft = 1.0 * (i == 0), 1.0 * (i == 1), 1.0 * (i == 2)
+                b = robot.solve_wrench(det, v1, v2, v3, fx, fy, ft)
+                j[i, 0], j[i, 1], j[i, 2] = b.t1 * v1.rho2, b.t2 * v2.rho2, b.t3 * v3.rho2
+            for t in range(_LEG_TERMS):
+                torque[3, t] = forces[2, 0, t] + forces[2, 1, t] + forces[2, 2, t]
+            for a in range(3):
+                for t in range(_LEG_TERMS):
+                    torque[a, t] = forces[1, a, t]
+                for k in range(3):
+                    cross = v[k, 0] * v[k, 3] - v[k, 1] * v[k, 2]
+                    pull = v[k, 2] * j[0, a] + v[k, 3] * j[1, a] + cross * j[2, a]
+                    radial = pull * v[k, 5]  # rho_k' for theta_a' = 1
+                    for t in range(_LEG_TERMS):
+                        torque[a, t] += radial * forces[0, k, t]
+                torque[a, _TURN] = 6.0 * at * j[2, a]
+                torque[a, _MASS] = ax * j[0, a] + ay * j[1, a]
+                torque[a, _INERTIA] = at * j[2, a]
+            torque[3, _TURN] = 0.0
+            torque[3, _MASS] = m.k * (az + gravity)
+            torque[3, _INERTIA] = 0.0
+            y[n] = 0.0
+            for a in range(4):
+                for i in range(terms.size):
+                    y[n, a, coefficients[i]] += factors[i] * torque[a, terms[i]]
+
+    return regressor
+
+
+regressor = _regressor_kernel(
+    register(
+        leg.leg_position,
+        leg.leg_motion,
+        leg_forces.leg_regressor,
+        robot.platform_determinant,
+        robot.solve_wrench,
+    )
+)
+
+
 def warm_up() -> None:
-    """Compile the kernels of motions, or load it from disk, by a call on nothing."""
+    """Compile the kernels of motions, or load them from disk, by a call on nothing."""
     e = robot.EnergyTerms(*[1.0] * len(robot.EnergyTerms._fields))
     none, pose = np.zeros(0), np.zeros((0, 4))
     inverse_dynamics_kernel(_MECHANISM, e, 1.0, pose, none, none, pose, pose, np.zeros((0, 8)))
     mass_matrix(_MECHANISM, e, pose, none, none, np.zeros((0, 10)))
+    index = np.zeros(0, np.int64)
+    regressor(
+        _MECHANISM, 1.0, pose, none, none, pose, pose, index, index, none, np.zeros((0, 4, 18))
+    )

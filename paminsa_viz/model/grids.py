@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -192,13 +193,17 @@ def rotary_torques(
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
     """
-    gamma = _evaluate(ROTARY_TORQUES, mechanism(design.geometry), grid, threads)
-    gamma *= static_imbalance(design)
-    return gamma
+    factor = static_imbalance(design)
+    return _evaluate(ROTARY_TORQUES, mechanism(design.geometry), grid, threads, factor)
 
 
-def _evaluate(formula: Formula, m: Mechanism, grid: Grid, threads: int | None) -> Array:
-    """Evaluate a formula over a grid, (results, ...), in blocks, on as many cores as pay."""
+def _evaluate(
+    formula: Formula, m: Mechanism, grid: Grid, threads: int | None, factor: float = 1.0
+) -> Array:
+    """Evaluate a formula over a grid, (results, ...), in blocks, on as many cores as pay.
+
+    The results are multiplied by the factor while they are in the cache.
+    """
     # theta has to be in the outer part, where its sine and cosine are taken once a row
     order = sorted(range(len(grid.axes)), key=lambda i: grid.axes[i][0] != "theta")
     axes = [grid.axes[i] for i in order]
@@ -216,23 +221,20 @@ def _evaluate(formula: Formula, m: Mechanism, grid: Grid, threads: int | None) -
         for c in range(0, columns, BLOCK)
     ]
     result = np.empty((rows, formula.results, columns))
+    fill = backend.over_grid(formula, m, _parts(outer_axes, base), inner)
 
     def work(piece: tuple[slice, slice]) -> None:
         r, c = piece
-        outer = _rows(outer_axes, outer_shape, base, r)
         part = result[r, :, c]
         filled = part if part.flags.c_contiguous else np.empty(part.shape)
-        backend.over_grid(formula, m, outer, inner[c], filled)
+        fill(r, c, filled)
+        if factor != 1.0:
+            np.multiply(filled, factor, out=filled)
         if filled is not part:
             part[:] = filled
 
     count = threads or (os.cpu_count() or 1 if len(pieces) >= WORTH_THREADS else 1)
-    if count > 1:
-        with ThreadPoolExecutor(count) as pool:
-            list(pool.map(work, pieces))
-    else:
-        for piece in pieces:
-            work(piece)
+    _share(work, pieces, count)
     # back to the order of the grid's axes, the results of the formula first
     shape = (*outer_shape, *(() if last_theta else (columns,)))
     return np.moveaxis(
@@ -242,21 +244,32 @@ def _evaluate(formula: Formula, m: Mechanism, grid: Grid, threads: int | None) -
     )
 
 
+@cache
+def _pool() -> ThreadPoolExecutor:
+    return ThreadPoolExecutor(os.cpu_count(), thread_name_prefix="paminsa-grid")
+
+
+def _share(
+    work: Callable[[tuple[slice, slice]], None], pieces: list[tuple[slice, slice]], threads: int
+) -> None:
+    """Do all pieces; the calling thread begins at once, others of the pool help as they come."""
+    pending = iter(pieces)
+
+    def drain() -> None:
+        for piece in pending:
+            work(piece)
+
+    helpers = [_pool().submit(drain) for _ in range(threads - 1)]
+    drain()
+    for helper in helpers:
+        if not helper.cancel():
+            helper.result()
+
+
 def _parts(axes: list[tuple[str, Array]], base: Array) -> Array:
-    """Return the pose parts of one axis, (n, 4), or of none, (1, 4)."""
-    if not axes:
-        return base[None].copy()
-    name, values = axes[0]
-    parts = np.tile(base, (values.size, 1))
-    parts[:, COORDINATES.index(name)] = values
-    return parts
-
-
-def _rows(axes: list[tuple[str, Array]], shape: tuple[int, ...], base: Array, rows: slice) -> Array:
-    """Return rows of the outer pose parts, (n, 4), without building all of them."""
-    parts = np.tile(base, (rows.stop - rows.start, 1))
-    if axes:
-        index = np.unravel_index(np.arange(rows.start, rows.stop), shape)
-        for (name, values), i in zip(axes, index, strict=True):
-            parts[:, COORDINATES.index(name)] = values[i]
-    return parts
+    """Return the parts of poses that some axes decide, in their order, (n, 4); (1, 4) for none."""
+    shape = tuple(values.size for _, values in axes)
+    parts = np.tile(base, (*shape, 1))
+    for i, (name, values) in enumerate(axes):
+        parts[..., COORDINATES.index(name)] = values.reshape(-1, *[1] * (len(axes) - i - 1))
+    return parts.reshape(-1, 4)

@@ -162,6 +162,8 @@ def check_reach(geometry: Geometry, pose: ArrayLike) -> Reach:
 
 def decode(worst: Array, which: ArrayLike) -> tuple[NDArray[np.uint8], NDArray[np.int8]]:
     """Turn the least margin and its tag (see `measures.least_margin`) into status and leg."""
+    if (worst > 0).all():
+        return np.zeros(worst.shape, np.uint8), np.full(worst.shape, -1, np.int8)
     tag = np.asarray(which).astype(np.uint8)
     # A guide may be used to its end; on the other limits the mechanism is singular.
     bad = (worst < 0) | ((worst == 0) & (tag % 4 != 2))

@@ -62,8 +62,8 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
         design: The robot.
         pose: (..., 4) [m, m, rad, m].
     """
-    balance_moment = lumped_coefficients(design)[1]
-    torque = balance_moment * unit_torques(design.geometry, pose)
+    torque = unit_torques(design.geometry, pose)
+    torque *= static_imbalance(design)
     torque[..., 3] += lift_constant(design)
     return torque
 

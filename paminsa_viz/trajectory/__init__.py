@@ -7,7 +7,13 @@ duration within limits; `Plan.sample` makes a `Trajectory`, as `from_samples` do
 
 from __future__ import annotations
 
-from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis, analyze
+from paminsa_viz.trajectory.analysis import (
+    ActuatorChange,
+    ActuatorSummary,
+    TrajectoryAnalysis,
+    analyze,
+    compare,
+)
 from paminsa_viz.trajectory.check import (
     SINGULAR_CLEARANCE,
     ImpossibleTrajectory,
@@ -15,7 +21,6 @@ from paminsa_viz.trajectory.check import (
     PathEvent,
     check_path,
 )
-from paminsa_viz.trajectory.comparison import ActuatorChange, compare
 from paminsa_viz.trajectory.control import Control, Controller, actuator_inertia
 from paminsa_viz.trajectory.equations import load_kernel
 from paminsa_viz.trajectory.imported import from_samples

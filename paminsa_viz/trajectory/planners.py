@@ -13,16 +13,16 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.trajectory.curves import (
+from paminsa_viz.trajectory.plan import (
     Arc,
     Blend,
     Chain,
     Displacement,
+    Plan,
     Reversed,
     Spline,
     UnitCurve,
 )
-from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 PLACE = [0, 1, 3]

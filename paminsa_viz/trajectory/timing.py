@@ -23,9 +23,8 @@ from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
-from paminsa_viz.trajectory.curves import Blend, UnitCurve
 from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
-from paminsa_viz.trajectory.plan import Plan
+from paminsa_viz.trajectory.plan import Blend, Plan, UnitCurve
 from paminsa_viz.trajectory.planners import PLACE
 from paminsa_viz.trajectory.supremum import supremum
 from paminsa_viz.trajectory.time_laws import fit_law

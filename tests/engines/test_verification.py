@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.engines import states, verification
+from paminsa_viz.engines import EngineMissing, poses, verification
 from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
-from paminsa_viz.engines.states import workspace_poses
+from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, misprint_name, verify
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -259,6 +258,6 @@ def test_workspace_poses_are_usable_everywhere(seed: int) -> None:
 
 
 def test_a_workspace_too_small_to_draw_from_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(states, "_ROUNDS", 1)
+    monkeypatch.setattr(poses, "_ROUNDS", 1)
     with pytest.raises(InvalidInput, match=r"only \d+ of 5000 found in a workspace this small"):
         workspace_poses(APPENDIX_4.geometry, 5000)

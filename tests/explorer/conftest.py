@@ -1,4 +1,4 @@
-"""Fixtures: a running explorer, and tabs of a headless browser on it."""
+"""Fixtures: a guarded server, a panel on a session, a running explorer, tabs of a browser on it."""
 
 from __future__ import annotations
 
@@ -6,9 +6,27 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+import viser
 
+from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
 from tests.explorer.chromium import PATIENCE, Tab, until
+from tests.explorer.panel_desk import Desk, desk_with
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    """A guarded server on any free port."""
+    running = open_server(port=0)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def desk(server: viser.ViserServer, request: pytest.FixtureRequest) -> Iterator[Desk]:
+    """The module's ``PANEL`` on a session: a table of entries, or what makes a view."""
+    with desk_with(server, request.module.PANEL) as desk:
+        yield desk
 
 
 @pytest.fixture(scope="module")

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
 import viser
 
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.entries import Entry
 from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design
 
 from .raw_page import PATIENCE, RawPage, eventually, update
+
+Make = Sequence[Entry] | Callable[[Session], View]
 
 
 class Desk:
@@ -25,12 +29,12 @@ class Desk:
         told: Notices so far, title and text.
     """
 
-    def __init__(self, server: viser.ViserServer, make: Callable[[Session], View]) -> None:
+    def __init__(self, server: viser.ViserServer, make: Make) -> None:
         self.page = RawPage(server)
         self.session = Session(self.page.client, initial_state())
         self.told: list[tuple[str, str]] = []
         self.session.notify = self._tell  # type: ignore[method-assign]
-        self.panel: Any = make(self.session)
+        self.panel: Any = make(self.session) if callable(make) else Panel(self.session, make)
         self.session.immediate.append(self.panel)
         self.session.start()
 
@@ -69,7 +73,7 @@ class Desk:
 
 
 @contextmanager
-def desk_with(server: viser.ViserServer, make: Callable[[Session], View]) -> Iterator[Desk]:
+def desk_with(server: viser.ViserServer, make: Make) -> Iterator[Desk]:
     """Set a panel up, and clear away after it."""
     desk = Desk(server, make)
     try:

@@ -3,26 +3,22 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import numpy as np
 import pytest
-import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.panels.compare_panel import (
+    COMPARE,
     PIN,
-    SWAP,
-    UNPIN,
-    ComparePanel,
+    PINNED,
     differences_html,
     names_html,
     torques_html,
 )
 from paminsa_viz.explorer.panels.design_layout import is_changed
-from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
@@ -31,25 +27,14 @@ from paminsa_viz.model import (
     static_torques,
 )
 
-from .panel_desk import Desk, desk_with
+from .panel_desk import Desk
 
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, ComparePanel) as desk:
-        yield desk
+PANEL = COMPARE
 
 
 def cells(table: str) -> list[list[str]]:
     """Return the texts of a table's cells, row by row."""
-    rows = re.findall(r"<tr>(.*?)</tr>", table)
+    rows = re.findall(r"<tr>(.*?)</tr>", table, re.S)
     found = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in rows]
     return [[re.sub(r"<[^>]*>", "", cell) for cell in row] for row in found]
 
@@ -114,29 +99,29 @@ def test_names_can_not_bring_markup_into_the_page() -> None:
 
 
 def test_pin_swap_and_unpin(desk: Desk) -> None:
-    buttons = desk.panel.buttons
-    _, torques, differences = desk.panel._texts
+    buttons = desk.handle("reference")
+    torques, differences = desk.handle("compare.torques"), desk.handle("compare.differences")
     desk.until(lambda: "No number differs" in differences.content)
-    assert tuple(buttons.options) == (PIN,)
-    desk.set(buttons, PIN)
-    desk.until(lambda: tuple(buttons.options) == (PIN, SWAP, UNPIN))
+    assert tuple(buttons.options) == tuple(PIN)
+    desk.set(buttons, "Pin current design")
+    desk.until(lambda: tuple(buttons.options) == tuple(PINNED))
     desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
     desk.until(lambda: len(cells(differences.content)) == 2)
     assert cells(differences.content)[1][1:] == ["0.406\u202fkg", "1\u202fkg", "+146 %"]
-    desk.set(buttons, SWAP)
+    desk.set(buttons, "Swap")
     desk.until(lambda: desk.design == APPENDIX_4)
     desk.until(lambda: cells(differences.content)[1][1:3] == ["1\u202fkg", "0.406\u202fkg"])
     desk.dispatch(lambda s: actions.move(s, x=0.05))
     desk.until(lambda: value(cells(torques.content)[1][1]) != 0)
-    desk.set(buttons, UNPIN)
+    desk.set(buttons, "Unpin")
     desk.until(lambda: desk.state.document.reference is None)
-    desk.until(lambda: tuple(buttons.options) == (PIN,))
+    desk.until(lambda: tuple(buttons.options) == tuple(PIN))
     desk.until(lambda: cells(torques.content)[0][1] == "App. 4")
 
 
 def test_a_button_that_is_not_there_does_nothing(desk: Desk) -> None:
     before = desk.state
-    desk.set(desk.panel.buttons, SWAP)
-    desk.set(desk.panel.buttons, "anything")
+    desk.set(desk.handle("reference"), "Swap")
+    desk.set(desk.handle("reference"), "anything")
     desk.dispatch(lambda s: s)
     assert desk.state == before

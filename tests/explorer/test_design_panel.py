@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
-import viser
 
 from paminsa_viz.explorer import actions, bindings
-from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels.design_panel import (
     DESIGN,
@@ -18,14 +15,13 @@ from paminsa_viz.explorer.panels.design_panel import (
     balance_hint,
     gauge_html,
 )
-from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, PARAMETERS, static_imbalance, static_torques
 from paminsa_viz.units import number
 from tests.explorer.design_rows import ROWS
 from tests.samples import random_design
 
-from .panel_desk import Desk, desk_with
+from .panel_desk import Desk
 
 MASSES = [p.path for p in PARAMETERS if p.unit == "kg"]
 
@@ -64,17 +60,7 @@ def test_the_balance_shows_zero_at_the_middle_and_minus_to_its_left() -> None:
         assert all(0 <= place <= 100 for place in places(m7))
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, lambda session: Panel(session, DESIGN)) as desk:
-        yield desk
+PANEL = DESIGN
 
 
 def slider(desk: Desk, path: str) -> Any:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -20,9 +19,7 @@ from PIL import Image
 from paminsa_viz.cli import main
 from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.maps import FULL, MapStore
-from paminsa_viz.explorer.panels import export_panel
-from paminsa_viz.explorer.panels.export_panel import ExportPanel
-from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.tables import TABLE_FORMATS
@@ -223,22 +220,7 @@ class TestView:
             exports.view(state_at(), self.client(answer), None)
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, lambda session: ExportPanel(session, MapStore())) as made:
-        yield made
-
-
-def group(desk: Desk, label: str) -> Any:
-    handles = desk.session.client.gui._gui_input_handle_from_uuid.values()
-    return next(h for h in handles if getattr(h, "label", None) == label)
+PANEL = export_entries(STORE)
 
 
 def started(desk: Desk) -> list[dict[str, Any]]:
@@ -250,14 +232,14 @@ class TestPanel:
         self, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
     ) -> None:
         monkeypatch.setitem(TABLE_FORMATS, "txt", lambda table: b"x" * len(table.columns))
-        with desk_with(server, lambda session: ExportPanel(session, MapStore())) as desk:
-            desk.set(group(desk, "data"), "TXT")
-            desk.until(lambda: any(title == "Saved" for title, _ in desk.told))
+        with desk_with(server, export_entries(STORE)) as desk:
+            desk.set(desk.handle("export.table"), "TXT")
+            desk.until(lambda: any(title == "Exported" for title, _ in desk.told))
             assert started(desk)[0]["filename"].endswith(".txt")
 
     def test_a_button_sends_the_file(self, desk: Desk) -> None:
-        desk.set(group(desk, "data"), "NPZ")
-        desk.until(lambda: any(title == "Saved" for title, _ in desk.told))
+        desk.set(desk.handle("export.table"), "NPZ")
+        desk.until(lambda: any(title == "Exported" for title, _ in desk.told))
         (file,) = started(desk)
         assert file["filename"].endswith(".npz")
         assert file["size_bytes"] > 10_000
@@ -266,19 +248,18 @@ class TestPanel:
     def test_the_newest_state_is_saved(self, desk: Desk) -> None:
         desk.dispatch(lambda s: actions.move(s, theta=0.7))
         desk.dispatch(lambda s: actions.set_map_view(s, quantity="tau_3"))
-        desk.set(group(desk, "maps"), export_panel.ONE)
-        desk.until(lambda: group(desk, "maps").value == export_panel.ONE)
-        desk.set(group(desk, "data"), "NPZ")
+        desk.set(desk.handle("export.single"), "single map")
+        desk.until(lambda: desk.state.export.single)
+        desk.set(desk.handle("export.table"), "NPZ")
         desk.until(lambda: any("tau-3_theta40" in body for _, body in desk.told))
 
     def test_an_impossible_size_is_told_and_the_next_one_works(self, desk: Desk) -> None:
-        desk.set(group(desk, "dpi"), 1e9)
-        desk.until(lambda: group(desk, "dpi").value == 1e9)
-        desk.set(group(desk, "figure"), "PNG")
-        desk.until(lambda: any(title == "Not exported" for title, _ in desk.told))
-        desk.set(group(desk, "save"), "Robot as GLB")
+        desk.set(desk.handle("export.dpi"), 1e9)
+        desk.until(lambda: any("50 to 600 is possible" in body for _, body in desk.told))
+        desk.until(lambda: desk.handle("export.dpi").value == 300.0)
+        desk.set(desk.handle("export.scene"), "Robot as GLB")
         desk.until(lambda: any("robot" in body for _, body in desk.told))
-        desk.set(group(desk, "MuJoCo"), "MJCF with meshes")
+        desk.set(desk.handle("export.mujoco"), "MJCF with meshes")
         desk.until(lambda: any(".zip" in body for _, body in desk.told))
 
     def test_one_at_a_time(self, desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -290,9 +271,9 @@ class TestPanel:
             return exports.File("slow.glb", b"x")
 
         monkeypatch.setattr(exports, "robot", slow)
-        desk.set(group(desk, "save"), "Robot as GLB")
+        desk.set(desk.handle("export.scene"), "Robot as GLB")
         desk.until(lambda: waiting)
-        desk.set(group(desk, "data"), "CSV")
+        desk.set(desk.handle("export.table"), "CSV")
         desk.until(lambda: any(body.startswith("slow.glb") for _, body in desk.told))
         assert [m["filename"] for m in started(desk)] == ["slow.glb"]
 
@@ -303,10 +284,10 @@ class TestPanel:
             raise ZeroDivisionError
 
         monkeypatch.setattr(exports, "robot", broken)
-        desk.set(group(desk, "save"), "Robot as GLB")
+        desk.set(desk.handle("export.scene"), "Robot as GLB")
         desk.until(lambda: any(title == "Not exported" for title, _ in desk.told))
         assert "export failed" in caplog.text
 
     def test_it_says_what_the_single_map_is(self, desk: Desk) -> None:
         desk.dispatch(lambda s: replace(s, map_view=replace(s.map_view, quantity="condition")))
-        desk.until(lambda: "condition number" in desk.panel._about.content)
+        desk.until(lambda: "condition number" in desk.handle("export.maps_heading").content)

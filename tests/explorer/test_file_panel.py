@@ -3,45 +3,31 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 from typing import Any
 from uuid import uuid4
 
 import pytest
-import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions, sharing
-from paminsa_viz.explorer.panels import debounced_input
-from paminsa_viz.explorer.panels.file_panel import FilePanel, file_name, uploaded_design
-from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer import actions, bindings, sharing
+from paminsa_viz.explorer.panels.file_panel import FILE, file_name, uploaded_design
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design
 
-from .panel_desk import Desk, desk_with
+from .panel_desk import Desk
 
 LIGHT = APPENDIX_4.vary({"links.b3": 0.25, "geometry.base_radius": 0.3})
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, FilePanel) as desk:
-        yield desk
+PANEL = FILE
 
 
 def upload(desk: Desk, name: str, content: bytes, size: int | None = None) -> None:
     """Send a file as the page does."""
-    source, transfer = desk.panel.upload._impl.uuid, str(uuid4())
+    source, transfer = desk.handle("file.upload")._impl.uuid, str(uuid4())
     step = 512 * 1024
     parts = [content[i : i + step] for i in range(0, len(content), step)]
     desk.page.send(
@@ -98,17 +84,17 @@ def test_a_file_is_called_after_its_design() -> None:
 
 
 def test_the_design_gets_another_name(desk: Desk) -> None:
-    desk.set(desk.panel.name, "light arms")
+    desk.set(desk.handle("file.name"), "light arms")
     desk.until(lambda: desk.design.name == "light arms")
     desk.session.undo()
-    desk.until(lambda: desk.panel.name.value == APPENDIX_4.name)
+    desk.until(lambda: desk.handle("file.name").value == APPENDIX_4.name)
 
 
 def test_a_name_that_no_file_can_hold_is_told_and_set_back(desk: Desk) -> None:
-    desk.set(desk.panel.name, "a\nb")
+    desk.set(desk.handle("file.name"), "a\nb")
     desk.until(lambda: desk.told)
     assert "one line" in desk.told[0][1]
-    desk.until(lambda: desk.panel.name.value == APPENDIX_4.name)
+    desk.until(lambda: desk.handle("file.name").value == APPENDIX_4.name)
 
 
 # Files
@@ -117,7 +103,7 @@ def test_a_name_that_no_file_can_hold_is_told_and_set_back(desk: Desk) -> None:
 def test_a_downloaded_design_reads_back_as_it_was(desk: Desk) -> None:
     desk.dispatch(lambda s: actions.rename(actions.load_design(s, LIGHT), "light arms"))
     desk.page.heard()
-    desk.set(desk.panel.download, True)
+    desk.set(desk.handle("file.download"), True)
     files = desk.until(lambda: downloads(desk.page.heard()))
     assert list(files) == ["light-arms.toml"]
     read = read_design(files["light-arms.toml"], "light-arms.toml")
@@ -186,7 +172,7 @@ def test_any_upload_is_read_or_refused(content: bytes) -> None:
 
 def test_appendix_4_is_one_button_away(desk: Desk) -> None:
     desk.dispatch(lambda s: actions.load_design(s, LIGHT))
-    desk.set(desk.panel.default, True)
+    desk.set(desk.handle("file.open"), True)
     desk.until(lambda: desk.design == APPENDIX_4)
     assert desk.design.name == APPENDIX_4.name
 
@@ -195,18 +181,18 @@ def test_appendix_4_is_one_button_away(desk: Desk) -> None:
 
 
 def test_the_code_follows_the_document(desk: Desk) -> None:
-    desk.until(lambda: desk.panel.code.value == sharing.encode(desk.state.document))
+    desk.until(lambda: desk.handle("file.code").value == sharing.encode(desk.state.document))
     desk.dispatch(lambda s: actions.move(actions.load_design(s, LIGHT), x=0.04))
-    desk.until(lambda: desk.panel.code.value == sharing.encode(desk.state.document))
-    assert sharing.decode(desk.panel.code.value) == desk.state.document
+    desk.until(lambda: desk.handle("file.code").value == sharing.encode(desk.state.document))
+    assert sharing.decode(desk.handle("file.code").value) == desk.state.document
 
 
 def test_a_pasted_code_is_opened(desk: Desk) -> None:
     document = Document(LIGHT, pose=(0.01, 0.02, 0.3, -0.5), reference=APPENDIX_4)
     code = sharing.encode(document)
-    desk.set(desk.panel.code, f" {code[:30]} {code[30:]}\n")
+    desk.set(desk.handle("file.code"), f" {code[:30]} {code[30:]}\n")
     desk.until(lambda: desk.state.document == document)
-    desk.until(lambda: desk.panel.code.value == code)
+    desk.until(lambda: desk.handle("file.code").value == code)
     desk.session.undo()
     desk.until(lambda: desk.design == APPENDIX_4)
 
@@ -217,10 +203,10 @@ def test_a_pasted_code_is_opened(desk: Desk) -> None:
 def test_a_broken_code_changes_nothing_and_is_told_in_time(
     desk: Desk, code: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(debounced_input, "PATIENCE", 0.05)
-    before, shown = desk.state.document, desk.panel.code.value
-    desk.set(desk.panel.code, code)
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
+    before, shown = desk.state.document, desk.handle("file.code").value
+    desk.set(desk.handle("file.code"), code)
     desk.until(lambda: desk.told)
     assert "share code" in desk.told[0][1]
-    desk.until(lambda: desk.panel.code.value == shown)
+    desk.until(lambda: desk.handle("file.code").value == shown)
     assert desk.state.document == before

@@ -18,7 +18,6 @@ from paminsa_viz.explorer.scene import floor
 from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
 from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.meshes.frame import plinth_radius
@@ -110,13 +109,6 @@ class TestLegend:
         assert blue_first[2] > 0 > blue_first[0]
         assert image[0, 0, 3] == 0
         assert image[-1, -1, 3] == 0
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
 
 
 def _floor_map(session: Session) -> FloorMap:

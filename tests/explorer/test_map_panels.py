@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import pytest
-import viser
 
 from paminsa_viz.explorer import actions, maps
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.map_controls import choose_quantity, show_figure_3
 from paminsa_viz.explorer.panels.map_picture import caption
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
-from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.quantities import QUANTITIES
 
-from .panel_desk import Desk, desk_with
+from .panel_desk import Desk
 
 STORE = MapStore()
 
@@ -90,19 +88,8 @@ def test_a_caption_says_what_is_compared_and_keeps_names_harmless() -> None:
     assert "<script>" not in text
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(
-        server, lambda session: MapsPanel(session, Bridge(session.client), MotionStore())
-    ) as made:
-        yield made
+def PANEL(session: Session) -> MapsPanel:
+    return MapsPanel(session, Bridge(session.client), MotionStore())
 
 
 def named(desk: Desk, label: str) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.settings import CounterweightSlot
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 from tests.explorer.chromium import Tab, until
@@ -41,7 +41,7 @@ def press(tab: Tab, name: str) -> None:
 def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
     page = balance.page
     press(balance, "Balance as in the paper")
-    page.get_by_test_id("balance-status").get_by_text("Balanced").wait_for()
+    page.get_by_test_id("balance-status").get_by_text("Statically balanced").wait_for()
     assert static_imbalance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
     assert balance.state.document.reference == APPENDIX_4
     text = until(lambda: balance.text("balance-result"), "the tables")
@@ -58,20 +58,22 @@ def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
 def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> None:
     balance.session.dispatch(
         "test",
-        lambda s: requests.wish(
-            s, arm_b3=CounterweightSlot(0.1, 0.0), arm_b8=CounterweightSlot(0.1, 0.5)
+        lambda s: balancing.change_settings(
+            s, slot_b3=CounterweightSlot(0.1, 0.0), slot_b8=CounterweightSlot(0.1, 0.5)
         ),
     )
-    balance.page.get_by_text("Other masses, other goals").click()
-    press(balance, "Find the best masses")
+    balance.page.get_by_text("Optimization settings").click()
+    press(balance, "Optimize")
     until(lambda: balance.state.balancing.outcome is not None, "the task is done")
     status = balance.page.get_by_test_id("balance-status")
     status.get_by_text("The bounds do not allow it").wait_for()
     assert "raise weight on B8 past 8 from 0.5 to 3.896 kg" in status.inner_text()
     assert balance.state.document.design == APPENDIX_4
-    balance.session.dispatch("test", lambda s: requests.wish(s, arm_b8=CounterweightSlot(0.1, 5.0)))
-    press(balance, "Find the best masses")
-    status.get_by_text("Balanced").wait_for()
+    balance.session.dispatch(
+        "test", lambda s: balancing.change_settings(s, slot_b8=CounterweightSlot(0.1, 5.0))
+    )
+    press(balance, "Optimize")
+    status.get_by_text("Statically balanced").wait_for()
     node = "/robot/leg2/slider/b8/weight1"
     until(lambda: balance.place(node), "the counterweight hangs in the scene")
     balance.page.get_by_role("button", name="all", exact=True).click()
@@ -81,7 +83,7 @@ def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> 
 
 def test_a_click_on_the_front_works_on_that_design(balance: Tab) -> None:
     page = balance.page
-    page.get_by_text("Moving against standing: the front").click()
+    page.get_by_text("Pareto front: dynamic vs. static torque").click()
     press(balance, "Compute the front")
     until(lambda: balance.state.balancing.front is not None, "the front")
     designs = balance.state.balancing.front.designs

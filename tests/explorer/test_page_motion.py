@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind, Timing
 from paminsa_viz.explorer.panels.motion_playback import TIME
 from paminsa_viz.plots.series_uplot import MOST_POINTS
@@ -23,7 +23,7 @@ def motion(tab: Tab) -> Tab:
     """The tab with the motion's controls and curves in sight, and a circle chosen."""
     tab.open_tab("Motion")
     tab.open_tab("Motion plots")
-    tab.session.dispatch("test", lambda s: requests.choose_preset(s, "circle"))
+    tab.session.dispatch("test", lambda s: motions.choose_preset(s, "circle"))
     until(lambda: len(page_curves(tab)) == 2, "two charts")
     until(lambda: "circle" in tab.page.inner_text("body"), "the caption")
     return tab
@@ -31,7 +31,7 @@ def motion(tab: Tab) -> Tab:
 
 def planned(tab: Tab) -> Trajectory:
     """Return the trajectory of the tab's state."""
-    found = requests.planned(tab.state).trajectory
+    found = motions.planned(tab.state).trajectory
     assert found is not None
     return found
 
@@ -63,7 +63,7 @@ def platform(tab: Tab) -> np.ndarray:
 
 
 def test_the_robot_stands_at_the_plotted_instant(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: requests.choose_preset(s, "paper-like"))
+    motion.session.dispatch("test", lambda s: motions.choose_preset(s, "paper-like"))
     until(lambda: planned(motion).duration < 1.3, "another motion")
     for time in (0.1, 0.617, 1.2):
         motion.type_number(TIME, time)
@@ -88,7 +88,7 @@ def test_a_click_on_a_curve_goes_there(motion: Tab) -> None:
 
 def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
     motion.session.dispatch(
-        "test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=1.2, kind=Kind.MOVE)
+        "test", lambda s: motions.change(s, timing=Timing.GIVEN, duration=1.2, kind=Kind.MOVE)
     )
     until(lambda: planned(motion).duration == 1.2, "a short motion")
     before = motion.state.document
@@ -107,7 +107,7 @@ def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
 
 
 def test_a_pose_slider_stops_the_playing(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: requests.play(requests.set_playback(s, loop=True)))
+    motion.session.dispatch("test", lambda s: motions.play(motions.set_playback(s, loop=True)))
     until(lambda: motion.state.playback.time > 0.1, "it plays")
     motion.open_tab("Pose")
     motion.type_number("z  [mm]", -480)
@@ -164,7 +164,7 @@ def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -
     motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
     until(lambda: motion.state.engine_answer is not answer, "the engine is asked again")
     motion.session.dispatch(
-        "test", lambda s: requests.set_plots(s, plot="differences", published=True)
+        "test", lambda s: motions.set_plots(s, plot="differences", published=True)
     )
     until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
     assert motion.text("motion-numbers").count("FAIL") == 4
@@ -174,8 +174,8 @@ def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -
 def test_an_impossible_motion_is_reported(motion: Tab) -> None:
     motion.session.dispatch(
         "test",
-        lambda s: requests.change(
-            requests.choose_kind(s, Kind.LINE), start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55)
+        lambda s: motions.change(
+            motions.choose_kind(s, Kind.LINE), start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55)
         ),
     )
     until(lambda: "Not possible" in motion.text("motion-status"), "the status")
@@ -197,7 +197,7 @@ def upload(tab: Tab, name: str, text: str) -> None:
 
 
 def test_a_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: requests.choose_kind(s, Kind.TABLE))
+    motion.session.dispatch("test", lambda s: motions.choose_kind(s, Kind.TABLE))
     until(lambda: "No motion yet" in motion.text("motion-status"), "a file is missing")
     rows = io.StringIO()
     rows.write("t_s,x_mm,y_mm,theta_deg,z_mm\n")
@@ -224,7 +224,7 @@ def test_a_simulation_shows_its_error(motion: Tab) -> None:
 
 
 def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: requests.change(s, timing=Timing.GIVEN, duration=2.5))
+    motion.session.dispatch("test", lambda s: motions.change(s, timing=Timing.GIVEN, duration=2.5))
     until(lambda: planned(motion).duration == 2.5, "another duration")
     wanted = motion.state.document.motion
     motion.wait_saved()

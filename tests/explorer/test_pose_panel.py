@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding, pose_limits
-from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import home_pose
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from tests.samples import random_design, with_knee
 
-from .panel_desk import Desk, desk_with
+from .panel_desk import Desk
 
 HOME = -552.0
 
@@ -57,17 +53,7 @@ def test_a_range_grows_to_what_it_has_to_hold_and_no_further(value: float) -> No
     assert holding((low, high), value) == (low, high)
 
 
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
-
-
-@pytest.fixture
-def desk(server: viser.ViserServer) -> Iterator[Desk]:
-    with desk_with(server, lambda session: Panel(session, POSE)) as desk:
-        yield desk
+PANEL = POSE
 
 
 def ends(desk: Desk) -> tuple[float, float]:

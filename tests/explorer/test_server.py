@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import socket
-from collections.abc import Iterator
 from contextlib import suppress
 
 import pytest
@@ -23,13 +22,6 @@ from paminsa_viz.explorer.server.listening import (
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 
 from .raw_page import PATIENCE, dial, get
-
-
-@pytest.fixture(scope="module")
-def server() -> Iterator[viser.ViserServer]:
-    running = open_server(port=0)
-    yield running
-    running.stop()
 
 
 def test_it_listens_on_this_machine_only_unless_told_otherwise(server: viser.ViserServer) -> None:

@@ -1,4 +1,4 @@
-"""What is worked out for a person, and what came of it: plain data."""
+"""Tasks of the balance and their outcomes: plain data."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from paminsa_viz.trajectory import Trajectory
 
 
 class Task(Enum):
-    """What is to be worked out."""
+    """What is computed."""
 
     PAPER = "the paper's balance"
-    BEST = "the best masses"
-    FRONT = "the front"
-    TORNADO = "what each value matters"
+    OPTIMUM = "the optimal masses"
+    FRONT = "the Pareto front"
+    SENSITIVITY = "the sensitivity"
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,11 +25,11 @@ class Job:
     """A task with everything it depends on.
 
     Attributes:
-        task: What is to be worked out.
+        task: What is computed.
         design: The robot as it is.
-        theta, z: The plane of poses in which standing still is looked at, that of the maps
-            [rad, m].
-        trajectory: The present motion, or None.
+                theta, z: The plane of poses of the static torques, that of the maps
+                [rad, m].
+        trajectory: The current motion, or None.
         problem: Why there is no motion.
         settings: What a person set.
     """
@@ -64,7 +64,7 @@ class Outcome:
         effects: What it does to torques and masses.
         front: The front, if that was asked for.
         designs: The designs of its points.
-        tornado: What each value matters, if that was asked for.
+        tornado: The sensitivity, if that was asked for.
         problem: Why there is nothing.
     """
 
@@ -86,9 +86,9 @@ class Balancing:
         settings: What a person set.
         running: The job that runs, or None.
         done: What part of it is done, 0 to 1.
-        outcome: The last better design, or why there is none, or None.
+        outcome: The last optimum, or why there is none, or None.
         front: The last front, likewise.
-        tornado: What each value matters, likewise.
+        tornado: The last sensitivity, likewise.
         output: Which of `paminsa_viz.balancing.OUTPUTS` the tornado chart shows.
     """
 

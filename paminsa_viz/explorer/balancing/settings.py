@@ -1,8 +1,7 @@
-"""What a person wants of the masses: what may change, within which bounds, to make what small."""
+"""The optimization settings: which masses may change, within which bounds, to minimize what."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from enum import Enum
 
@@ -12,13 +11,13 @@ from paminsa_viz.model import Design, InvalidInput
 
 
 class Goal(Enum):
-    """What is made small; values are what a person reads."""
+    """What is minimized; values are the labels."""
 
     ADDED = "balance, least added mass"
     MOVED = "balance, least mass moved"
-    PEAK = "peak torque, present motion"
-    RMS = "RMS torque, present motion"
-    BOTH = "peaks: in motion, standing"
+    PEAK = "peak torque, current motion"
+    RMS = "RMS torque, current motion"
+    BOTH = "peaks: dynamic and static"
 
     @property
     def static(self) -> bool:
@@ -27,9 +26,9 @@ class Goal(Enum):
 
 
 class FreeMasses(Enum):
-    """Which joints and links may change; values are what a person reads."""
+    """Which joints and links may change; values are the labels."""
 
-    PANTOGRAPH = "all that stand in M_p2"
+    PANTOGRAPH = "all that M_p2 depends on"
     ALL = "all joints and links"
     NONE = "none"
 
@@ -39,16 +38,16 @@ class CounterweightSlot:
     """A place for counterweights: beyond an end joint of a bar.
 
     Attributes:
-        longest: Longest lever [m].
-        most: Most mass on each leg [kg]; 0 for none.
+        max_lever: Longest lever [m].
+        max_mass: Largest mass on each leg [kg]; 0 for none.
     """
 
-    longest: float = 0.1
-    most: float = 0.0
+    max_lever: float = 0.1
+    max_mass: float = 0.0
 
 
-ARMS = (("arm_b8", "b8", 8), ("arm_b3", "b3", 7))
-"""Fields of `BalanceSettings` for arms, with their bars and joints."""
+SLOTS = (("slot_b8", "b8", 8), ("slot_b3", "b3", 7))
+"""Fields of `BalanceSettings` for counterweights, with their bars and joints."""
 
 
 @dataclass(frozen=True)
@@ -56,71 +55,44 @@ class BalanceSettings:
     """What a person set.
 
     Attributes:
-        goal: What is made small.
-        share: How much the motion counts beside standing still, 0 to 1, for `Goal.BOTH`.
+        goal: What is minimized.
+        motion_weight: Weight of the motion against the static torques, 0 to 1, for `Goal.BOTH`.
         movable: Joints and links that may change.
-        heavier: By how much each of them may grow [kg].
-        lighter: What part of each may be taken away, 0 to 1.
-        arm_b8, arm_b3: Counterweights beyond joint 8 on B8, and beyond joint 7 on B3.
-        exact: Whether nothing but M_p2 = 0 will do.
-        added: Largest added mass of the robot, for goals on the motion [kg]; 0 for no limit.
-        change: By what part each value is changed to see what it matters, 0 to 1.
+        max_increase: By how much each of them may grow [kg].
+        max_decrease: By what part each may shrink, 0 to 1.
+        slot_b8, slot_b3: Counterweights beyond joint 8 on B8, and beyond joint 7 on B3.
+        exact: Whether M_p2 has to be zero.
+        max_added: Largest added mass of the robot, for goals on the motion [kg]; 0 for no limit.
+        variation: By what part each value varies in the sensitivity, 0 to 1.
     """
 
     goal: Goal = Goal.ADDED
-    share: float = 0.5
+    motion_weight: float = 0.5
     movable: FreeMasses = FreeMasses.NONE
-    heavier: float = 5.0
-    lighter: float = 0.0
-    arm_b8: CounterweightSlot = CounterweightSlot(most=5.0)
-    arm_b3: CounterweightSlot = CounterweightSlot(most=5.0)
+    max_increase: float = 5.0
+    max_decrease: float = 0.0
+    slot_b8: CounterweightSlot = CounterweightSlot(max_mass=5.0)
+    slot_b3: CounterweightSlot = CounterweightSlot(max_mass=5.0)
     exact: bool = True
-    added: float = 0.0
-    change: float = 0.05
+    max_added: float = 0.0
+    variation: float = 0.05
 
     @property
-    def arms(self) -> tuple[CounterweightRange, ...]:
-        """The places for counterweights that are in use."""
-        named = [(getattr(self, name), bar, joint) for name, bar, joint in ARMS]
+    def counterweight_ranges(self) -> tuple[CounterweightRange, ...]:
+        """The slots that are in use."""
+        named = [(getattr(self, name), bar, joint) for name, bar, joint in SLOTS]
         return tuple(
-            beyond(bar, joint, arm.longest, arm.most) for arm, bar, joint in named if arm.most > 0
+            beyond(bar, joint, slot.max_lever, slot.max_mass)
+            for slot, bar, joint in named
+            if slot.max_mass > 0
         )
 
 
-RANGES = {
-    "share": (0.0, 1.0),
-    "heavier": (0.0, 100.0),
-    "lighter": (0.0, 1.0),
-    "added": (0.0, 1e3),
-    "change": (0.001, 0.5),
-}
-"""Smallest and largest values of `BalanceSettings`, in its units."""
-
-LONGEST, MOST = (0.0, 1.0), (0.0, 100.0)
-"""Smallest and largest lever [m] and mass [kg] of an arm."""
-
-
-def require_possible(settings: BalanceSettings) -> None:
-    """Check what a person set.
-
-    Raises:
-        InvalidInput: If a number is out of its range.
-    """
-    checked = [(name, getattr(settings, name), ends) for name, ends in RANGES.items()]
-    for name, bar, joint in ARMS:
-        arm = getattr(settings, name)
-        place = f"{bar.upper()} beyond {joint}"
-        checked += [(f"{place}, lever", arm.longest, LONGEST), (f"{place}, mass", arm.most, MOST)]
-    for name, value, (low, high) in checked:
-        if not (math.isfinite(value) and low <= value <= high):
-            raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
-
-
 def changes_of(settings: BalanceSettings, design: Design) -> Changes:
-    """Return what may change in a design; counterweights that it has may become lighter.
+    """Return what may change in a design; its counterweights may shrink.
 
     Raises:
-        InvalidInput: If that is nothing.
+        InvalidInput: If nothing may change.
     """
     paths: tuple[str, ...] = ()
     if settings.movable is FreeMasses.PANTOGRAPH:
@@ -130,11 +102,13 @@ def changes_of(settings: BalanceSettings, design: Design) -> Changes:
     masses = []
     for path in paths:
         held = design.value(path)
-        masses.append(MassRange(path, (1 - settings.lighter) * held, held + settings.heavier))
+        masses.append(
+            MassRange(path, (1 - settings.max_decrease) * held, held + settings.max_increase)
+        )
     for number, weight in enumerate(design.counterweights):
         masses.append(MassRange(f"counterweights.{number}.mass", 0.0, weight.mass))
-    if not masses and not settings.arms:
+    if not masses and not settings.counterweight_ranges:
         raise InvalidInput(
-            "what may change", "choose joints and links, or give counterweights a mass"
+            "settings", "nothing may change: choose joints and links, or give counterweights a mass"
         )
-    return Changes(tuple(masses), settings.arms)
+    return Changes(tuple(masses), settings.counterweight_ranges)

@@ -23,7 +23,6 @@ from paminsa_viz.balancing import (
     tornado,
     whole_mass,
 )
-from paminsa_viz.balancing.time_weights import time_weights
 from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
 from paminsa_viz.explorer.balancing.settings import BalanceSettings, Goal, changes_of
 from paminsa_viz.explorer.frame import near_singularity
@@ -44,6 +43,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.plots.map_data import cell_centers, half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
+from paminsa_viz.trajectory.integrals import time_weights
 
 FRONT_POINTS = 12
 MIDDLE, MIDDLE_CELLS = 0.75, 21
@@ -62,7 +62,7 @@ def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
     try:
         if job.task is Task.FRONT:
             return _front(job, progress)
-        if job.task is Task.TORNADO:
+        if job.task is Task.SENSITIVITY:
             return _tornado(job)
         found = balance(job.design) if job.task is Task.PAPER else _best(job)
         after = tidied(found.after)
@@ -87,15 +87,15 @@ def _best(job: Job) -> Optimum:
         return optimize(job.design, changes, TrajectoryRms(motion(job)), limits=limits)
     # Each counts by what it is now, so that the share is one of like with like.
     parts = (
-        (settings.share, peak, moving(job, job.design)[0]),
-        (1 - settings.share, StaticPeak(plane(job)), standing(job, job.design)[0]),
+        (settings.motion_weight, peak, dynamic_torque(job, job.design)[0]),
+        (1 - settings.motion_weight, StaticPeak(plane(job)), static_torque(job, job.design)[0]),
     )
     goals = [(share / (now or 1.0), term) for share, term, now in parts]
     return optimize(job.design, changes, goals, limits=limits)
 
 
 def _limits(settings: BalanceSettings) -> list[tuple[Term, float]]:
-    return [(AddedMass(), settings.added)] if settings.added > 0 else []
+    return [(AddedMass(), settings.max_added)] if settings.max_added > 0 else []
 
 
 def _front(job: Job, progress: Progress) -> Outcome:
@@ -113,7 +113,7 @@ def _tornado(job: Job) -> Outcome:
         trajectory = motion(job).trajectory
     except PaminsaError:  # what it matters to the motion then has no value
         trajectory = None
-    found = tornado(design, middle(job), trajectory, change=settings.change)
+    found = tornado(design, middle(job), trajectory, change=settings.variation)
     return Outcome(job, tornado=found)
 
 
@@ -154,15 +154,15 @@ def effects(job: Job, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
     before = job.design
     pairs = [("M_p2", "N", [static_imbalance(before), static_imbalance(after)])]
-    for where, measured in (("standing", standing), ("in motion", moving)):
+    for kind, measured in (("static", static_torque), ("dynamic", dynamic_torque)):
         peak, mean = zip(measured(job, before), measured(job, after), strict=True)
-        pairs.append((f"peak torque {where}", "N m", list(peak)))
-        pairs.append((f"RMS torque {where}", "N m", list(mean)))
+        pairs.append((f"peak {kind} torque", "N m", list(peak)))
+        pairs.append((f"RMS {kind} torque", "N m", list(mean)))
     pairs.append(("mass of the robot", "kg", [whole_mass(before), whole_mass(after)]))
     return tuple(Effect(label, unit, *ends) for label, unit, ends in pairs)
 
 
-def standing(job: Job, design: Design) -> tuple[float, float]:
+def static_torque(job: Job, design: Design) -> tuple[float, float]:
     """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
     field = plane(job)
     gamma = field.gamma[:3, field.status == Limit.OK]
@@ -172,7 +172,7 @@ def standing(job: Job, design: Design) -> tuple[float, float]:
     return size * float(np.abs(gamma).max()), size * float(np.sqrt(np.mean(gamma**2)))
 
 
-def moving(job: Job, design: Design) -> tuple[float, float]:
+def dynamic_torque(job: Job, design: Design) -> tuple[float, float]:
     """Return peak and RMS of the torques of M1..M3 in the motion [N m]; NaN if it cannot run."""
     try:
         solved = motion(job)
@@ -184,7 +184,7 @@ def moving(job: Job, design: Design) -> tuple[float, float]:
 
 
 def motion(job: Job) -> SolvedTrajectory:
-    """Return the present motion, solved.
+    """Return the current motion, solved.
 
     Raises:
         ImpossibleTrajectory: If the robot cannot run it.

@@ -6,7 +6,7 @@ import threading
 import time
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 
@@ -45,4 +45,4 @@ class Clock:
     def _intent(self, state: State) -> State:
         now = time.monotonic()
         passed, self._last = now - self._last, now
-        return requests.pass_time(state, passed)
+        return motions.advance_time(state, passed)

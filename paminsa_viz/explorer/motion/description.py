@@ -1,12 +1,14 @@
-"""What motion a person has asked for, as plain numbers; `planning` makes a trajectory of it."""
+"""A motion as plain numbers: what is possible, and how it is saved."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
+from typing import Any
 
-from paminsa_viz.trajectory import PRESETS, MotionLimits, Profile, Trajectory
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.trajectory import PRESET, PRESETS, MotionLimits, Profile, Trajectory
 
 Pose = tuple[float, float, float, float]
 """(x, y, theta, z) [m, m, rad, m]."""
@@ -18,6 +20,15 @@ DURATIONS = (0.05, 600.0)
 
 RATES = (50.0, 10_000.0)
 """Lowest and highest rate of samples that can be asked for [1/s]."""
+
+LENGTHS = (1e-4, 10.0)
+"""Smallest and largest radius or height of a motion [m]."""
+
+FARTHEST = 1e3
+"""Largest coordinate of a pose of a motion [m, rad]."""
+
+LARGEST_LIMIT = 1e6
+"""Largest limit of a shortest duration, in its SI unit."""
 
 MOST_SAMPLES = 20_000
 """Samples of one motion on the page; a longer motion is sampled less often."""
@@ -102,3 +113,93 @@ class Motion:
     back: bool = False
     table: Trajectory | None = None
     rate: float = 1000.0
+
+
+def require_possible(motion: Motion) -> None:
+    """Check the numbers of a motion.
+
+    Raises:
+        InvalidInput: If one is out of its range.
+    """
+    for name, (low, high) in (
+        ("duration", DURATIONS),
+        ("rate", RATES),
+        ("radius", LENGTHS),
+        ("height", (0.0, LENGTHS[1])),
+    ):
+        value = getattr(motion, name)
+        if not low <= value <= high:
+            raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
+    if len(motion.waypoints) > MOST_WAYPOINTS:
+        raise InvalidInput("waypoints", f"at most {MOST_WAYPOINTS} are possible")
+    for pose in filter(None, (motion.start, motion.goal, motion.center, *motion.waypoints)):
+        if not all(abs(value) <= FARTHEST for value in pose):
+            raise InvalidInput("pose", "it is too far away")
+    for item in fields(motion.limits):
+        value = getattr(motion.limits, item.name)
+        if value is not None and not value <= LARGEST_LIMIT:
+            raise InvalidInput(item.name, f"at most {LARGEST_LIMIT:g} is possible")
+
+
+_POSES = ("start", "goal", "center")
+_NUMBERS = ("height", "radius", "duration", "rate")
+_DEFAULT = Motion()
+_FORMER_NAMES = {"centre": "center"}
+"""Names that fields had when older states and share codes were saved."""
+
+
+def motion_data(motion: Motion) -> dict[str, Any]:
+    """Return what differs from the motion at the start; nothing for a motion from a file."""
+    if motion.kind is Kind.TABLE:
+        return {}
+    found: dict[str, Any] = {}
+    for item in fields(Motion):
+        value = getattr(motion, item.name)
+        if item.name == "table" or value == getattr(_DEFAULT, item.name):
+            continue
+        if isinstance(value, Kind | Profile | Timing):
+            value = value.value
+        elif isinstance(value, MotionLimits):
+            value = {limit.name: getattr(value, limit.name) for limit in fields(value)}
+        found[item.name] = value
+    return found
+
+
+def motion_from_data(data: dict[str, Any]) -> Motion:
+    """Read what `motion_data` returned.
+
+    Raises:
+        PaminsaError: If a value is not possible.
+        ValueError, LookupError, TypeError, AttributeError: If it is something else.
+    """
+    data = {_FORMER_NAMES.get(name, name): value for name, value in data.items()}
+    known: dict[str, Any] = {name: _number(data[name]) for name in _NUMBERS if name in data}
+    known |= {name: _pose(data[name]) for name in _POSES if data.get(name) is not None}
+    for name, kind in (("kind", Kind), ("profile", Profile), ("timing", Timing)):
+        if name in data:
+            known[name] = kind(data[name])
+    if "preset" in data:
+        known["preset"] = str(data["preset"])
+    if "back" in data:
+        known["back"] = data["back"] is True
+    if "waypoints" in data:
+        known["waypoints"] = tuple(_pose(pose) for pose in data["waypoints"][: MOST_WAYPOINTS + 1])
+    if "limits" in data:
+        limits = data["limits"].items()
+        known["limits"] = MotionLimits(**{k: None if v is None else _number(v) for k, v in limits})
+    motion = Motion(**known)
+    if motion.preset not in PRESET or motion.kind is Kind.TABLE:
+        raise InvalidInput("saved state", "there is no such motion")
+    require_possible(motion)
+    return motion
+
+
+def _pose(values: Any) -> Pose:
+    x, y, theta, z = (_number(value) for value in values)
+    return (x, y, theta, z)
+
+
+def _number(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise InvalidInput("saved state", "a number is needed where there is none")
+    return float(value)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from paminsa_viz.explorer.exports import RESOLUTIONS, WIDTHS, File, plain, require_range
-from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.plots import FIGURES, SIMULATED
-from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.playback import FIGURES, SIMULATED
+from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
@@ -39,7 +39,7 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
     require_range("dpi", dpi, RESOLUTIONS)
     found, what = _results(state), figure_kind(state)
     sources, title = found.sources, None
-    if what == "tracking" and not requests.simulated_as_it_is(state):
+    if what == "tracking" and not motions.simulation_is_current(state):
         raise InvalidInput("simulation", "simulate the present motion first")
     if what == "comparison":
         check = found.answer.found if found.answer else None
@@ -68,7 +68,7 @@ def table(state: State, kind: str) -> File:
     found = _results(state)
     simulation = found.sources.simulation if state.plots.plot in SIMULATED else None
     what = "" if simulation is None else "simulation"
-    series = analysis_table(found.present) if simulation is None else simulation_table(simulation)
+    series = analysis_table(found.analysis) if simulation is None else simulation_table(simulation)
     return File(_name(state, found, what, kind), table_bytes(series, kind))
 
 
@@ -82,7 +82,7 @@ def page(state: State) -> File:
 
     found = _results(state)
     document = state.document
-    content = motion_html(document.design, found.present.trajectory)
+    content = motion_html(document.design, found.analysis.trajectory)
     return File(_name(state, found, "", "html"), content)
 
 
@@ -90,10 +90,10 @@ def _results(state: State) -> MotionResults:
     # A store of its own: the session's belongs to its worker.
     found = MotionStore().all(state)
     if found is None:
-        raise InvalidInput("motion", requests.planned(state).problem)
+        raise InvalidInput("motion", motions.planned(state).problem)
     return found
 
 
 def _name(state: State, found: MotionResults, what: str, ending: str) -> str:
-    parts = (state.document.design.name, found.present.trajectory.name, what)
+    parts = (state.document.design.name, found.analysis.trajectory.name, what)
     return "_".join(["paminsa", "motion", *filter(None, map(plain, parts))]) + f".{ending}"

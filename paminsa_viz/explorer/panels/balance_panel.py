@@ -1,89 +1,339 @@
-"""The tab that balances: one button for the paper's balance, and everything beyond it."""
+"""The balance: the paper's, the settings of others, counterweights, the front, the sensitivity."""
 
 from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
 
 from viser import Icon
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.balancing import requests
-from paminsa_viz.explorer.balancing.jobs import Job, Outcome
+from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
+from paminsa_viz.explorer.balancing.settings import SLOTS, CounterweightSlot, FreeMasses, Goal
 from paminsa_viz.explorer.balancing.solving import run
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.entries import (
+    MILLIMETERS,
+    PERCENT,
+    PLAIN,
+    Button,
+    ButtonGroup,
+    Checkbox,
+    Condition,
+    Custom,
+    Dropdown,
+    Effect,
+    Folder,
+    Html,
+    Number,
+    Pair,
+    Progress,
+    Slider,
+)
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
-from paminsa_viz.explorer.panels.balance_front import FrontPlot
-from paminsa_viz.explorer.panels.balance_inputs import BalanceInputs
-from paminsa_viz.explorer.panels.balance_tornado import TornadoPlot
-from paminsa_viz.explorer.panels.balance_weights import WeightList
-from paminsa_viz.explorer.panels.balance_words import details_html, status_html
+from paminsa_viz.explorer.panels import balance_charts as charts
+from paminsa_viz.explorer.panels import balance_text as text
 from paminsa_viz.explorer.panels.design_panel import gauge_html
+from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.units import DisplayUnit
 
-MAPS: dict[str, Action] = {
-    "one scale": hold_range,
-    "difference": toggle_difference,
-    "swap": actions.swap_reference,
+PLACES = {
+    f"{bar.upper()} past {joint}": (bar, joint) for bar, ends in BAR_ENDS.items() for joint in ends
 }
-"""Ways to look at the maps before and after."""
+"""Where a counterweight can be attached."""
+
+ALL = "all"
+"""What the button says that removes all of them."""
 
 
-class BalancePanel:
-    """M_p2, the button, goals and bounds, what came of it, counterweights, the front, the tornado.
+def _setting(state: State) -> Any:
+    return state.balancing.settings
 
-    Made in the current container of the page.
-    """
+
+def _idle(state: State) -> bool:
+    return state.balancing.running is None
+
+
+def _busy(state: State) -> bool:
+    return state.balancing.running is not None
+
+
+def _running(task: Task) -> Condition:
+    return lambda state: (
+        state.balancing.running is not None and (state.balancing.running.task is task)
+    )
+
+
+def _number(
+    name: str, label: str, high: float, hint: str, *, low: float = 0.0, step: float = 0.001,
+    unit: DisplayUnit = PLAIN, visible: Condition | None = None,
+) -> Number:  # fmt: skip
+    """Return the input of one number of the settings."""
+    return Number(
+        f"balance.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
+        visible=visible, read=lambda state: getattr(_setting(state), name),
+        apply=lambda state, value: balancing.change_settings(state, **{name: value}),
+    )  # fmt: skip
+
+
+def _slot(name: str, bar: str, joint: int) -> Pair:
+    """Return the input of a counterweight slot: longest lever and largest mass."""
+
+    def read(state: State) -> tuple[float, float]:
+        slot = getattr(_setting(state), name)
+        return slot.max_lever, slot.max_mass
+
+    def apply(state: State, value: tuple[float, float]) -> State:
+        return balancing.change_settings(state, **{name: CounterweightSlot(*value)})
+
+    return Pair(
+        f"balance.{name}", f"{bar.upper()} past {joint}", read=read, apply=apply,
+        range=((0.0, 1e3), (0.0, 100.0)), units=(MILLIMETERS, PLAIN),
+        hint=f"Counterweight on each leg, on {bar.upper()} beyond joint {joint}: longest lever, "
+        "largest mass (0 for none)",
+    )  # fmt: skip
+
+
+def _frees_masses(state: State) -> bool:
+    return _setting(state).movable is not FreeMasses.NONE
+
+
+SETTINGS = (
+    Dropdown(
+        "balance.goal", "Goal", options={goal.value: goal for goal in Goal},
+        hint="What is minimized; torques are those of M1–M3",
+        read=lambda state: _setting(state).goal, apply=balancing.choose_goal,
+    ),
+    Slider(
+        "balance.motion_weight", "Weight of motion [%]", range=(0.0, 100.0), step=1.0, unit=PERCENT,
+        hint="Against the static torques; each peak relative to its current value",
+        visible=lambda state: _setting(state).goal is Goal.BOTH,
+        read=lambda state: _setting(state).motion_weight,
+        apply=lambda state, value: balancing.change_settings(state, motion_weight=value),
+    ),
+    Checkbox(
+        "balance.exact", "only M_p2 = 0",
+        hint="Otherwise a balance comes as near as it can, and other goals are free of it",
+        read=lambda state: _setting(state).exact,
+        apply=lambda state, value: balancing.change_settings(state, exact=value),
+    ),
+    Html(
+        "balance.slots", depends=lambda _: None,
+        content=lambda _: render(
+            "note.j2", testid="", muted=True,
+            text="Counterweights past a joint: longest lever [mm], largest mass on each leg [kg]. "
+            "Clearance to the frame is not checked.",
+        ),
+    ),
+    *(_slot(*slot) for slot in SLOTS),
+    Dropdown(
+        "balance.movable", "Joints, links", options={item.value: item for item in FreeMasses},
+        hint="Which other masses of a leg may change",
+        read=lambda state: _setting(state).movable,
+        apply=lambda state, value: balancing.change_settings(state, movable=value),
+    ),
+    _number(
+        "max_increase", "Max increase [kg]", 100.0, visible=_frees_masses,
+        hint="By how much each of them may grow; a link's inertia grows in proportion",
+    ),
+    _number(
+        "max_decrease", "Max decrease [%]", 100.0, step=0.1, unit=PERCENT, visible=_frees_masses,
+        hint="By what part each of them may shrink",
+    ),
+    _number(
+        "max_added", "Max added [kg]", 1e3,
+        hint="Largest added mass of the whole robot, for goals on the motion and for the front; "
+        "0: no limit",
+        visible=lambda state: not _setting(state).goal.static,
+    ),
+    Button(
+        "balance.optimize", "Optimize", visible=_idle,
+        effect=partial(balancing.start, task=Task.OPTIMUM),
+    ),
+    Button("balance.stop", "Stop", color="gray", visible=_busy, effect=balancing.stop),
+)  # fmt: skip
+
+
+def _weight(number: int) -> Pair:
+    """Return the row of a counterweight: its lever and its mass."""
+
+    def there(state: State) -> bool:
+        return number < len(state.document.design.counterweights)
+
+    def label(state: State) -> str:
+        if not there(state):
+            return str(number + 1)
+        weight = state.document.design.counterweights[number]
+        return f"{number + 1}: {weight.bar.upper()} past {weight.joint}"
+
+    def read(state: State) -> tuple[float, float]:
+        if not there(state):
+            return 0.0, 0.0
+        weight = state.document.design.counterweights[number]
+        return weight.beyond, weight.mass
+
+    def apply(state: State, value: tuple[float, float]) -> State:
+        beyond, mass = value
+        return balancing.change_counterweight(state, number, mass, beyond)
+
+    return Pair(
+        f"weights.{number}", label, visible=there, units=(MILLIMETERS, PLAIN), read=read,
+        apply=apply,
+        hint="Distance beyond the joint [mm]; before it, on the bar itself, where negative. Mass "
+        "on each leg [kg]",
+    )  # fmt: skip
+
+
+def _attach(state: State, place: tuple[str, int] | None) -> State:
+    return state if place is None else balancing.add_counterweight(state, *place)
+
+
+def removals(state: State) -> Mapping[str, Effect]:
+    """Return a button for each counterweight if there are several, and one for all."""
+    count = len(state.document.design.counterweights)
+    found: dict[str, Effect] = {
+        str(number + 1): partial(balancing.remove_counterweight, number=number)
+        for number in range(count if count > 1 else 0)
+    }
+    if count:
+        found[ALL] = partial(balancing.set_counterweights, weights=())
+    return found
+
+
+COUNTERWEIGHTS = (
+    Html("weights.text", content=text.counterweights_html, idle=True),
+    Folder(
+        "weights.rows", entries=tuple(_weight(number) for number in range(MOST_COUNTERWEIGHTS)),
+        visible=lambda state: bool(state.document.design.counterweights),
+    ),
+    Dropdown(
+        "weights.add", "Attach to", options={"choose …": None, **PLACES},
+        hint="1 kg on each leg, 100 mm beyond that joint; then change it as you like",
+        read=lambda state: None, apply=_attach,
+    ),
+    ButtonGroup("weights.remove", "Remove", choices=removals, hint="One of them, or all"),
+)  # fmt: skip
+
+
+def _has_front(state: State) -> bool:
+    return charts.front_key(state) is not None
+
+
+def _points(state: State) -> tuple[float, float]:
+    outcome = state.balancing.front
+    return 1.0, float(max(len(outcome.designs) if outcome else 0, 2))
+
+
+FRONT = (
+    Html("front.text", content=text.front_html),
+    Button(
+        "front.compute", "Compute the front",
+        effect=partial(balancing.start, task=Task.FRONT),
+        visible=lambda state: not _running(Task.FRONT)(state),
+    ),
+    Progress("front.progress", read=lambda state: state.balancing.done,
+             visible=_running(Task.FRONT)),
+    Button("front.stop", "Stop", color="gray", visible=_running(Task.FRONT), effect=balancing.stop),
+    Folder(
+        "front.place", visible=_has_front,
+        entries=(
+            Custom("front.chart", make=charts.front_chart),
+            Slider(
+                "balance.point", "Point", range=_points, step=1.0,
+                hint="Works on a point of the front; undo goes back",
+                read=lambda state: 1.0 + (balancing.chosen_point(state) or 0),
+                apply=lambda state, value: balancing.choose_point(state, round(value) - 1),
+            ),
+        ),
+    ),
+)  # fmt: skip
+
+SENSITIVITY = (
+    Html("tornado.text", content=text.sensitivity_html),
+    _number(
+        "variation", "Variation ± [%]", 50.0, low=0.1, step=0.1, unit=PERCENT,
+        hint="Of every mass and length, one at a time",
+    ),
+    Button(
+        "tornado.compute", "Compute", visible=_idle,
+        effect=partial(balancing.start, task=Task.SENSITIVITY),
+    ),
+    Folder(
+        "tornado.place", visible=lambda state: charts.tornado_key(state) is not None,
+        entries=(
+            Dropdown(
+                "balance.output", "Output",
+                options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
+                read=lambda state: state.balancing.output, apply=balancing.show_output,
+            ),
+            Custom("tornado.chart", make=charts.tornado_chart),
+        ),
+    ),
+)  # fmt: skip
+
+BALANCE = (
+    Html("balance.gauge", content=gauge_html),
+    Button(
+        "balance", "Balance as in the paper", icon=Icon.SCALE, effect=balancing.balance_now,
+        disabled=_busy,
+        hint="M_p2 = 0 (Eqs. 7–8) by masses of joints and links, with the least added mass",
+    ),
+    Html("balance.status", content=text.status_html),
+    ButtonGroup(
+        "balance.maps", "Maps",
+        choices={
+            "Common range": hold_range,
+            "Difference": toggle_difference,
+            "Swap": actions.swap_reference,
+        },
+        visible=lambda state: state.document.reference is not None,
+        hint="Common color range of design and reference; their difference; swap with reference",
+    ),
+    Folder("balance.settings", "Optimization settings", entries=SETTINGS, open=False),
+    Html(
+        "balance.details", depends=lambda frame: frame.state.balancing.outcome,
+        content=lambda frame: text.details_html(frame.state.balancing.outcome),
+    ),
+    Folder("balance.weights", "Counterweights of each leg", entries=COUNTERWEIGHTS),
+    Folder(
+        "balance.front", "Pareto front: dynamic vs. static torque", entries=FRONT, open=False
+    ),
+    Folder("balance.tornado", "Sensitivity (tornado)", entries=SENSITIVITY, open=False),
+)  # fmt: skip
+
+
+class BalancePanel(Panel):
+    """The entries above, the job that computes what is started, and clicks on the front."""
 
     def __init__(self, session: Session, bridge: Bridge) -> None:
-        gui = session.client.gui
+        super().__init__(session, BALANCE)
         self._job: BackgroundJob[Job, Outcome] = BackgroundJob(
-            session, "balance", run, requests.receive_result, progress=requests.progressed,
+            session, "balance", run, balancing.receive_result, progress=balancing.report_progress,
             failed=lambda job, problem: Outcome(job, problem=InvalidInput("balance", problem)),
         )  # fmt: skip
-        self._gauge = gui.add_html("")
-        self.button = gui.add_button(
-            "Balance as in the paper", icon=Icon.SCALE,
-            hint="M_p2 = 0 (Eqs. 7–8) by masses of joints and links, with the least added mass",
-        )  # fmt: skip
-        self.button.on_click(lambda _: session.dispatch("balance", requests.balance_now))
-        self._status = gui.add_html("")
-        self.maps = gui.add_button_group(
-            "Maps", tuple(MAPS), visible=False,
-            hint="Color the maps of design and reference alike; show their difference; change "
-            "places with the reference",
-        )  # fmt: skip
-        self.maps.on_click(lambda event: session.dispatch("balance.maps", MAPS[event.target.value]))
-        with gui.add_folder("Other masses, other goals", expand_by_default=False):
-            self.inputs = BalanceInputs(session)
-        self._details = gui.add_html("")
-        self._detailed: Outcome | None = None
-        with gui.add_folder("Counterweights of each leg"):
-            self.weights = WeightList(session)
-        with gui.add_folder("Moving against standing: the front", expand_by_default=False):
-            self.front = FrontPlot(session, bridge)
-        with gui.add_folder("What each mass and length matters", expand_by_default=False):
-            self.tornado = TornadoPlot(session)
+        bridge.on("click", self._click)
 
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Follow the state, and begin what is asked for."""
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the state, and start what is asked for."""
         self._job.request(frame.state.balancing.running)
-        for part in (self.inputs, self.weights, self.front, self.tornado):
-            part.draw(frame, moving)
-        outcome = frame.state.balancing.outcome
-        if outcome is not self._detailed:
-            self._detailed = outcome
-            self._details.content = details_html(outcome)
-        for handle, html in (
-            (self._gauge, gauge_html(frame)),
-            (self._status, status_html(frame.state)),
-        ):
-            if handle.content != html:
-                handle.content = html
-        pinned = frame.state.document.reference is not None
-        if self.maps.visible != pinned:
-            self.maps.visible = pinned
-        busy = frame.state.balancing.running is not None
-        if self.button.disabled != busy:
-            self.button.disabled = busy
+        super().draw(frame, dragging)
+
+    def _click(self, data: Any) -> None:
+        """Work on the point of the front that was clicked; ``data`` comes from the page."""
+
+        def choose(state: State) -> State:
+            index = charts.clicked_point(data, state.balancing.front)
+            return state if index is None else balancing.choose_point(state, index)
+
+        if isinstance(data, dict) and data.get("title") == charts.FRONT:
+            self._session.dispatch("balance.point", choose)

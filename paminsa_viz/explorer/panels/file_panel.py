@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import re
-from typing import Any
 
 from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, sharing
 from paminsa_viz.explorer.bounds import validate_limits
-from paminsa_viz.explorer.controls import Control
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
-from paminsa_viz.explorer.panels.tables import note
+from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
+from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
@@ -42,83 +38,58 @@ def uploaded_design(name: str, content: bytes) -> Design:
         raise DesignFileError(name, str(error)) from error
 
 
-def _open_code(state: State, code: str) -> State:
-    return actions.restore(state, sharing.decode(code))
+def _download(session: Session) -> None:
+    design = session.state.document.design
+    text = write_design(design, comment=f"Written by paminsa_viz {__version__}.")
+    session.client.send_file_download(file_name(design), text.encode(), save_immediately=True)
 
 
-class FilePanel:
-    """Name, download, upload, Appendix 4, share code."""
+def _open(session: Session, name: str, content: bytes) -> None:
+    design = uploaded_design(name, content)
+    session.dispatch("file.open", lambda state: actions.load_design(state, design))
+    session.notify("Design opened", design.name or name)
 
-    def __init__(self, session: Session) -> None:
-        gui = session.client.gui
-        self._session = session
-        document = session.state.document
-        self.name = gui.add_text(
-            "Design name", document.design.name, hint="Stands in files, figures and tables"
-        )
-        self._name = Control(
-            session,
-            self.name,
-            "file.name",
-            actions.rename,
-            lambda state: state.document.design.name,
-        )
-        with gui.add_folder("Design file"):
-            self.download = gui.add_button(
-                "Download as TOML", icon=Icon.DOWNLOAD, hint="A readable text file, in SI units"
-            )
-            self.upload = gui.add_upload_button(
-                "Open a file…",
-                icon=Icon.UPLOAD,
-                mime_type=".toml,.txt",
-                hint="A design file in TOML",
-                color="gray",
-            )
-            self.default = gui.add_button(
-                "Appendix 4 (prototype)",
-                icon=Icon.BOOK,
-                hint="Open the paper's design; undo brings the present one back",
-                color="gray",
-            )
-        with gui.add_folder("Share code"):
-            gui.add_html(
-                note(
-                    "Design, pose, motion and reference in one line. Copy it to hand it on; paste "
-                    "another one over it to open that.",
-                    muted=True,
-                )
-            )
-            self.code = gui.add_text("Code", sharing.encode(document))
-        self._code = DebouncedInput(
-            session,
-            self.code,
-            "file.code",
-            _open_code,
-            lambda state: sharing.encode(state.document),
-        )
-        self.download.on_click(lambda _: session.submit(self._download))
-        self.upload.on_upload(lambda event: self._on_upload(event.target.value))
-        self.default.on_click(
-            lambda _: session.dispatch("file.open", lambda s: actions.load_design(s, APPENDIX_4))
-        )
 
-    def _download(self) -> None:
-        design = self._session.state.document.design
-        text = write_design(design, comment=f"Written by paminsa_viz {__version__}.")
-        self._session.client.send_file_download(
-            file_name(design), text.encode(), save_immediately=True
-        )
-
-    def _on_upload(self, file: Any) -> None:
-        def open_file() -> None:
-            design = uploaded_design(file.name, file.content)
-            self._session.dispatch("file.open", lambda state: actions.load_design(state, design))
-            self._session.notify("Design opened", design.name or file.name)
-
-        self._session.submit(open_file)
-
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Follow the state; the code once the hand rests."""
-        self._name.draw(frame, moving)
-        if not moving:
-            self._code.draw(frame, moving)
+FILE = (
+    TextBox(
+        "file.name", "Design name", hint="Is part of files, figures and tables",
+        read=lambda state: state.document.design.name, apply=actions.rename,
+    ),
+    Folder(
+        "file.design", "Design file",
+        entries=(
+            Button(
+                "file.download", "Download as TOML", icon=Icon.DOWNLOAD,
+                hint="A readable text file, in SI units",
+                effect=Run(lambda session: session.submit(lambda: _download(session))),
+            ),
+            Upload(
+                "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,
+                mime_type=".toml,.txt", hint="A design file in TOML", color="gray",
+            ),
+            Button(
+                "file.open", "Appendix 4 (prototype)", icon=Icon.BOOK, color="gray",
+                hint="Open the paper's design; undo brings the current one back",
+                effect=lambda state: actions.load_design(state, APPENDIX_4),
+            ),
+        ),
+    ),
+    Folder(
+        "file.share", "Share code",
+        entries=(
+            Html(
+                "file.about_code", depends=lambda _: None,
+                content=lambda _: render(
+                    "note.j2", testid="", muted=True,
+                    text="Design, pose, motion and reference in one line. Copy it to hand it on; "
+                    "paste another one over it to open that.",
+                ),
+            ),
+            TextBox(
+                "file.code", "Code", idle=True,
+                read=lambda state: sharing.encode(state.document),
+                apply=lambda state, code: actions.restore(state, sharing.decode(code)),
+            ),
+        ),
+    ),
+)  # fmt: skip

@@ -9,8 +9,7 @@ import numpy as np
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
-from paminsa_viz.explorer.motion.path_segments import cut
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore, split_path
 from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
@@ -93,7 +92,7 @@ class MapPicture:
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
-        motion = self._motions.present(state) if "path" in state.layers else None
+        motion = self._motions.analysis(state) if "path" in state.layers else None
         # Where the robot stands is not part of it: the marker lies over the picture.
         values = (document.design, document.pose[2:], reference, view, quantities, width)
         shown = (*values, self._slots.ratio, motion and motion.trajectory)
@@ -141,7 +140,7 @@ class MapPicture:
 
 def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
     """Return a motion as it is drawn on maps."""
-    found = cut(motion)
+    found = split_path(motion)
     good, bad = ([found.place[run, :2] for run in runs] for runs in (found.good, found.bad))
     return FloorPath(joined(good), joined(bad))
 

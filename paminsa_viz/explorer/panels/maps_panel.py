@@ -10,9 +10,9 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE as MOTION_SLOT
-from paminsa_viz.explorer.panels.export_panel import ExportPanel
+from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
@@ -54,7 +54,7 @@ class MapsPanel:
         with motion_tab:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            self.export = ExportPanel(session, self.store)
+            self.export = Panel(session, export_entries(self.store))
         panel.float(x=MARGIN, y=-MARGIN, width=width)
         bridge.on("click", self._click)
 

@@ -7,9 +7,9 @@ from html import escape
 
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.checking import Answer, ask_engine
-from paminsa_viz.explorer.motion.store import MotionResults
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.engine_check import Answer, ask_engine
+from paminsa_viz.explorer.motion.results import MotionResults
 from paminsa_viz.explorer.panels.motion_numbers import verdict
 from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.palette import BAD, INK, MUTED
@@ -29,7 +29,7 @@ class EngineChecker:
     def __init__(self, session: Session) -> None:
         self._job: BackgroundJob[TrajectoryAnalysis, Answer] = BackgroundJob(
             session, "plots.engine_answer", lambda analysis, _: ask_engine(analysis),
-            requests.receive_engine_answer,
+            motions.receive_engine_answer,
             failed=lambda analysis, problem: Answer(analysis, None, problem), undo=False,
         )  # fmt: skip
         self._seen: TrajectoryAnalysis | None = None
@@ -43,7 +43,7 @@ class EngineChecker:
             dragging: Whether the state changes; perhaps something else, or the motion plays.
         """
         now = time.monotonic()
-        wanted = None if found is None else found.present
+        wanted = None if found is None else found.analysis
         if wanted is not self._seen:
             self._seen, self._since = wanted, now
         if found is None or found.answer is not None:
@@ -59,7 +59,7 @@ def verdict_html(answer: Answer | None, found: MotionResults) -> str:
     torques = answer.found
     if torques is None:
         return f'<b style="color:{BAD}">no engine’s torques</b>: {escape(answer.problem)}'
-    own, tolerance = torques.comparison(found.present), torques.tolerance
+    own, tolerance = torques.comparison(found.analysis), torques.tolerance
     said = (
         f"{escape(torques.engine.name)}, {len(own.computed)} samples: "
         f"{verdict(own.agrees(tolerance))}, off by {_share(own)} of the largest torque"

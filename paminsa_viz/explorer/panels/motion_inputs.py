@@ -11,7 +11,8 @@ from viser import Icon
 
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import planning, requests
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion import planning
 from paminsa_viz.explorer.motion.description import Kind, Motion
 from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.motion_words import pose_words
@@ -51,8 +52,8 @@ def kind_label(motion: Motion) -> str:
 def choose(state: State, label: str) -> State:
     """Take over a choice."""
     if label in PRESET_LABELS:
-        return requests.choose_preset(state, PRESET_LABELS[label])
-    return requests.choose_kind(state, KIND_LABELS[label])
+        return motions.choose_preset(state, PRESET_LABELS[label])
+    return motions.choose_kind(state, KIND_LABELS[label])
 
 
 def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
@@ -81,20 +82,20 @@ class MotionInputs:
         )  # fmt: skip
         self.poses = gui.add_html("")
         ends = self._buttons(
-            "Ends", {"From here": requests.begin_here, "To here": requests.end_here,
-                     "Swap": requests.swap_ends},
+            "Ends", {"From here": motions.start_here, "To here": motions.goal_here,
+                     "Swap": motions.swap_ends},
             "Let the motion begin or end at the pose where the robot stands now",
         )  # fmt: skip
         way = self._buttons(
-            "Waypoints", {"Add present": requests.add_waypoint,
-                          "Remove last": requests.drop_waypoint,
-                          "Clear": requests.clear_waypoints},
+            "Waypoints", {"Add present": motions.add_waypoint,
+                          "Remove last": motions.remove_waypoint,
+                          "Clear": motions.clear_waypoints},
             "Move the robot, add its pose, move it on",
         )  # fmt: skip
         center = gui.add_button(
             "Center here", color="gray", hint="Put the center where the robot stands now"
         )
-        center.on_click(lambda _: session.dispatch("motion.center", requests.center_here))
+        center.on_click(lambda _: session.dispatch("motion.center", motions.center_here))
         radius = gui.add_number(
             "Radius [mm]", 1e3 * motion.radius, min=1.0, step=1.0, hint="In the plane of x and y"
         )
@@ -123,12 +124,12 @@ class MotionInputs:
             ),
             Control(
                 session, law, "motion.profile",
-                lambda s, label: requests.change(s, profile=LAWS[label]),
+                lambda s, label: motions.change(s, profile=LAWS[label]),
                 lambda s: _law(s.document.motion),
             ),
             Control(
                 session, back, "motion.back",
-                lambda s, value: requests.change(s, back=bool(value)),
+                lambda s, value: motions.change(s, back=bool(value)),
                 lambda s: s.document.motion.back,
             ),
             self._length(radius, "radius"),
@@ -160,7 +161,7 @@ class MotionInputs:
     def _length(self, handle: Any, name: str) -> Control:
         return DebouncedInput(
             self._session, handle, f"motion.{name}",
-            lambda s, value: requests.change(s, **{name: round(1e-3 * float(value), 9)}),
+            lambda s, value: motions.change(s, **{name: round(1e-3 * float(value), 9)}),
             lambda s: round(1e3 * getattr(s.document.motion, name), 6),
         )  # fmt: skip
 
@@ -171,7 +172,7 @@ class MotionInputs:
         except PaminsaError as error:
             self._session.notify("Not opened", str(error), bad=True)
             return
-        self._session.dispatch("motion.table", lambda state: requests.take_table(state, table))
+        self._session.dispatch("motion.table", lambda state: motions.use_table(state, table))
         self._session.notify("Motion opened", f"{table.name}, {table.size} rows")
 
     def draw(self, frame: Frame, moving: bool) -> None:

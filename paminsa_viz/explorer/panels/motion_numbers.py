@@ -7,7 +7,7 @@ from html import escape
 
 import numpy as np
 
-from paminsa_viz.explorer.motion.store import MotionResults
+from paminsa_viz.explorer.motion.results import MotionResults
 from paminsa_viz.palette import BAD, INK, MUTED, OK
 from paminsa_viz.plots.series import Dash, Statistics, Trace
 from paminsa_viz.plots.series_uplot import Chart
@@ -50,7 +50,7 @@ def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float)
     check = found.answer.found if found.answer else None
     shares: dict[str, list[float]] = {}
     if check is not None:
-        for suffix, analysis in (("", found.present), ("as published", found.sources.published)):
+        for suffix, analysis in (("", found.analysis), ("as published", found.sources.published)):
             if analysis is not None:
                 shares[suffix] = check.comparison(analysis).relative.tolist()
     rows = []

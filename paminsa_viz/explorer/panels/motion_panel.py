@@ -5,8 +5,8 @@ from __future__ import annotations
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.motion_inputs import MotionInputs
 from paminsa_viz.explorer.panels.motion_playback import PlaybackInputs
 from paminsa_viz.explorer.panels.motion_plots import ACTUATORS
@@ -47,7 +47,7 @@ class MotionPanel:
             ),
             Control(
                 session, color, "plots.color",
-                lambda s, value: requests.set_plots(s, color=ACTUATORS.index(value)),
+                lambda s, value: motions.set_plots(s, color=ACTUATORS.index(value)),
                 lambda s: ACTUATORS[s.plots.color],
             ),
         ]  # fmt: skip
@@ -56,7 +56,7 @@ class MotionPanel:
         """Follow the state."""
         for part in (self.playback, self.inputs, self.timing, self.simulation, *self._controls):
             part.draw(frame, moving)
-        analysis = self._store.present(frame.state)
+        analysis = self._store.analysis(frame.state)
         actuator = frame.state.plots.color
         html = "" if analysis is None else legend_html(path_scale(analysis, actuator), actuator)
         if self._legend.content != html:

@@ -9,9 +9,9 @@ from viser import Icon
 
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.playback import SPEEDS
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.motion_words import status_line
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -27,10 +27,10 @@ SPEED_WORDS = {f"{speed:g} ×": speed for speed in SPEEDS}
 
 def status_html(state: State, store: MotionStore) -> str:
     """Return the line that says whether the motion is fine."""
-    fine, words = status_line(state, store.present(state))
-    bound = requests.planned(state).bound
+    fine, words = status_line(state, store.analysis(state))
+    bound = motions.planned(state).bound
     color, head = (OK, "Fine") if fine else (BAD, "Not possible")
-    if requests.planned(state).trajectory is None:
+    if motions.planned(state).trajectory is None:
         color, head = MUTED, "No motion yet"
     more = f"<br>shortest: {escape(bound)}" if bound else ""
     return (
@@ -53,7 +53,7 @@ class PlaybackInputs:
             PLAY, icon=Icon.PLAYER_PLAY, hint="Play the motion with the robot (key: M)"
         )
         self.play.on_click(
-            lambda _: session.dispatch("playback.play", requests.play_or_pause, step=False)
+            lambda _: session.dispatch("playback.play", motions.play_or_pause, step=False)
         )
         speed = gui.add_dropdown(
             "speed", tuple(SPEED_WORDS), initial_value="1 ×", hint="1 × is true time"
@@ -66,24 +66,24 @@ class PlaybackInputs:
         self._controls = [
             Control(
                 session, speed, "playback.speed",
-                lambda s, word: requests.set_playback(s, speed=SPEED_WORDS[word]),
+                lambda s, word: motions.set_playback(s, speed=SPEED_WORDS[word]),
                 lambda s: f"{s.playback.speed:g} ×",
             ),
             Control(
                 session, loop, "playback.loop",
-                lambda s, value: requests.set_playback(s, loop=bool(value)),
+                lambda s, value: motions.set_playback(s, loop=bool(value)),
                 lambda s: s.playback.loop,
             ),
         ]  # fmt: skip
         self._time = Control(
-            session, self.time, "playback.time", requests.scrub,
+            session, self.time, "playback.time", motions.scrub,
             lambda s: round(s.playback.time, 3), step=False,
         )  # fmt: skip
 
     @staticmethod
     def _last(state: State) -> float:
         """Return the end of the slider, the duration rounded up to its step [s]."""
-        return max(math.ceil(1e3 * requests.duration(state) - 1e-6) / 1e3, 0.001)
+        return max(math.ceil(1e3 * motions.duration(state) - 1e-6) / 1e3, 0.001)
 
     def draw(self, frame: Frame, moving: bool) -> None:
         """Follow the state."""

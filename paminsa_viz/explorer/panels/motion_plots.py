@@ -8,9 +8,9 @@ from typing import Any
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.plots import COMPARED, PLOTS, SIMULATED
-from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.playback import COMPARED, PLOTS, SIMULATED
+from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.motion.time_cursor import PLACE, TimeCursor
 from paminsa_viz.explorer.panels.motion_chart import MotionChart
 from paminsa_viz.explorer.panels.motion_engine import MARK, EngineChecker, verdict_html
@@ -67,22 +67,22 @@ class MotionPlots:
         self._controls = [
             Control(
                 session, shown, "plots.plot",
-                lambda s, value: requests.set_plots(s, plot=PLOTS[value]),
+                lambda s, value: motions.set_plots(s, plot=PLOTS[value]),
                 lambda s: _LABELS[s.plots.plot],
             ),
             Control(
                 session, self.actuator, "plots.actuator",
-                lambda s, value: requests.set_plots(s, actuator=ACTUATORS.index(value)),
+                lambda s, value: motions.set_plots(s, actuator=ACTUATORS.index(value)),
                 lambda s: ACTUATORS[s.plots.actuator],
             ),
             Control(
                 session, self.engine, "plots.engine",
-                lambda s, value: requests.set_plots(s, engine=bool(value)),
+                lambda s, value: motions.set_plots(s, engine=bool(value)),
                 lambda s: s.plots.engine,
             ),
             Control(
                 session, self.published, "plots.published",
-                lambda s, value: requests.set_plots(s, published=bool(value)),
+                lambda s, value: motions.set_plots(s, published=bool(value)),
                 lambda s: s.plots.published,
             ),
         ]  # fmt: skip
@@ -128,7 +128,7 @@ class MotionPlots:
 
 
 def _scrub(session: Session, time: float) -> None:
-    session.dispatch("playback.time", lambda state: requests.scrub(state, time), step=False)
+    session.dispatch("playback.time", lambda state: motions.scrub(state, time), step=False)
 
 
 def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:
@@ -144,13 +144,13 @@ def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, 
         return _instead(status_line(state, None)[1])
     if not drawn:
         return _instead("nothing has been simulated yet: press Simulate in the tab “Motion”")
-    t = found.present.trajectory
+    t = found.analysis.trajectory
     parts = [f"<b>{escape(t.name)}</b>, {number(t.duration, 4)} s"]
     if found.sources.reference is not None and state.plots.plot in COMPARED:
         parts.append(f"╌ reference “{escape(found.sources.reference.design.name)}”")
     if found.sources.published is not None and state.plots.plot in COMPARED:
         parts.append("┈ formulae as published")
-    first = found.present.check.first
+    first = found.analysis.check.first
     if first is not None:
         parts.append(f'<span style="color:{BAD}"><b>fails</b> {escape(first.explanation)}</span>')
     engine = ""

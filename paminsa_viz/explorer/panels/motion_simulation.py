@@ -11,8 +11,8 @@ from viser import Icon
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
-from paminsa_viz.explorer.motion.simulating import Job, Outcome, run
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.simulation import SimulationJob, SimulationOutcome, run
 from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
@@ -38,9 +38,9 @@ class SimulationInputs:
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
         self._session = session
-        self._job: BackgroundJob[Job, Outcome] = BackgroundJob(
-            session, "simulation", lambda job, _: run(job), requests.receive_simulation,
-            failed=lambda job, problem: Outcome(job, None, problem),
+        self._job: BackgroundJob[SimulationJob, SimulationOutcome] = BackgroundJob(
+            session, "simulation", lambda job, _: run(job), motions.receive_simulation,
+            failed=lambda job, problem: SimulationOutcome(job, None, problem),
         )  # fmt: skip
         settings = session.state.simulating.settings
         control = gui.add_dropdown(
@@ -55,11 +55,11 @@ class SimulationInputs:
             gui.add_number("Damping ratio", settings.damping, min=0.0, max=5.0, step=0.1),
         ]  # fmt: skip
         load = gui.add_number(
-            "Unknown load [kg]", settings.extra_load, min=-10.0, max=50.0, step=0.1,
+            "Unknown load [kg]", settings.payload_mismatch, min=-10.0, max=50.0, step=0.1,
             hint="Payload of the robot that the controller does not know of",
         )  # fmt: skip
         offset = gui.add_number(
-            "Start off by [mm]", 1e3 * settings.offset, min=-100.0, max=100.0, step=1.0,
+            "Start off by [mm]", 1e3 * settings.initial_error, min=-100.0, max=100.0, step=1.0,
             hint="Error of x at the start",
         )  # fmt: skip
         friction = gui.add_checkbox(
@@ -67,29 +67,29 @@ class SimulationInputs:
             hint="The friction itself is a number of the design, zero in the paper",
         )  # fmt: skip
         self.run = gui.add_button("Simulate", icon=Icon.PLAYER_TRACK_NEXT)
-        self.run.on_click(lambda _: session.dispatch("simulation", requests.simulate))
+        self.run.on_click(lambda _: session.dispatch("simulation", motions.simulate))
         self._outcome = gui.add_html("")
         self._controls = [
             Control(
                 session, control, "simulation.control",
-                lambda s, label: requests.set_simulation(s, control=CONTROLS[label]),
+                lambda s, label: motions.set_simulation(s, control=CONTROLS[label]),
                 lambda s: _label(s.simulating.settings.control),
             ),
             Control(
                 session, friction, "simulation.friction",
-                lambda s, value: requests.set_simulation(s, knows_friction=bool(value)),
+                lambda s, value: motions.set_simulation(s, knows_friction=bool(value)),
                 lambda s: s.simulating.settings.knows_friction,
             ),
             self._number(self._feedback[0], "bandwidth"),
             self._number(self._feedback[1], "damping"),
-            self._number(load, "extra_load"),
-            self._number(offset, "offset", 1e3),
+            self._number(load, "payload_mismatch"),
+            self._number(offset, "initial_error", 1e3),
         ]  # fmt: skip
 
     def _number(self, handle: Any, name: str, factor: float = 1.0) -> Control:
         return DebouncedInput(
             self._session, handle, f"simulation.{name}",
-            lambda s, value: requests.set_simulation(s, **{name: float(value) / factor}),
+            lambda s, value: motions.set_simulation(s, **{name: float(value) / factor}),
             lambda s: round(factor * getattr(s.simulating.settings, name), 9),
         )  # fmt: skip
 
@@ -131,7 +131,7 @@ def outcome_html(state: State) -> str:
     color, head = OK, f"Ran to the end, {simulation.t[-1]:.3f} s"
     if simulation.stopped is not None:
         color, head = BAD, f"Stopped {escape(simulation.stopped.explanation)}"
-    if not requests.simulated_as_it_is(state):
+    if not motions.simulation_is_current(state):
         color = WARN if simulation.stopped is None else color
         lines.append("<b>of an earlier design, motion or setting: simulate again</b>")
     return _block(color, f"<b>{head}</b><br>" + "<br>".join(lines))

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import DURATIONS, RATES, Kind, Motion, Timing
 from paminsa_viz.explorer.panels.debounced_input import DebouncedInput
 from paminsa_viz.explorer.session import Session
@@ -73,7 +73,7 @@ class TimingInputs:
         )  # fmt: skip
         self._timing = Control(
             session, self.timing, "motion.timing",
-            lambda s, label: requests.change(s, timing=TIMINGS[label]),
+            lambda s, label: motions.change(s, timing=TIMINGS[label]),
             lambda s: timing_label(s.document.motion),
         )  # fmt: skip
         self._controls = [
@@ -93,7 +93,7 @@ class TimingInputs:
         )
         return DebouncedInput(
             session, handle, f"motion.limits.{item.name}",
-            lambda s, value: requests.limit(s, item.name, float(value) / item.factor), show,
+            lambda s, value: motions.limit(s, item.name, float(value) / item.factor), show,
         )  # fmt: skip
 
     def draw(self, frame: Frame, moving: bool) -> None:
@@ -117,7 +117,7 @@ class TimingInputs:
 def _number(session: Session, handle: Any, name: str) -> Control:
     return DebouncedInput(
         session, handle, f"motion.{name}",
-        lambda s, value: requests.change(s, **{name: float(value)}),
+        lambda s, value: motions.change(s, **{name: float(value)}),
         lambda s: getattr(s.document.motion, name),
     )  # fmt: skip
 

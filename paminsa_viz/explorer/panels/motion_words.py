@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import Pose, State
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import number
@@ -12,7 +12,7 @@ from paminsa_viz.units import number
 
 def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool, str]:
     """Return whether a motion is fine, and the plain line that says so or says why not."""
-    found = requests.planned(state)
+    found = motions.planned(state)
     if analysis is None or found.trajectory is None:
         return False, found.problem
     if found.problem:

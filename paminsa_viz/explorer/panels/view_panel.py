@@ -7,8 +7,8 @@ from dataclasses import replace
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.controls import Control
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
 
 

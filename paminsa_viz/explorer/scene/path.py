@@ -10,11 +10,9 @@ from numpy.typing import NDArray
 from viser import LineSegmentsHandle
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.path_segments import cut
-from paminsa_viz.explorer.motion.store import MotionStore
-from paminsa_viz.explorer.scene.curves import Curve, segments
+from paminsa_viz.explorer.motion.results import MotionStore, split_path
+from paminsa_viz.explorer.scene.curves import Curve, linear_colors, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.tint import drawn
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import colors
@@ -58,7 +56,7 @@ def _hues() -> tuple[str, ...]:
 
 @cache
 def _drawn_hues() -> NDArray[np.uint8]:
-    return drawn(*_hues())
+    return linear_colors(*_hues())
 
 
 def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:
@@ -100,7 +98,7 @@ class Pieces(NamedTuple):
 
 def pieces(analysis: TrajectoryAnalysis, actuator: int) -> Pieces:
     """Return the platform's path in the scene [m], with an actuator's torque [N m or N]."""
-    found = cut(analysis)
+    found = split_path(analysis)
     torque = analysis.torque[found.samples, actuator]
     pairs = [segments(found.place[run]) for run in found.good]
     values = [np.stack([torque[run][:-1], torque[run][1:]], axis=1) for run in found.good]
@@ -127,7 +125,7 @@ class MotionPath:
         """Draw what has changed; nothing is worked out for a path that is hidden."""
         del moving
         state = frame.state
-        analysis = self._store.present(state) if "path" in state.layers else None
+        analysis = self._store.analysis(state) if "path" in state.layers else None
         height = layout(state.standing.geometry).ground + ABOVE
         key = (analysis, state.plots.color, height)
         if key == self._key:

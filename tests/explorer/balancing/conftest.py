@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State, initial_state
 
 

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.solving import tidied
 from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.compare_panel import differences_html
@@ -41,22 +41,22 @@ def test_tidying_keeps_the_mechanics(places: list[float], seed: int) -> None:
 
 
 def test_counterweights_are_hung_changed_and_taken_off(start: State) -> None:
-    one = requests.add_weight(start, "b8", 8)
+    one = balancing.add_counterweight(start, "b8", 8)
     assert one.document.design.counterweights == (HANGING,)
-    two = requests.add_weight(one, "b3", 7)
-    moved = requests.set_weight(two, 1, 2.5, 0.15)
+    two = balancing.add_counterweight(one, "b3", 7)
+    moved = balancing.change_counterweight(two, 1, 2.5, 0.15)
     assert moved.document.design.counterweights == (HANGING, Counterweight("b3", 7, 0.15, 2.5))
-    assert requests.set_weight(moved, 5, 1.0, 0.1) is moved
+    assert balancing.change_counterweight(moved, 5, 1.0, 0.1) is moved
     with pytest.raises(InvalidDesign):
-        requests.set_weight(moved, 0, -1.0, 0.1)
-    assert requests.drop_weight(moved, 0).document.design.counterweights == (
+        balancing.change_counterweight(moved, 0, -1.0, 0.1)
+    assert balancing.remove_counterweight(moved, 0).document.design.counterweights == (
         Counterweight("b3", 7, 0.15, 2.5),
     )
-    assert requests.drop_weight(moved, -1) is moved
-    assert requests.hang(moved, ()).document == start.document
-    full = requests.hang(start, (HANGING,) * MOST_COUNTERWEIGHTS)
+    assert balancing.remove_counterweight(moved, -1) is moved
+    assert balancing.set_counterweights(moved, ()).document == start.document
+    full = balancing.set_counterweights(start, (HANGING,) * MOST_COUNTERWEIGHTS)
     with pytest.raises(InvalidDesign, match="at most"):
-        requests.add_weight(full, "b8", 8)
+        balancing.add_counterweight(full, "b8", 8)
 
 
 def test_the_comparison_names_counterweights() -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import Task
-from paminsa_viz.explorer.balancing.solving import run, standing
-from paminsa_viz.explorer.panels.balance_front import FrontFigure, clicked_point
+from paminsa_viz.explorer.balancing.solving import run, static_torque
+from paminsa_viz.explorer.panels.balance_charts import clicked_point, front_figure
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import analyze
@@ -18,39 +16,39 @@ from paminsa_viz.trajectory import analyze
 
 def test_the_front_is_gone_along_point_by_point(start: State) -> None:
     steps: list[float] = []
-    begun = requests.begin(start, Task.FRONT)
+    begun = balancing.start(start, Task.FRONT)
     job = begun.balancing.running
     assert job is not None
     outcome = run(job, lambda done: bool(steps.append(done)))
     assert steps == sorted(steps)
     assert steps[-1] == 1
-    after = requests.receive_result(begun, outcome)
+    after = balancing.receive_result(begun, outcome)
     assert after.document == start.document
     front = outcome.front
     assert front is not None
     assert len(outcome.designs) == len(front.points) > 5
-    assert requests.chosen_point(after) is None
+    assert balancing.chosen_point(after) is None
     for index in (0, 4, len(front.points) - 1):
         point = front.points[index]
-        after = requests.choose_point(after, index)
-        assert requests.chosen_point(after) == index
+        after = balancing.choose_point(after, index)
+        assert balancing.chosen_point(after) == index
         assert after.document.reference == start.document.design
         torque = analyze(after.document.design, job.trajectory).torque[:, :3]  # type: ignore[arg-type]
         assert np.abs(torque).max() == pytest.approx(point.first, rel=1e-6)
-        still = standing(job, after.document.design)[0]
+        still = static_torque(job, after.document.design)[0]
         assert still == pytest.approx(point.second, rel=1e-6, abs=1e-7)
         assert clicked_point({"x": point.first, "y": point.second}, outcome) == index
-        marks = json.loads(FrontFigure(outcome, index).to_json())["data"][0]["marker"]["size"]
+        marks = front_figure(outcome, index)["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
     with pytest.raises(InvalidInput, match="no such point"):
-        requests.choose_point(after, len(front.points))
+        balancing.choose_point(after, len(front.points))
     assert clicked_point({"x": 1e6, "y": 0}, outcome) is None
     assert clicked_point({"x": "1", "y": 0}, outcome) is None
     assert clicked_point([1], outcome) is None
 
 
 def test_a_front_that_is_stopped_stops(start: State) -> None:
-    begun = requests.begin(start, Task.FRONT)
+    begun = balancing.start(start, Task.FRONT)
     job = begun.balancing.running
     assert job is not None
     outcome = run(job, lambda _: True)

@@ -5,65 +5,76 @@ from __future__ import annotations
 import pytest
 
 from paminsa_viz.balancing import InfeasibleBounds
-from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal
-from paminsa_viz.explorer.motion import requests as motions
-from paminsa_viz.explorer.panels.balance_words import details_html, status_html
+from paminsa_viz.explorer.entries import inputs_in
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.panels.balance_panel import BALANCE
+from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput, static_imbalance
-from tests.explorer.balancing.balanced import solved
+from tests.explorer.balancing.balanced import solved, status
 
 
 def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:
-    wished = requests.wish(
-        start, arm_b3=CounterweightSlot(0.1, 0.0), arm_b8=CounterweightSlot(0.1, 0.5)
+    wished = balancing.change_settings(
+        start, slot_b3=CounterweightSlot(0.1, 0.0), slot_b8=CounterweightSlot(0.1, 0.5)
     )
     after = solved(wished)
     assert after.document == start.document
     outcome = after.balancing.outcome
     assert outcome is not None
     assert isinstance(outcome.problem, InfeasibleBounds)
-    text = status_html(after)
+    text = status(after)
     assert "The bounds do not allow it" in text
     assert "<b>raise</b> weight on B8 past 8 from 0.5 to 3.896 kg" in text
     assert details_html(outcome) == ""
     # What it says would do does, and the refusal goes as soon as something is changed.
-    relaxed = requests.wish(after, arm_b8=CounterweightSlot(0.1, 3.897))
+    relaxed = balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 3.897))
     assert relaxed.balancing.outcome is None
     assert static_imbalance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
     # An input that says again what it holds changes nothing.
-    assert requests.wish(after, arm_b8=CounterweightSlot(0.1, 0.5)) is after
-    near = solved(requests.wish(after, exact=False))
+    assert balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 0.5)) is after
+    near = solved(balancing.change_settings(after, exact=False))
     assert static_imbalance(near.document.design) == pytest.approx(7.93255, abs=1e-5)
-    assert "As near to balance" in status_html(near)
+    assert "As near to balance" in status(near)
 
 
 def test_without_a_motion_it_says_so(start: State) -> None:
     table = motions.choose_kind(start, motions.Kind.TABLE)
-    after = solved(requests.choose_goal(table, Goal.PEAK))
-    assert "CSV" in status_html(after)
+    after = solved(balancing.choose_goal(table, Goal.PEAK))
+    assert "CSV" in status(after)
     # The balance itself needs none.
-    assert "Balanced" in status_html(requests.balance_now(table))
-    assert "–" in details_html(requests.balance_now(table).balancing.outcome)
+    assert "Statically balanced" in status(balancing.balance_now(table))
+    assert "–" in details_html(balancing.balance_now(table).balancing.outcome)
 
 
 def test_nothing_that_may_change_is_refused(start: State) -> None:
-    none = requests.wish(start, arm_b3=CounterweightSlot(), arm_b8=CounterweightSlot())
-    assert "give counterweights a mass" in status_html(solved(none))
+    none = balancing.change_settings(
+        start, slot_b3=CounterweightSlot(), slot_b8=CounterweightSlot()
+    )
+    assert "give counterweights a mass" in status(solved(none))
 
 
 @pytest.mark.parametrize(
-    "change",
+    ("key", "value"),
     [
-        {"heavier": -1.0},
-        {"heavier": float("nan")},
-        {"lighter": 1.5},
-        {"share": 2.0},
-        {"arm_b8": CounterweightSlot(2.0, 1.0)},
-        {"arm_b3": CounterweightSlot(0.1, -1.0)},
-        {"added": 1e6},
+        ("balance.max_increase", -1.0),
+        ("balance.max_increase", float("nan")),
+        ("balance.max_decrease", 150.0),
+        ("balance.slot_b8", (2000.0, 1.0)),
+        ("balance.slot_b3", (100.0, -1.0)),
+        ("balance.max_added", 1e6),
+        ("balance.variation", 60.0),
     ],
 )
-def test_numbers_out_of_range_are_refused(start: State, change: dict[str, object]) -> None:
-    with pytest.raises(InvalidInput, match="is possible"):
-        requests.wish(start, **change)
+def test_settings_out_of_range_are_refused(start: State, key: str, value: object) -> None:
+    entry = next(entry for entry in inputs_in(BALANCE) if entry.key == key)
+    with pytest.raises(InvalidInput, match=r"is possible|is needed"):
+        entry.parse(start, value)
+
+
+def test_every_input_takes_back_what_it_shows(start: State) -> None:
+    for entry in inputs_in(BALANCE):
+        value = entry.parse(start, entry.shown(start))
+        assert entry.key == "balance.point" or entry.apply(start, value) == start

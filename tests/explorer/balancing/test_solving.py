@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.balancing import requests
+from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import Task
 from paminsa_viz.explorer.balancing.settings import CounterweightSlot, FreeMasses, Goal
-from paminsa_viz.explorer.balancing.solving import plane, run, standing
+from paminsa_viz.explorer.balancing.solving import plane, run, static_torque
 from paminsa_viz.explorer.frame import compute, near_singularity
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
-from paminsa_viz.explorer.motion import requests as motions
-from paminsa_viz.explorer.panels.balance_words import details_html, status_html
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -23,12 +23,12 @@ from paminsa_viz.model import (
     static_imbalance,
 )
 from paminsa_viz.trajectory import analyze
-from tests.explorer.balancing.balanced import solved
+from tests.explorer.balancing.balanced import solved, status
 
 
 def test_the_papers_balance_pins_the_design_before(start: State) -> None:
     start = actions.move(start, x=0.1, y=-0.05, theta=0.3)
-    after = requests.balance_now(start)
+    after = balancing.balance_now(start)
     assert after.balancing.running is None
     assert static_imbalance(after.document.design) == pytest.approx(0, abs=1e-12)
     assert after.document.reference == start.document.design
@@ -39,15 +39,15 @@ def test_the_papers_balance_pins_the_design_before(start: State) -> None:
     assert np.abs(frame.reference_torques[:3]).max() > 0.1
     assert after.document.design.name != start.document.design.name
     # Once balanced there is nothing to change, and the reference stays what it was.
-    again = requests.balance_now(after)
+    again = balancing.balance_now(after)
     assert again.document == after.document
-    assert "nothing was changed" in status_html(again)
+    assert "nothing was changed" in status(again)
     taken_back = actions.restore(after, start.document)
-    assert "the one before is shown again" in status_html(taken_back)
+    assert "the one before is shown again" in status(taken_back)
 
 
 def test_its_numbers_are_the_models(start: State) -> None:
-    after = requests.balance_now(start)
+    after = balancing.balance_now(start)
     outcome = after.balancing.outcome
     assert outcome is not None
     effects = {item.label: item for item in outcome.effects}
@@ -55,7 +55,7 @@ def test_its_numbers_are_the_models(start: State) -> None:
     assert motion is not None
     for design, side in ((start.document.design, "before"), (after.document.design, "after")):
         torque = np.abs(analyze(design, motion).torque[:, :3])
-        assert getattr(effects["peak torque in motion"], side) == pytest.approx(torque.max())
+        assert getattr(effects["peak dynamic torque"], side) == pytest.approx(torque.max())
     mass = effects["mass of the robot"]
     assert mass.after - mass.before == pytest.approx(8.349)
     assert outcome.optimum is not None
@@ -64,7 +64,7 @@ def test_its_numbers_are_the_models(start: State) -> None:
 
 def test_standing_is_looked_at_where_no_singularity_is_near(start: State) -> None:
     turned = actions.move(start, theta=0.5)
-    job = requests.make_job(turned, Task.BEST)
+    job = balancing.make_job(turned, Task.OPTIMUM)
     field = plane(job)
     used = field.status == Limit.OK
     assert used.any()
@@ -73,7 +73,7 @@ def test_standing_is_looked_at_where_no_singularity_is_near(start: State) -> Non
     assert not near_singularity(measure_singularity(field.geometry, poses[used])).any()
     torque = field.torques(APPENDIX_4)[:3][:, used]
     wanted = np.abs(torque).max(), np.sqrt(np.mean(torque**2))
-    assert standing(job, APPENDIX_4) == pytest.approx(wanted)
+    assert static_torque(job, APPENDIX_4) == pytest.approx(wanted)
 
 
 @pytest.mark.parametrize("goal", list(Goal))
@@ -81,7 +81,9 @@ def test_standing_is_looked_at_where_no_singularity_is_near(start: State) -> Non
 def test_every_goal_is_reached_within_its_bounds(
     start: State, goal: Goal, movable: FreeMasses
 ) -> None:
-    wished = requests.wish(requests.choose_goal(start, goal), movable=movable, lighter=0.1)
+    wished = balancing.change_settings(
+        balancing.choose_goal(start, goal), movable=movable, max_decrease=0.1
+    )
     after = solved(wished)
     outcome = after.balancing.outcome
     assert outcome is not None
@@ -89,7 +91,7 @@ def test_every_goal_is_reached_within_its_bounds(
     assert outcome.optimum.gap < 1e-6
     # The numbers of the table are those that were made small.
     effects = {item.label: item.after for item in outcome.effects}
-    label = {Goal.PEAK: "peak torque in motion", Goal.RMS: "RMS torque in motion"}.get(goal)
+    label = {Goal.PEAK: "peak dynamic torque", Goal.RMS: "RMS dynamic torque"}.get(goal)
     if label is not None:
         assert effects[label] == pytest.approx(outcome.optimum.objective, rel=1e-9)
     design = after.document.design
@@ -104,34 +106,36 @@ def test_every_goal_is_reached_within_its_bounds(
         assert static_imbalance(design) == pytest.approx(0, abs=1e-9)
     else:
         assert wished.balancing.settings.exact is False
-    text = status_html(after) + details_html(outcome)
-    assert "Proved" in text
+    text = status(after) + details_html(outcome)
+    assert "Certified optimal" in text
     assert "nan" not in text
 
 
 def test_what_did_not_change_keeps_its_last_digit(start: State) -> None:
-    wished = requests.wish(start, movable=FreeMasses.PANTOGRAPH, arm_b8=CounterweightSlot(0.1, 0))
+    wished = balancing.change_settings(
+        start, movable=FreeMasses.PANTOGRAPH, slot_b8=CounterweightSlot(0.1, 0)
+    )
     design = solved(wished).document.design
     assert design.inertias == APPENDIX_4.inertias
 
 
 def test_a_design_changed_in_the_meantime_is_not_overwritten(start: State) -> None:
-    begun = requests.begin(start, Task.BEST)
+    begun = balancing.start(start, Task.OPTIMUM)
     job = begun.balancing.running
     assert job is not None
     with pytest.raises(InvalidInput, match="still runs"):
-        requests.begin(begun, Task.FRONT)
+        balancing.start(begun, Task.FRONT)
     changed = actions.vary(begun, {"links.b4": 0.9})
-    after = requests.receive_result(changed, run(job))
+    after = balancing.receive_result(changed, run(job))
     assert after.document == changed.document
-    assert "changed in the meantime" in status_html(after)
+    assert "changed in the meantime" in status(after)
     # And one that was stopped is dropped.
-    stopped = requests.stop(begun)
-    assert requests.receive_result(stopped, run(job)) is stopped
+    stopped = balancing.stop(begun)
+    assert balancing.receive_result(stopped, run(job)) is stopped
 
 
 def test_one_scale_suits_both_designs(start: State) -> None:
-    after = requests.balance_now(start)
+    after = balancing.balance_now(start)
     held = hold_range(after)
     assert held.map_view.range_mode is RangeMode.MANUAL
     assert held.map_view.high == -held.map_view.low > 1

@@ -9,13 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import exporting, requests
-from paminsa_viz.explorer.motion.checking import MOST_SAMPLES, Answer, ask_engine
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion import exporting
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.store import MotionResults, MotionStore
+from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
+from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_engine
 from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
 from paminsa_viz.explorer.panels.motion_numbers import difference_html
@@ -38,7 +39,7 @@ def mujoco() -> Any:
 def state() -> State:
     """A design of its own on the paper-like motion, its torques beside the engine's."""
     changed = actions.vary(initial_state(), {"payload.mass": 2.0, "links.b4": 0.9})
-    return requests.set_plots(changed, engine=True, published=True)
+    return motions.set_plots(changed, engine=True, published=True)
 
 
 def analyzed(state: State) -> MotionResults:
@@ -49,7 +50,7 @@ def analyzed(state: State) -> MotionResults:
 
 def answered(state: State) -> State:
     """Return a state after the engine was asked about it."""
-    return requests.receive_engine_answer(state, ask_engine(analyzed(state).present))
+    return motions.receive_engine_answer(state, ask_engine(analyzed(state).analysis))
 
 
 @needs_mujoco
@@ -62,11 +63,11 @@ def test_numbers_are_those_of_a_verification(state: State, knee: KneeBranch) -> 
     assert found.sources.published is not None
     motion = torques.thinned.trajectory
     assert motion.size == MOST_SAMPLES
-    assert (motion.t[0], motion.t[-1]) == (0.0, found.present.trajectory.t[-1])
-    design = found.present.design
+    assert (motion.t[0], motion.t[-1]) == (0.0, found.analysis.trajectory.t[-1])
+    design = found.analysis.design
     known = verify(with_knee(design, knee), motion, poses=1, misprints=(Misprint.ALL,))
     np.testing.assert_array_equal(torques.engine.torque, known.engines[0].dynamic.reference)
-    own, printed = torques.comparison(found.present), torques.comparison(found.sources.published)
+    own, printed = torques.comparison(found.analysis), torques.comparison(found.sources.published)
     assert own.agrees(TOLERANCE)
     assert own.relative.max() < 1e-11
     np.testing.assert_allclose(own.scale, known.engines[0].dynamic.scale, rtol=1e-12)
@@ -81,7 +82,7 @@ def test_friction_is_no_difference(state: State) -> None:
     found = analyzed(answered(actions.vary(state, rubbing)))
     assert found.answer is not None
     assert found.answer.found is not None
-    assert found.answer.found.comparison(found.present).relative.max() < 1e-11
+    assert found.answer.found.comparison(found.analysis).relative.max() < 1e-11
 
 
 @needs_mujoco
@@ -93,7 +94,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
         actions.vary(known, {"geometry.crank_length": 0.44}),
         actions.vary(known, {"friction.coulomb_rotary": 0.1}),
         actions.set_knee(known, KneeBranch.UPPER),
-        requests.choose_preset(known, "circle"),
+        motions.choose_preset(known, "circle"),
     ):
         found = analyzed(other)
         assert found.answer is None
@@ -101,7 +102,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
             marks = [trace for trace in chart.traces if trace.marks]
             assert marks
             assert all(np.isnan(trace.values).all() for trace in marks)
-        other = requests.set_plots(other, plot="differences")
+        other = motions.set_plots(other, plot="differences")
         for chart in drawn_charts(other, analyzed(other)):
             assert all(np.isnan(trace.values).all() for trace in chart.traces)
         assert "computing" in verdict_html(found.answer, found)
@@ -129,14 +130,14 @@ def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
 
 @needs_mujoco
 def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> None:
-    state = requests.set_plots(answered(state), plot="differences", published=False)
+    state = motions.set_plots(answered(state), plot="differences", published=False)
     found = analyzed(state)
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
     turning, lifting = drawn_charts(state, found)
     assert "10⁻" in turning.unit
-    wanted = (torques.engine.pick(found.present.torque) - torques.engine.torque)[:, 0]
+    wanted = (torques.engine.pick(found.analysis.torque) - torques.engine.torque)[:, 0]
     ratio = turning.traces[0].values[wanted != 0] / wanted[wanted != 0]
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
     assert turning.unit.startswith(power_of_ten(-round(np.log10(ratio[0]))))
@@ -146,7 +147,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "FAIL" not in table
     assert "PASS" in verdict_html(found.answer, found)
 
-    state = requests.set_plots(state, published=True)
+    state = motions.set_plots(state, published=True)
     found = analyzed(state)
     drawn = drawn_charts(state, found)
     assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
@@ -160,22 +161,22 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
 
 @needs_mujoco
 def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
-    line = requests.choose_kind(state, Kind.LINE)
-    line = requests.change(line, start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55))
+    line = motions.choose_kind(state, Kind.LINE)
+    line = motions.change(line, start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55))
     found = analyzed(answered(line))
     assert found.answer is not None
     torques = found.answer.found
     assert torques is not None
-    good = found.present.check.good[torques.engine.samples]
+    good = found.analysis.check.good[torques.engine.samples]
     assert 0 < good.sum() < good.size
-    comparison = torques.comparison(found.present)
+    comparison = torques.comparison(found.analysis)
     assert len(comparison.computed) == good.sum()
     assert comparison.agrees(TOLERANCE)
-    (chart, _) = drawn_charts(requests.set_plots(line, plot="differences"), found)
+    (chart, _) = drawn_charts(motions.set_plots(line, plot="differences"), found)
     np.testing.assert_array_equal(np.isnan(chart.traces[0].values), ~good)
     np.testing.assert_array_equal(chart.failing, ~good)
 
-    away = requests.change(line, start=(0.9, 0, 0, -0.55), goal=(0.95, 0, 0, -0.55))
+    away = motions.change(line, start=(0.9, 0, 0, -0.55), goal=(0.95, 0, 0, -0.55))
     found = analyzed(answered(away))
     assert found.answer is not None
     assert "cannot run any" in found.answer.problem
@@ -194,10 +195,10 @@ def test_a_missing_engine_is_told_once_for_all_designs(
         assert "pip install" in said
         assert str(EngineMissing("MuJoCo")).split(";")[0] in said
         assert "–" in difference_html(
-            drawn_charts(requests.set_plots(other, plot="differences"), found), found, 0.0
+            drawn_charts(motions.set_plots(other, plot="differences"), found), found, 0.0
         )
     with pytest.raises(InvalidInput, match="pip install"):
-        exporting.figure(requests.set_plots(state, plot="differences"), "png", 120.0, 100.0)
+        exporting.figure(motions.set_plots(state, plot="differences"), "png", 120.0, 100.0)
 
 
 class Asked:
@@ -271,15 +272,15 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
 
 def test_nothing_is_asked_that_is_not_shown(state: State) -> None:
     assert state.plots.needs_engine
-    assert not requests.set_plots(state, plot="power").plots.needs_engine
-    assert not requests.set_plots(state, engine=False).plots.needs_engine
-    assert requests.set_plots(state, engine=False, plot="differences").plots.needs_engine
+    assert not motions.set_plots(state, plot="power").plots.needs_engine
+    assert not motions.set_plots(state, engine=False).plots.needs_engine
+    assert motions.set_plots(state, engine=False, plot="differences").plots.needs_engine
 
 
 @needs_mujoco
 def test_of_few_samples_all_are_computed(state: State) -> None:
-    state = answered(requests.change(state, rate=50.0))
-    answer, motion = state.engine_answer, requests.planned(state).trajectory
+    state = answered(motions.change(state, rate=50.0))
+    answer, motion = state.engine_answer, motions.planned(state).trajectory
     assert answer is not None
     assert answer.found is not None
     assert motion is not None

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.description import Timing
 from paminsa_viz.explorer.session import Session
@@ -37,7 +37,7 @@ def played() -> Iterator[tuple[Session, Watch]]:
     """A session with a motion of 0.3 s, before it is played."""
     camera = SimpleNamespace(image_width=1400, image_height=900)
     page: Any = SimpleNamespace(atomic=contextlib.nullcontext, flush=lambda: None, camera=camera)
-    state = requests.change(initial_state(), timing=Timing.GIVEN, duration=0.3)
+    state = motions.change(initial_state(), timing=Timing.GIVEN, duration=0.3)
     session, watch = Session(cast(Any, page), state), Watch()
     session.immediate += [Clock(session), watch]
     session.start()
@@ -48,12 +48,12 @@ def played() -> Iterator[tuple[Session, Watch]]:
 
 def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Watch]) -> None:
     session, watch = played
-    session.dispatch("play", requests.play, step=False)
+    session.dispatch("play", motions.play, step=False)
     eventually(lambda: watch.times and watch.times[-1] == 0.3)
     eventually(lambda: not session.state.playback.playing)
     assert watch.times == sorted(watch.times)
     assert len(set(watch.times)) > 3
-    motion = requests.planned(session.state).trajectory
+    motion = motions.planned(session.state).trajectory
     assert motion is not None
     for time, pose in list(zip(watch.times, watch.poses, strict=True))[-3:]:
         np.testing.assert_allclose(pose, motion.at(time).pose, atol=1e-12)
@@ -62,13 +62,11 @@ def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Wat
 
 def test_a_motion_repeats_until_it_is_paused(played: tuple[Session, Watch]) -> None:
     session, watch = played
-    session.dispatch(
-        "loop", lambda s: requests.play(requests.set_playback(s, loop=True)), step=False
-    )
+    session.dispatch("loop", lambda s: motions.play(motions.set_playback(s, loop=True)), step=False)
     eventually(lambda: (np.diff(watch.times) < 0).sum() >= 2)
-    session.dispatch("pause", requests.pause, step=False)
+    session.dispatch("pause", motions.pause, step=False)
     eventually(lambda: not session.state.playback.playing)
     stopped = session.state.playback.time
     assert 0 <= stopped < 0.3
-    session.dispatch("play", requests.play, step=False)
+    session.dispatch("play", motions.play, step=False)
     eventually(lambda: session.state.playback.time != stopped)

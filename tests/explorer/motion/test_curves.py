@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.path_segments import cut
-from paminsa_viz.explorer.motion.plots import PLOTS, SIMULATED, PlotView
-from paminsa_viz.explorer.motion.simulating import SimulationSettings, make_job, run
-from paminsa_viz.explorer.motion.store import MotionStore
+from paminsa_viz.explorer.motion.playback import PLOTS, SIMULATED, PlotView
+from paminsa_viz.explorer.motion.results import MotionStore, split_path
+from paminsa_viz.explorer.motion.simulation import SimulationSettings, make_job, run
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Misprint
@@ -26,23 +25,23 @@ from paminsa_viz.trajectory import analyze
 @pytest.fixture
 def state() -> State:
     """A heavier design with the paper's pinned, and the formulae as printed shown."""
-    state = actions.pin_reference(requests.choose_preset(initial_state(), "circle"))
-    return requests.set_plots(actions.vary(state, {"links.b4": 2.0}), published=True)
+    state = actions.pin_reference(motions.choose_preset(initial_state(), "circle"))
+    return motions.set_plots(actions.vary(state, {"links.b4": 2.0}), published=True)
 
 
 @pytest.fixture
 def failing() -> State:
     """A line out of the workspace and back."""
-    state = requests.choose_kind(initial_state(), Kind.LINE)
-    state = requests.change(state, start=(0.0, 0.0, 0.0, -0.55), goal=(0.6, 0.0, 0.0, -0.55))
-    return requests.change(state, back=True)
+    state = motions.choose_kind(initial_state(), Kind.LINE)
+    state = motions.change(state, start=(0.0, 0.0, 0.0, -0.55), goal=(0.6, 0.0, 0.0, -0.55))
+    return motions.change(state, back=True)
 
 
 def test_curves_are_the_models(state: State) -> None:
     found = MotionStore().all(state)
     assert found is not None
     turning, lifting = drawn_charts(state, found)
-    motion, design = found.present.trajectory, state.document.design
+    motion, design = found.analysis.trajectory, state.document.design
     assert state.document.reference is not None
     for offset, torque in (
         (0, analyze(design, motion).torque),
@@ -53,7 +52,7 @@ def test_curves_are_the_models(state: State) -> None:
             np.testing.assert_allclose(turning.traces[offset + j].values, torque[:, j], atol=1e-12)
         np.testing.assert_allclose(lifting.traces[offset // 3].values, torque[:, 3], atol=1e-10)
     own = (*turning.traces[:3], lifting.traces[0])
-    for trace, summary in zip(own, found.present.summary, strict=True):
+    for trace, summary in zip(own, found.analysis.summary, strict=True):
         peak, peak_t, mean = statistics(turning.t, trace, turning.until)
         assert (peak, peak_t) == (summary.peak, summary.peak_t)
         assert mean == pytest.approx(summary.rms, rel=1e-12)
@@ -80,7 +79,7 @@ def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
 def test_parts_add_up(state: State) -> None:
     found = MotionStore().all(state)
     assert found is not None
-    (chart,) = drawn_charts(requests.set_plots(state, plot="breakdown", actuator=1), found)
+    (chart,) = drawn_charts(motions.set_plots(state, plot="breakdown", actuator=1), found)
     *parts, whole = (trace.values for trace in chart.traces)
     np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
 
@@ -90,9 +89,9 @@ def test_a_mass_costs_one_product(state: State) -> None:
     before, after = store.all(state), store.all(actions.vary(state, {"links.b4": 3.0}))
     assert before is not None
     assert after is not None
-    assert after.present.solved is before.present.solved
+    assert after.analysis.solved is before.analysis.solved
     assert after.sources.reference is before.sources.reference
-    assert np.abs(after.present.torque - before.present.torque).max() > 0.1
+    assert np.abs(after.analysis.torque - before.analysis.torque).max() > 0.1
 
 
 def test_what_is_drawn_has_peaks_and_gaps(failing: State) -> None:
@@ -134,9 +133,9 @@ def test_nothing_and_next_to_nothing_have_a_range() -> None:
 
 
 def test_a_path_is_cut_where_it_fails(failing: State) -> None:
-    analysis = MotionStore().present(failing)
+    analysis = MotionStore().analysis(failing)
     assert analysis is not None
-    path = cut(analysis)
+    path = split_path(analysis)
     good = analysis.check.good[path.samples]
     assert len(path.good) == 2
     assert all(good[part].all() for part in path.good)
@@ -148,16 +147,16 @@ def test_a_path_is_cut_where_it_fails(failing: State) -> None:
 
 
 def test_simulations_say_what_came_of_them() -> None:
-    state = requests.simulate(initial_state())
+    state = motions.simulate(initial_state())
     job = state.simulating.running
     assert job is not None
     outcome = run(job)
     assert outcome.simulation is not None
-    done = requests.receive_simulation(state, outcome)
+    done = motions.receive_simulation(state, outcome)
     assert done.simulating.running is None
-    assert requests.simulated_as_it_is(done)
-    assert not requests.simulated_as_it_is(actions.vary(done, {"links.b4": 3.0}))
-    assert requests.receive_simulation(done, run(job)) is done
+    assert motions.simulation_is_current(done)
+    assert not motions.simulation_is_current(actions.vary(done, {"links.b4": 3.0}))
+    assert motions.receive_simulation(done, run(job)) is done
     found = MotionStore().all(done)
     assert found is not None
     place, turn = drawn_charts(done, found)
@@ -167,9 +166,9 @@ def test_simulations_say_what_came_of_them() -> None:
 
 
 def test_an_impossible_load_and_an_impossible_path_are_told(failing: State) -> None:
-    motion = requests.planned(initial_state()).trajectory
+    motion = motions.planned(initial_state()).trajectory
     design = initial_state().document.design
-    lighter = make_job(design, motion, SimulationSettings(extra_load=-1.0))
+    lighter = make_job(design, motion, SimulationSettings(payload_mismatch=-1.0))
     assert "payload" in run(lighter).problem
-    job = requests.wanted_job(failing)
+    job = motions.wanted_job(failing)
     assert "cannot be run" in run(job).problem

@@ -10,16 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.motion import requests
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import MOST_SAMPLES, MOST_WAYPOINTS, Kind, Timing
-from paminsa_viz.explorer.motion.playback import SPEEDS, Playback, advanced, begun
+from paminsa_viz.explorer.motion.playback import SPEEDS, Playback, advanced, started
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
 from paminsa_viz.trajectory import PRESETS, Profile, from_samples
 
 
 def trajectory(state: State):
-    found = requests.planned(state).trajectory
+    found = motions.planned(state).trajectory
     assert found is not None
     return found
 
@@ -27,18 +27,18 @@ def trajectory(state: State):
 @pytest.fixture
 def failing() -> State:
     """A line that leaves through the singular circle."""
-    state = requests.choose_kind(initial_state(), Kind.LINE)
-    return requests.change(state, start=(0.0, 0.0, 0.0, -0.55), goal=(0.6, 0.0, 0.0, -0.55))
+    state = motions.choose_kind(initial_state(), Kind.LINE)
+    return motions.change(state, start=(0.0, 0.0, 0.0, -0.55), goal=(0.6, 0.0, 0.0, -0.55))
 
 
 @pytest.mark.parametrize("key", [preset.key for preset in PRESETS])
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_scrubbing_stands_where_the_motion_is(key: str, knee: KneeBranch) -> None:
     state = actions.set_knee(initial_state(), knee)
-    state = requests.choose_preset(state, key)
+    state = motions.choose_preset(state, key)
     motion = trajectory(state)
     for share in (0.0, 0.31, 0.77, 1.0):
-        state = requests.scrub(state, share * motion.duration)
+        state = motions.scrub(state, share * motion.duration)
         np.testing.assert_array_equal(state.standing.pose, motion.at(state.playback.time).pose)
         assert state.document.pose == state.standing.pose
 
@@ -46,13 +46,13 @@ def test_scrubbing_stands_where_the_motion_is(key: str, knee: KneeBranch) -> Non
 def test_choosing_shows_the_path_but_does_not_move_the_robot() -> None:
     start = initial_state()
     assert "path" not in start.layers
-    chosen = requests.choose_preset(start, "circle")
+    chosen = motions.choose_preset(start, "circle")
     assert "path" in chosen.layers
     assert chosen.standing == start.standing
 
 
 def test_moving_by_hand_leaves_the_motion_and_stops_it() -> None:
-    state = requests.play(initial_state())
+    state = motions.play(initial_state())
     assert state.playback.following
     moved = actions.move(state, x=0.02)
     assert not moved.playback.following
@@ -63,42 +63,42 @@ def test_moving_by_hand_leaves_the_motion_and_stops_it() -> None:
 
 
 def test_the_robot_follows_through_changes_of_design_and_motion() -> None:
-    state = requests.scrub(initial_state(), 0.6)
+    state = motions.scrub(initial_state(), 0.6)
     state = actions.vary(state, {"geometry.base_radius": 0.4})
     np.testing.assert_array_equal(state.standing.pose, trajectory(state).at(0.6).pose)
     assert state.standing.geometry == state.document.design.geometry
-    state = requests.change(state, back=True)
+    state = motions.change(state, back=True)
     np.testing.assert_array_equal(state.standing.pose, trajectory(state).at(0.6).pose)
 
 
 def test_failed_instants_do_not_move_the_robot(failing: State) -> None:
     motion = trajectory(failing)
-    fine = requests.scrub(failing, 0.2 * motion.duration)
+    fine = motions.scrub(failing, 0.2 * motion.duration)
     assert fine.standing.pose[0] > 0.01
-    gone = requests.scrub(fine, motion.duration)
+    gone = motions.scrub(fine, motion.duration)
     assert gone.playback.time == motion.duration
     assert gone.standing == fine.standing
     assert gone.document == fine.document
 
 
 def test_the_time_stays_inside_a_motion_that_becomes_shorter() -> None:
-    state = requests.scrub(requests.choose_preset(initial_state(), "circle"), 2.9)
-    short = requests.change(state, timing=Timing.GIVEN, duration=0.8)
+    state = motions.scrub(motions.choose_preset(initial_state(), "circle"), 2.9)
+    short = motions.change(state, timing=Timing.GIVEN, duration=0.8)
     assert short.playback.time == trajectory(short).duration
     np.testing.assert_allclose(short.standing.pose, trajectory(short).pose[-1], atol=1e-15)
 
 
 def test_playing_runs_in_true_time_and_stops_at_the_end() -> None:
-    state = requests.play(initial_state())
-    state = requests.pass_time(state, 0.25)
+    state = motions.play(initial_state())
+    state = motions.advance_time(state, 0.25)
     assert state.playback.time == 0.25
     np.testing.assert_array_equal(state.standing.pose, trajectory(state).at(0.25).pose)
-    end = requests.pass_time(state, 100.0)
+    end = motions.advance_time(state, 100.0)
     assert not end.playback.playing
     np.testing.assert_array_equal(end.standing.pose, trajectory(end).pose[-1])
-    again = requests.play(end)
+    again = motions.play(end)
     assert again.playback.time == 0.0
-    assert requests.pass_time(requests.pause(again), 1.0) == requests.pause(again)
+    assert motions.advance_time(motions.pause(again), 1.0) == motions.pause(again)
 
 
 @given(
@@ -107,67 +107,67 @@ def test_playing_runs_in_true_time_and_stops_at_the_end() -> None:
 def test_an_instant_is_always_inside_the_motion(
     time: float, passed: float, duration: float, speed: float, loop: bool
 ) -> None:
-    start = begun(Playback(time=time, speed=speed, loop=loop), duration)
+    start = started(Playback(time=time, speed=speed, loop=loop), duration)
     after = advanced(start, passed, duration)
     assert 0 <= after.time <= duration
     assert after.playing == (loop or start.time + passed * speed < duration)
 
 
 def test_poses_are_taken_from_where_the_robot_stands() -> None:
-    state = requests.choose_kind(initial_state(), Kind.MOVE)
-    state = requests.begin_here(actions.move(state, x=-0.07, theta=0.3))
-    state = requests.end_here(actions.move(state, x=0.08, y=0.02))
+    state = motions.choose_kind(initial_state(), Kind.MOVE)
+    state = motions.start_here(actions.move(state, x=-0.07, theta=0.3))
+    state = motions.goal_here(actions.move(state, x=0.08, y=0.02))
     motion = trajectory(state)
     np.testing.assert_allclose(motion.pose[0, :3], [-0.07, 0.0, 0.3], atol=1e-9)
     np.testing.assert_allclose(motion.pose[-1, :3], [0.08, 0.02, 0.3], atol=1e-9)
-    swapped = trajectory(requests.swap_ends(state))
+    swapped = trajectory(motions.swap_ends(state))
     np.testing.assert_allclose(swapped.pose[0], motion.pose[-1], atol=1e-9)
-    circle = requests.center_here(requests.choose_kind(state, Kind.CIRCLE))
+    circle = motions.center_here(motions.choose_kind(state, Kind.CIRCLE))
     np.testing.assert_allclose(trajectory(circle).pose[0], [0.18, 0.02, 0.3, -0.552], atol=1e-3)
 
 
 def test_waypoints_are_passed() -> None:
-    state = requests.choose_kind(initial_state(), Kind.WAYPOINTS)
-    assert "two" in requests.planned(state).problem
+    state = motions.choose_kind(initial_state(), Kind.WAYPOINTS)
+    assert "two" in motions.planned(state).problem
     poses = []
     for x, y in ((0.05, 0.0), (0.0, 0.06), (-0.05, -0.02)):
-        state = requests.add_waypoint(actions.move(state, x=x, y=y))
+        state = motions.add_waypoint(actions.move(state, x=x, y=y))
         poses.append(state.standing.pose)
     motion = trajectory(state)
     for pose in poses:
         assert np.abs(motion.pose - pose).max(axis=1).min() < 1e-4
     with pytest.raises(InvalidInput, match="stands at the last"):
-        requests.add_waypoint(state)
-    assert len(requests.drop_waypoint(state).document.motion.waypoints) == 2
-    assert requests.clear_waypoints(state).document.motion.waypoints == ()
+        motions.add_waypoint(state)
+    assert len(motions.remove_waypoint(state).document.motion.waypoints) == 2
+    assert motions.clear_waypoints(state).document.motion.waypoints == ()
     with pytest.raises(InvalidInput, match="at most"):
-        requests.change(state, waypoints=((0.0,) * 4,) * (MOST_WAYPOINTS + 1))
+        motions.change(state, waypoints=((0.0,) * 4,) * (MOST_WAYPOINTS + 1))
 
 
 @pytest.mark.parametrize("profile", list(Profile))
 def test_the_shortest_duration_keeps_its_limits(profile: Profile) -> None:
-    state = requests.choose_kind(initial_state(), Kind.MOVE)
-    state = requests.change(state, profile=profile, timing=Timing.SHORTEST)
-    state = requests.limit(requests.limit(state, "torque", 4.0), "jerk", 0.0)
+    state = motions.choose_kind(initial_state(), Kind.MOVE)
+    state = motions.change(state, profile=profile, timing=Timing.SHORTEST)
+    state = motions.limit(motions.limit(state, "torque", 4.0), "jerk", 0.0)
     assert state.document.motion.limits.jerk is None
-    assert "reaches" in requests.planned(state).bound
+    assert "reaches" in motions.planned(state).bound
     motion = trajectory(state)
     speed = np.linalg.norm(motion.velocity[:, [0, 1, 3]], axis=1)
     assert speed.max() <= 1.0 + 1e-9
-    tighter = requests.limit(state, "speed", 0.1)
+    tighter = motions.limit(state, "speed", 0.1)
     assert trajectory(tighter).duration > motion.duration
 
 
 def test_what_can_not_be_done_is_said(failing: State) -> None:
-    hopeless = requests.change(failing, timing=Timing.SHORTEST)
-    assert "cannot run" in requests.planned(hopeless).bound
+    hopeless = motions.change(failing, timing=Timing.SHORTEST)
+    assert "cannot run" in motions.planned(hopeless).bound
     assert trajectory(hopeless).duration == hopeless.document.motion.duration
-    weak = requests.choose_preset(requests.limit(hopeless, "force", 10.0), "circle")
-    assert "no duration" in requests.planned(weak).problem
+    weak = motions.choose_preset(motions.limit(hopeless, "force", 10.0), "circle")
+    assert "no duration" in motions.planned(weak).problem
     # A trapezoid's acceleration jumps.
-    jerky = requests.choose_kind(requests.limit(weak, "jerk", 5.0), Kind.MOVE)
-    jerky = requests.change(jerky, profile=Profile.TRAPEZOID, start=None, goal=None)
-    assert "jerk" in requests.planned(jerky).problem
+    jerky = motions.choose_kind(motions.limit(weak, "jerk", 5.0), Kind.MOVE)
+    jerky = motions.change(jerky, profile=Profile.TRAPEZOID, start=None, goal=None)
+    assert "jerk" in motions.planned(jerky).problem
 
 
 @pytest.mark.parametrize(
@@ -176,11 +176,11 @@ def test_what_can_not_be_done_is_said(failing: State) -> None:
 )
 def test_impossible_numbers_are_refused(changes: dict[str, float]) -> None:
     with pytest.raises(InvalidInput, match="is possible"):
-        requests.change(initial_state(), **changes)
+        motions.change(initial_state(), **changes)
 
 
 def test_long_motions_are_sampled_less_often() -> None:
-    state = requests.change(initial_state(), timing=Timing.GIVEN, duration=600.0)
+    state = motions.change(initial_state(), timing=Timing.GIVEN, duration=600.0)
     assert MOST_SAMPLES - 2 <= trajectory(state).size <= MOST_SAMPLES
 
 
@@ -188,31 +188,31 @@ def test_a_table_is_run_as_it_is() -> None:
     t = np.linspace(0.0, 2.0, 201)
     pose = np.stack([0.05 * np.sin(t), 0.03 * t, 0.1 * t, -0.5 - 0.02 * t], axis=1)
     table = from_samples(t, pose, name="mine")
-    state = requests.take_table(initial_state(), table)
+    state = motions.use_table(initial_state(), table)
     motion = trajectory(state)
     assert motion.name == "mine"
     np.testing.assert_allclose(motion.pose[::10], table.pose, atol=1e-12)
 
 
 def test_a_mass_leaves_the_trajectory_alone() -> None:
-    state = requests.choose_preset(initial_state(), "circle")
+    state = motions.choose_preset(initial_state(), "circle")
     heavier = actions.vary(state, {"links.b4": 2.0})
     assert trajectory(heavier) is trajectory(state)
 
 
 def test_a_simulation_is_asked_for_once() -> None:
-    state = requests.simulate(initial_state())
+    state = motions.simulate(initial_state())
     assert state.plots.plot == "errors"
     with pytest.raises(InvalidInput, match="still runs"):
-        requests.simulate(state)
+        motions.simulate(state)
     with pytest.raises(InvalidInput, match="none to simulate"):
-        requests.simulate(requests.choose_kind(initial_state(), Kind.WAYPOINTS))
+        motions.simulate(motions.choose_kind(initial_state(), Kind.WAYPOINTS))
 
 
 def test_undo_does_not_follow_the_motion() -> None:
     before = initial_state().document
-    state = requests.play(initial_state())
-    back = actions.restore(requests.pass_time(state, 0.4), before)
+    state = motions.play(initial_state())
+    back = actions.restore(motions.advance_time(state, 0.4), before)
     assert back.document == before
     assert not back.playback.playing
     assert replace(back, playback=Playback(), layers=initial_state().layers) == initial_state()

@@ -82,3 +82,31 @@ def test_what_is_no_motion_is_refused(bad: Any) -> None:
     text = json.loads(saving.dump(initial_state().document)) | {"motion": bad}
     with pytest.raises(PaminsaError):
         saving.load(json.dumps(text))
+
+
+OLD_CODE = (
+    "PMZ1-eNpdUe9qwyAQf5Xg5y7YpGFj3_YcpQyrl-Bq1J6mWxf67vMu6QoFEe73z7tzFl6NIN4r8REjeGN_qp3YVMJAsoMv"
+    "-Hwr1QUw2UDltlQqJRiP7kquiNZnMGSJIVHQXtZyUz2uF1l3XXMoAoQeELwmlZ-cK9AY8pI7i5P1hhK1Re2AAlNWmJfE8q"
+    "zkQ2mU9a2uMZSnE_F7-UQ_HHWzdnAglwaf8d7kwsiWVNtFtbSpjJ0ot5BvNBeG3jreUUYV4TdYnjfb0fqB4MFewPPWJlTr"
+    "QE3dFcAVDfc4ixQBDKe-knlC_3mHGtqTUFqDg_-AjkHWPTHr7r4AT4-KhSvUysUb8DxR3zsu-4C8-lYWmn71qDSpM07AY2"
+    "diO2Zvf-UJlx8"
+)
+"""A circle as a share code of version 0.1.0, when its center was saved as ``centre``."""
+
+
+def test_share_codes_of_earlier_versions_still_open() -> None:
+    assert sharing.decode(OLD_CODE).motion == Motion(
+        kind=Kind.CIRCLE,
+        center=(0.02, -0.03, 0.1, -0.52),
+        radius=0.08,
+        start=(0.1, 0.0, 0.0, -0.5),
+        waypoints=((0.0, 0.0, 0.0, -0.5), (0.1, 0.0, 0.2, -0.55)),
+        profile=Profile.TRAPEZOID,
+        timing=Timing.GIVEN,
+        duration=2.5,
+        limits=MotionLimits(
+            speed=0.7, turn_speed=2.0, acceleration=5.0, turn_jerk=30.0, torque=4.0, force=300.0
+        ),
+        back=True,
+        rate=500.0,
+    )

@@ -10,7 +10,7 @@ from paminsa_viz.trajectory import Control, Controller, Simulation, Trajectory, 
 BANDWIDTHS = (0.0, 50.0)
 """Lowest and highest bandwidth of the controller [Hz]."""
 DAMPINGS = (0.0, 5.0)
-EXTRA_LOADS = (-10.0, 50.0)
+PAYLOAD_MISMATCHES = (-10.0, 50.0)
 """How much lighter or heavier the carried payload may be than the controller takes it for [kg]."""
 
 LONGEST = 60.0
@@ -25,17 +25,17 @@ class SimulationSettings:
         control: How the actuators are commanded.
         bandwidth: Of the error's own motion [Hz].
         damping: Its damping ratio.
-        extra_load: Payload that the controller does not know of [kg].
+        payload_mismatch: Payload that the controller does not know of [kg].
         knows_friction: Whether the controller makes up for the design's friction.
-        offset: Error of x at the start [m].
+        initial_error: Error of x at the start [m].
     """
 
     control: Control = Control.PD
     bandwidth: float = 8.0
     damping: float = 1.0
-    extra_load: float = 0.0
+    payload_mismatch: float = 0.0
     knows_friction: bool = True
-    offset: float = 0.0
+    initial_error: float = 0.0
 
     def controller(self) -> Controller:
         """Return the controller."""
@@ -43,14 +43,14 @@ class SimulationSettings:
 
 
 @dataclass(frozen=True, eq=False)
-class Job:
+class SimulationJob:
     """What was simulated, to tell whether a result is still that of the present state."""
 
     design: Design
     trajectory: Trajectory
     settings: SimulationSettings
 
-    def same(self, other: Job) -> bool:
+    def same(self, other: SimulationJob) -> bool:
         """Whether another job has the same result."""
         return (
             self.trajectory is other.trajectory
@@ -60,10 +60,10 @@ class Job:
 
 
 @dataclass(frozen=True, eq=False)
-class Outcome:
+class SimulationOutcome:
     """What came of a job: a simulation, or why there is none."""
 
-    job: Job
+    job: SimulationJob
     simulation: Simulation | None
     problem: str = ""
 
@@ -79,15 +79,15 @@ class Simulating:
     """
 
     settings: SimulationSettings = field(default_factory=SimulationSettings)
-    running: Job | None = None
-    outcome: Outcome | None = None
+    running: SimulationJob | None = None
+    outcome: SimulationOutcome | None = None
 
 
 def make_job(
     design: Design,
     trajectory: Trajectory | None,
     settings: SimulationSettings,
-) -> Job:
+) -> SimulationJob:
     """Return a job.
 
     Raises:
@@ -97,20 +97,20 @@ def make_job(
         raise InvalidInput("motion", "there is none to simulate yet")
     if trajectory.duration > LONGEST:
         raise InvalidInput("motion", f"at most {LONGEST:g} s can be simulated here")
-    return Job(design, trajectory, settings)
+    return SimulationJob(design, trajectory, settings)
 
 
-def run(job: Job) -> Outcome:
+def run(job: SimulationJob) -> SimulationOutcome:
     """Simulate; raises nothing that is the robot's or the person's fault."""
     settings, model = job.settings, job.design
     if not settings.knows_friction:
         model = replace(model, friction=Friction())
     try:
-        payload = replace(model.payload, mass=model.payload.mass + settings.extra_load)
+        payload = replace(model.payload, mass=model.payload.mass + settings.payload_mismatch)
         simulation = simulate(
             replace(job.design, payload=payload), job.trajectory, model=model,
-            controller=settings.controller(), offset=(settings.offset, 0.0, 0.0, 0.0),
+            controller=settings.controller(), offset=(settings.initial_error, 0.0, 0.0, 0.0),
         )  # fmt: skip
-        return Outcome(job, simulation)
+        return SimulationOutcome(job, simulation)
     except PaminsaError as error:
-        return Outcome(job, None, str(error))
+        return SimulationOutcome(job, None, str(error))

@@ -1,31 +1,25 @@
-"""What a person can ask of the balance, each as a pure function from state to state."""
+"""The actions of the balance, each a pure function from state to state."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.balancing import OUTPUTS
 from paminsa_viz.explorer.actions import renamed_if_changed, with_document
 from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal, require_possible
+from paminsa_viz.explorer.balancing.settings import Goal
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.bounds import validate_limits
-from paminsa_viz.explorer.motion import requests as motions
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, InvalidInput
 from paminsa_viz.model.counterweight import Counterweight
 
 
-def wish(state: State, **changes: Any) -> State:
-    """Change what may change, and what is to be small; a refusal of earlier settings is forgotten.
-
-    Raises:
-        InvalidInput: If a number is out of its range.
-    """
+def change_settings(state: State, **changes: Any) -> State:
+    """Change the optimization settings; a failure with earlier settings is forgotten."""
     balancing = state.balancing
     settings = replace(balancing.settings, **changes)
-    require_possible(settings)
     if settings == balancing.settings:  # an input may say again what it holds
         return state
     refused = balancing.outcome is not None and balancing.outcome.problem is not None
@@ -34,30 +28,19 @@ def wish(state: State, **changes: Any) -> State:
 
 
 def choose_goal(state: State, goal: Goal) -> State:
-    """Choose what is to be small: a balance is exact, other goals are free of it, unless said."""
+    """Choose what is minimized: a balance is exact; other goals are not, until it is set."""
     if goal is state.balancing.settings.goal:
         return state
-    return wish(state, goal=goal, exact=goal.static)
-
-
-def set_arm(state: State, name: str, longest: float, most: float) -> State:
-    """Set one of the places for counterweights [m, kg]."""
-    return wish(state, **{name: CounterweightSlot(longest, most)})
+    return change_settings(state, goal=goal, exact=goal.static)
 
 
 def show_output(state: State, output: int) -> State:
-    """Choose what the tornado chart shows.
-
-    Raises:
-        InvalidInput: If there is no such output.
-    """
-    if output not in range(len(OUTPUTS)):
-        raise InvalidInput("output", f"one of {len(OUTPUTS)} is needed")
+    """Choose what the tornado chart shows, one of `paminsa_viz.balancing.OUTPUTS` by its place."""
     return replace(state, balancing=replace(state.balancing, output=output))
 
 
 def make_job(state: State, task: Task) -> Job:
-    """Return a task for the present state."""
+    """Return a task for the current state."""
     document = state.document
     found = motions.planned(state)
     return Job(
@@ -67,18 +50,18 @@ def make_job(state: State, task: Task) -> Job:
 
 
 def balance_now(state: State) -> State:
-    """Take over the paper's balance at once: it takes a few milliseconds.
+    """Balance as in the paper at once: it takes a few milliseconds.
 
     Raises:
         InvalidInput: If another task runs.
     """
-    started = begin(state, Task.PAPER)
+    started = start(state, Task.PAPER)
     job = started.balancing.running
     return started if job is None else receive_result(started, run(job))
 
 
-def begin(state: State, task: Task) -> State:
-    """Ask for a task.
+def start(state: State, task: Task) -> State:
+    """Start a task.
 
     Raises:
         InvalidInput: If another one runs.
@@ -90,11 +73,11 @@ def begin(state: State, task: Task) -> State:
 
 
 def stop(state: State) -> State:
-    """Forget the task that runs."""
+    """Cancel the task that runs."""
     return replace(state, balancing=replace(state.balancing, running=None))
 
 
-def progressed(state: State, job: Job, done: float) -> State:
+def report_progress(state: State, job: Job, done: float) -> State:
     """Show how far a task is, 0 to 1."""
     if state.balancing.running is not job:
         return state
@@ -112,7 +95,7 @@ def receive_result(state: State, outcome: Outcome) -> State:
     balancing = replace(state.balancing, running=None)
     if outcome.job.task is Task.FRONT:
         return replace(state, balancing=replace(balancing, front=outcome))
-    if outcome.job.task is Task.TORNADO:
+    if outcome.job.task is Task.SENSITIVITY:
         return replace(state, balancing=replace(balancing, tornado=outcome))
     if outcome.after is not None and state.document.design != outcome.job.design:
         problem = InvalidInput("design", "it was changed in the meantime; ask once more")
@@ -120,7 +103,7 @@ def receive_result(state: State, outcome: Outcome) -> State:
     state = replace(state, balancing=replace(balancing, outcome=outcome))
     if outcome.after is None or outcome.after == state.document.design:
         return state
-    return _beside(state, outcome.after, outcome.job.design)
+    return _compared(state, outcome.after, outcome.job.design)
 
 
 def choose_point(state: State, index: int) -> State:
@@ -133,7 +116,7 @@ def choose_point(state: State, index: int) -> State:
     if found is None or index not in range(len(found.designs)):
         raise InvalidInput("front", "there is no such point")
     state = replace(state, balancing=replace(state.balancing, outcome=None))
-    return _beside(state, found.designs[index], found.job.design)
+    return _compared(state, found.designs[index], found.job.design)
 
 
 def chosen_point(state: State) -> int | None:
@@ -143,13 +126,13 @@ def chosen_point(state: State) -> int | None:
     return designs.index(state.document.design) if state.document.design in designs else None
 
 
-def _beside(state: State, design: Design, reference: Design) -> State:
+def _compared(state: State, design: Design, reference: Design) -> State:
     design = renamed_if_changed(validate_limits(design))
     return with_document(state, replace(state.document, design=design, reference=reference))
 
 
-def hang(state: State, weights: tuple[Counterweight, ...]) -> State:
-    """Give every leg these counterweights and no others.
+def set_counterweights(state: State, weights: tuple[Counterweight, ...]) -> State:
+    """Attach these counterweights to every leg, and no others.
 
     Raises:
         InvalidDesign: If they are too many or too large to work with.
@@ -159,13 +142,13 @@ def hang(state: State, weights: tuple[Counterweight, ...]) -> State:
     return with_document(state, replace(state.document, design=design))
 
 
-def add_weight(state: State, bar: str, joint: int) -> State:
-    """Hang a counterweight of 1 kg on a bar, 100 mm beyond one of its joints."""
+def add_counterweight(state: State, bar: str, joint: int) -> State:
+    """Attach a counterweight of 1 kg to a bar, 100 mm beyond one of its joints."""
     added = Counterweight(bar, joint, 0.1, 1.0)
-    return hang(state, (*state.document.design.counterweights, added))
+    return set_counterweights(state, (*state.document.design.counterweights, added))
 
 
-def set_weight(state: State, number: int, mass: float, beyond: float) -> State:
+def change_counterweight(state: State, number: int, mass: float, beyond: float) -> State:
     """Change one of the counterweights [kg, m]; nothing if there is none of that number.
 
     Raises:
@@ -175,12 +158,12 @@ def set_weight(state: State, number: int, mass: float, beyond: float) -> State:
     if number >= len(weights):
         return state
     weights[number] = replace(weights[number], mass=mass, beyond=beyond)
-    return hang(state, tuple(weights))
+    return set_counterweights(state, tuple(weights))
 
 
-def drop_weight(state: State, number: int) -> State:
-    """Take one of the counterweights off; nothing if there is none of that number."""
+def remove_counterweight(state: State, number: int) -> State:
+    """Remove one of the counterweights; nothing if there is none of that number."""
     weights = state.document.design.counterweights
     if number not in range(len(weights)):
         return state
-    return hang(state, weights[:number] + weights[number + 1 :])
+    return set_counterweights(state, weights[:number] + weights[number + 1 :])

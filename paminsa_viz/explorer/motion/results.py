@@ -1,22 +1,27 @@
-"""What a session has worked out along its motion, kept so that little is worked out again."""
+"""Results along a session's motion, kept so that little is computed again, and its path."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from paminsa_viz.explorer.motion.checking import Answer
+from paminsa_viz.explorer.motion.engine_check import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, Misprint
-from paminsa_viz.plots.series import EngineTorques, SeriesSources
+from paminsa_viz.plots.series import EngineTorques, SeriesSources, runs
 from paminsa_viz.trajectory import (
     SolvedTrajectory,
     Trajectory,
     TrajectoryAnalysis,
     analyze,
 )
+
+MOST_POINTS = 241
+"""About how many points of a path are drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +31,7 @@ class MotionResults:
     Attributes:
         sources: What the curves are made of. An engine's torques that are wanted and not known yet
             are NaN there.
-        answer: What came of asking an engine about the present design on this motion; None as long
+        answer: What came of asking an engine about the current design on this motion; None as long
             as it was not asked, or only about another.
     """
 
@@ -34,8 +39,8 @@ class MotionResults:
     answer: Answer | None = None
 
     @property
-    def present(self) -> TrajectoryAnalysis:
-        """The present design on the motion."""
+    def analysis(self) -> TrajectoryAnalysis:
+        """The current design on the motion."""
         return self.sources.analysis
 
 
@@ -47,20 +52,20 @@ class MotionStore:
         self._last: dict[str, tuple[tuple[object, ...], TrajectoryAnalysis]] = {}
         self._results: tuple[tuple[object, ...], MotionResults] | None = None
 
-    def present(self, state: State) -> TrajectoryAnalysis | None:
-        """Return the present design on the present motion, or None without a motion."""
+    def analysis(self, state: State) -> TrajectoryAnalysis | None:
+        """Return the current design on the current motion, or None without a motion."""
         document = state.document
         found = planned(document.motion, document.design)
         if found.trajectory is None:
             return None
-        return self._analysis("present", document.design, found.trajectory)
+        return self._analysis("current", document.design, found.trajectory)
 
     def all(self, state: State) -> MotionResults | None:
         """Return everything that is plotted, or None without a motion; the same while it holds."""
-        present = self.present(state)
-        if present is None:
+        current = self.analysis(state)
+        if current is None:
             return None
-        document, motion = state.document, present.trajectory
+        document, motion = state.document, current.trajectory
         reference = published = None
         if document.reference is not None:
             reference = self._analysis("reference", document.reference, motion)
@@ -68,17 +73,17 @@ class MotionStore:
             published = self._analysis("published", document.design, motion, Misprint.ALL)
         outcome, answer = state.simulating.outcome, state.engine_answer
         simulation = outcome.simulation if outcome else None
-        if answer is not None and not answer.serves(present):
+        if answer is not None and not answer.serves(current):
             answer = None
         engine_wanted = state.plots.needs_engine
-        key = (present, reference, published, simulation, answer, engine_wanted)
+        key = (current, reference, published, simulation, answer, engine_wanted)
         if self._results is None or self._results[0] != key:
             engine = None
             if engine_wanted:
                 found = answer.found if answer else None
-                unknown = np.full(present.torque.shape, np.nan)
+                unknown = np.full(current.torque.shape, np.nan)
                 engine = found.engine if found else EngineTorques("engine", unknown)
-            sources = SeriesSources(present, reference, published, simulation, engine)
+            sources = SeriesSources(current, reference, published, simulation, engine)
             self._results = key, MotionResults(sources, answer)
         return self._results[1]
 
@@ -97,3 +102,31 @@ class MotionStore:
         self._solved[role] = found.solved
         self._last[role] = (key, found)
         return found
+
+
+class PathSegments(NamedTuple):
+    """A path of k points.
+
+    Attributes:
+        samples: (k,) which samples of the motion they are.
+        place: (k, 3) x, y, z of the platform [m].
+        good: Runs of points where the robot can be.
+        bad: Runs where it cannot, each from the point before it to the point after it.
+    """
+
+    samples: NDArray[np.intp]
+    place: NDArray[np.float64]
+    good: list[slice]
+    bad: list[slice]
+
+
+def split_path(analysis: TrajectoryAnalysis) -> PathSegments:
+    """Return the path of an analyzed motion: points evenly spread, and the ends of what fails."""
+    n = analysis.trajectory.size
+    edges = np.flatnonzero(np.diff(analysis.check.good))[:MOST_POINTS]
+    even = np.linspace(0, n - 1, min(n, MOST_POINTS)).round().astype(np.intp)
+    samples = np.unique(np.concatenate([even, edges, edges + 1]))
+    good = analysis.check.good[samples]
+    place = analysis.trajectory.pose[samples][:, [0, 1, 3]]
+    bad = [slice(max(run.start - 1, 0), run.stop + 1) for run in runs(np.where(good, np.nan, 0.0))]
+    return PathSegments(samples, place, runs(np.where(good, 0.0, np.nan)), bad)

@@ -8,18 +8,16 @@ from typing import Any
 
 from paminsa_viz.explorer.actions import with_document
 from paminsa_viz.explorer.motion import planning
-from paminsa_viz.explorer.motion.checking import Answer
-from paminsa_viz.explorer.motion.description import Kind, Pose, Timing
+from paminsa_viz.explorer.motion.description import Kind, Pose, Timing, require_possible
+from paminsa_viz.explorer.motion.engine_check import Answer
 from paminsa_viz.explorer.motion.planning import Planned
-from paminsa_viz.explorer.motion.playback import SPEEDS, advanced, begun
-from paminsa_viz.explorer.motion.plots import SIMULATED
-from paminsa_viz.explorer.motion.ranges import require_possible
-from paminsa_viz.explorer.motion.simulating import (
+from paminsa_viz.explorer.motion.playback import SIMULATED, SPEEDS, advanced, started
+from paminsa_viz.explorer.motion.simulation import (
     BANDWIDTHS,
     DAMPINGS,
-    EXTRA_LOADS,
-    Job,
-    Outcome,
+    PAYLOAD_MISMATCHES,
+    SimulationJob,
+    SimulationOutcome,
     make_job,
 )
 from paminsa_viz.explorer.state import State
@@ -52,7 +50,7 @@ def change(state: State, **changes: Any) -> State:
         changed = _with_path(changed)
     end = duration(changed)
     if changed.playback.time > end:
-        changed = settle_time(changed, end)
+        changed = show_time(changed, end)
     return changed
 
 
@@ -74,7 +72,7 @@ def choose_kind(state: State, kind: Kind) -> State:
 
 def from_start(state: State) -> State:
     """Show the start of the motion, if the robot is on it."""
-    return settle_time(state, 0.0)
+    return show_time(state, 0.0)
 
 
 def limit(state: State, name: str, value: float) -> State:
@@ -83,22 +81,22 @@ def limit(state: State, name: str, value: float) -> State:
     return change(state, limits=limits)
 
 
-def present_pose(state: State) -> Pose:
+def current_pose(state: State) -> Pose:
     """Return the pose at which the robot stands, to the micrometer."""
     x, y, theta, z = (round(value, 6) + 0.0 for value in state.standing.pose)
     return (x, y, theta, z)
 
 
-def begin_here(state: State) -> State:
+def start_here(state: State) -> State:
     """Let the motion from pose to pose begin where the robot stands."""
     _, goal = _ends(state)
-    return change(state, start=present_pose(state), goal=goal)
+    return change(state, start=current_pose(state), goal=goal)
 
 
-def end_here(state: State) -> State:
+def goal_here(state: State) -> State:
     """Let the motion from pose to pose end where the robot stands."""
     start, _ = _ends(state)
-    return change(state, start=start, goal=present_pose(state))
+    return change(state, start=start, goal=current_pose(state))
 
 
 def _ends(state: State) -> tuple[Pose, Pose]:
@@ -114,7 +112,7 @@ def swap_ends(state: State) -> State:
 
 def center_here(state: State) -> State:
     """Put the circle's center where the robot stands."""
-    return change(state, center=present_pose(state))
+    return change(state, center=current_pose(state))
 
 
 def add_waypoint(state: State) -> State:
@@ -123,13 +121,13 @@ def add_waypoint(state: State) -> State:
     Raises:
         InvalidInput: If it is the last one again, or there are too many.
     """
-    way, pose = state.document.motion.waypoints, present_pose(state)
+    way, pose = state.document.motion.waypoints, current_pose(state)
     if way and way[-1] == pose:
         raise InvalidInput("waypoints", "the robot stands at the last one; move it first")
     return change(state, waypoints=(*way, pose))
 
 
-def drop_waypoint(state: State) -> State:
+def remove_waypoint(state: State) -> State:
     """Forget the last waypoint."""
     return change(state, waypoints=state.document.motion.waypoints[:-1])
 
@@ -139,12 +137,12 @@ def clear_waypoints(state: State) -> State:
     return change(state, waypoints=())
 
 
-def take_table(state: State, table: Trajectory) -> State:
+def use_table(state: State, table: Trajectory) -> State:
     """Run the samples of a file."""
     return from_start(change(state, kind=Kind.TABLE, table=table))
 
 
-def settle_time(state: State, time: float) -> State:
+def show_time(state: State, time: float) -> State:
     """Show another instant; the robot stands there if it follows the motion."""
     moved = replace(state, playback=replace(state.playback, time=time))
     return with_document(moved, moved.document)
@@ -156,7 +154,7 @@ def scrub(state: State, time: float) -> State:
         raise InvalidInput("time", "a finite time is needed")
     time = min(max(time, 0.0), duration(state))
     playback = replace(state.playback, playing=False, following=True)
-    return settle_time(_with_path(replace(state, playback=playback)), time)
+    return show_time(_with_path(replace(state, playback=playback)), time)
 
 
 def play(state: State) -> State:
@@ -168,8 +166,8 @@ def play(state: State) -> State:
     found = planned(state)
     if found.trajectory is None:
         raise InvalidInput("motion", found.problem)
-    playback = begun(state.playback, found.trajectory.duration)
-    return settle_time(_with_path(replace(state, playback=playback)), playback.time)
+    playback = started(state.playback, found.trajectory.duration)
+    return show_time(_with_path(replace(state, playback=playback)), playback.time)
 
 
 def _with_path(state: State) -> State:
@@ -186,12 +184,12 @@ def play_or_pause(state: State) -> State:
     return pause(state) if state.playback.playing else play(state)
 
 
-def pass_time(state: State, passed: float) -> State:
+def advance_time(state: State, passed: float) -> State:
     """Let true time pass [s]."""
     if not state.playback.playing:
         return state
     playback = advanced(state.playback, passed, duration(state))
-    return settle_time(replace(state, playback=playback), playback.time)
+    return show_time(replace(state, playback=playback), playback.time)
 
 
 def set_playback(state: State, **changes: Any) -> State:
@@ -224,8 +222,8 @@ def set_simulation(state: State, **changes: Any) -> State:
     for name, (low, high) in (
         ("bandwidth", BANDWIDTHS),
         ("damping", DAMPINGS),
-        ("extra_load", EXTRA_LOADS),
-        ("offset", (-0.1, 0.1)),
+        ("payload_mismatch", PAYLOAD_MISMATCHES),
+        ("initial_error", (-0.1, 0.1)),
     ):
         value = getattr(settings, name)
         if not low <= value <= high:
@@ -233,7 +231,7 @@ def set_simulation(state: State, **changes: Any) -> State:
     return replace(state, simulating=replace(state.simulating, settings=settings))
 
 
-def wanted_job(state: State) -> Job:
+def wanted_job(state: State) -> SimulationJob:
     """Return what a simulation of the present state is of.
 
     Raises:
@@ -259,7 +257,7 @@ def simulate(state: State) -> State:
     return replace(state, plots=plots, simulating=replace(state.simulating, running=running))
 
 
-def simulated_as_it_is(state: State) -> bool:
+def simulation_is_current(state: State) -> bool:
     """Whether the last simulation is one of the present design, motion and settings."""
     outcome = state.simulating.outcome
     try:
@@ -268,7 +266,7 @@ def simulated_as_it_is(state: State) -> bool:
         return False
 
 
-def receive_simulation(state: State, outcome: Outcome) -> State:
+def receive_simulation(state: State, outcome: SimulationOutcome) -> State:
     """Take over the outcome of the job that runs; that of an older one is dropped."""
     if state.simulating.running is not outcome.job:
         return state

@@ -1,0 +1,214 @@
+"""The texts of the balance: its status, what changed, its effects, its certificate."""
+
+from __future__ import annotations
+
+import math
+import re
+from html import escape
+
+import numpy as np
+from markupsafe import Markup
+
+from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
+from paminsa_viz.explorer.balancing.jobs import Outcome, Task
+from paminsa_viz.explorer.balancing.settings import Goal
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.meshes.weights import room_words
+from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
+from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.units import NONE, number, symbol_html, symbols_html, unit_text
+
+BALANCED = 1e-9
+"""Largest |M_p2| that counts as balanced [N]."""
+
+MAX_BOUNDS = 6
+"""Most active bounds that are listed."""
+
+_SIDES = {"low": "≥", "high": "≤", "nearest": "lever ≥", "farthest": "lever ≤", "limit": "≤"}
+
+
+def status_html(frame: Frame) -> str:
+    """Return what came of the last optimization, in a line or two."""
+    balancing = frame.state.balancing
+    running, outcome = balancing.running, balancing.outcome
+    if running is not None and running.task in (Task.PAPER, Task.OPTIMUM):
+        return _status("plain", "Optimizing …")
+    if outcome is None:
+        return render("balance_intro.j2")
+    if outcome.problem is not None:
+        return problem_html(outcome.problem)
+    if outcome.after is None:
+        return ""
+    return _status(*_headline(outcome, outcome.after, frame.state.document.design))
+
+
+def problem_html(problem: PaminsaError, testid: str = "balance-status") -> str:
+    """Return why there is no result, and which bounds to move."""
+    if not isinstance(problem, InfeasibleBounds):
+        return _status("bad", "Not possible", str(problem), testid=testid)
+    return render(
+        "infeasible.j2", testid=testid, limits=problem.limits, relax=problem.relax,
+        variable=variable_html,
+    )  # fmt: skip
+
+
+def _status(level: str, title: str, *lines: str | Markup, testid: str = "balance-status") -> str:
+    return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))
+
+
+def _headline(outcome: Outcome, after: Design, current: Design) -> tuple[str, str, str | Markup]:
+    left, goal = static_imbalance(after), _goal(outcome)
+    if abs(left) <= BALANCED:
+        found = "ok", "Statically balanced", Markup(
+            "in every pose, on both branches of the knee (<i>M</i><sub>p2</sub> = 0)"
+        )  # fmt: skip
+    elif goal.static:
+        head = f"As near to balance as the bounds allow: {number(left)} N"
+        found = "warn", head, "what keeps it from zero is listed below"
+    else:
+        found = "ok", f"Least {goal.value}", ""
+    level, head, rest = found
+    if after == outcome.job.design:
+        return level, head, "the design is optimal already; nothing was changed"
+    if after == current:
+        return level, head, rest
+    again = current == outcome.job.design
+    rest = "the one before is shown again" if again else "it has been changed since"
+    return "plain", "Not the design that is shown", rest
+
+
+def _goal(outcome: Outcome) -> Goal:
+    return Goal.ADDED if outcome.job.task is Task.PAPER else outcome.job.settings.goal
+
+
+def variable_html(name: str) -> Markup:
+    """Return what may change, or is limited: its symbol, its words, or where a weight is."""
+    if name in PARAMETER:
+        return Markup(symbol_html(PARAMETER[name].symbol))
+    head, _, rest = name.partition(".")
+    if head == "counterweights":
+        return Markup(f"counterweight {int(rest.partition('.')[0]) + 1}")
+    name = name.replace("M1-M3", "M1–M3").replace(" on the trajectory", "")
+    name = re.sub(r"counterweight on (B\d) from joint (\d)", r"weight on \1 past \2", name)
+    return Markup(symbols_html(name))
+
+
+def details_html(outcome: Outcome | None) -> str:
+    """Return what was changed, what that does, and the certificate; empty without a result."""
+    if outcome is None or outcome.optimum is None or outcome.after is None:
+        return ""
+    optimum, goal = outcome.optimum, _goal(outcome)
+    unit = "" if goal is Goal.BOTH else unit_text(optimum.values[-1 if goal.static else 0].unit)
+    near = goal.static and abs(static_imbalance(outcome.after)) > BALANCED
+    worth = "N" if near else unit
+    active = [item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS]
+    return render(
+        "balance_result.j2",
+        effects=[_effect(e.label, e.unit, e.before, e.after) for e in outcome.effects],
+        theta=math.degrees(outcome.job.theta), z=1e3 * outcome.job.z,
+        changes=_changes(outcome.job.design, outcome.after), goal=_goal_text(goal), unit=unit,
+        optimum=optimum, bounds=[_bound(item, worth) for item in active],
+    )  # fmt: skip
+
+
+def _goal_text(goal: Goal) -> str:
+    known = {
+        Goal.ADDED: "added mass",
+        Goal.MOVED: "mass moved",
+        Goal.BOTH: "weighted sum, relative to before,",
+    }
+    return known.get(goal, goal.value.partition(",")[0])
+
+
+def _effect(label: str, unit: str, before: float, after: float) -> list[str | Markup]:
+    shown = [_rounded(value) for value in (before, after, after - before)]
+    name = Markup(f"{symbols_html(label)} [{unit_text(unit)}]")
+    return [name, shown[0], _bold(shown[1]), shown[2]]
+
+
+def _bold(text: str) -> Markup:
+    return Markup("<b>{}</b>").format(text)
+
+
+def _rounded(value: float) -> str:
+    if not np.isfinite(value):
+        return NONE
+    return "0" if abs(value) < 1e-9 else number(value)
+
+
+def _changes(before: Design, after: Design) -> list[list[str | Markup]]:
+    """Return rows of the masses that differ, those of counterweights by their places."""
+    rows: list[list[str | Markup]] = []
+    for path in MASS_PATHS:
+        old, new = before.value(path), after.value(path)
+        if differs(old, new):
+            known = PARAMETER[path]
+            symbol = f'<span title="{escape(known.label)}">{symbol_html(known.symbol)}</span>'
+            rows.append([Markup(f"{symbol} [{unit_text(known.unit)}]"), *_row(old, new)])
+    for place, (old, new) in weights_by_place(before, after).items():
+        if differs(old, new):
+            rows.append([f"on {place} [kg]", *_row(old, new)])
+    return rows
+
+
+def _row(old: float, new: float) -> list[str | Markup]:
+    return [number(old), _bold(number(new)), number(new - old, sign=True)]
+
+
+def differs(old: float, new: float) -> bool:
+    """Whether two masses or inertias differ by more than rounding."""
+    return not math.isclose(old, new, rel_tol=1e-9, abs_tol=1e-12)
+
+
+def weights_by_place(*designs: Design) -> dict[str, tuple[float, ...]]:
+    """Return the mass of the counterweights at each place, in each design [kg]."""
+    found: dict[str, list[float]] = {}
+    for index, design in enumerate(designs):
+        for weight in design.counterweights:
+            found.setdefault(weight.place, [0.0] * len(designs))[index] += weight.mass
+    return {place: tuple(masses) for place, masses in found.items()}
+
+
+def _relaxable(item: ActiveConstraint) -> bool:
+    """Whether a bound costs something, and is not that masses and levers are at least zero."""
+    return item.price > 1e-9 and not (item.side in ("low", "nearest") and item.bound == 0)
+
+
+def _bound(item: ActiveConstraint, worth: str) -> list[str | Markup]:
+    """Return a bound, and what its relaxation saves."""
+    name = variable_html(item.name) + " " + _SIDES[item.side]
+    if item.unit == "m":
+        saves = f"{number(item.price / 100, 3)} {worth} / 10 mm"
+        return [name, f"{number(1e3 * item.bound)} mm", saves]
+    unit = unit_text(item.unit)
+    return [name, f"{number(item.bound)} {unit}", f"{number(item.price, 3)} {worth} / {unit}"]
+
+
+def front_html(frame: Frame) -> str:
+    """Return what the Pareto front is, or why there is none."""
+    outcome = frame.state.balancing.front
+    if outcome is not None and outcome.problem is not None:
+        return problem_html(outcome.problem, "front")
+    return render("front.j2", count=0 if outcome is None else len(outcome.designs))
+
+
+def sensitivity_html(frame: Frame) -> str:
+    """Return what the tornado chart is of, or that it is being computed, or why there is none."""
+    balancing = frame.state.balancing
+    outcome = balancing.tornado
+    if balancing.running is not None and balancing.running.task is Task.SENSITIVITY:
+        return _status("plain", "Computing …", testid="tornado")
+    if outcome is not None and outcome.problem is not None:
+        return problem_html(outcome.problem, "tornado")
+    return render(
+        "sensitivity.j2", outcome=outcome, output=balancing.output,
+        current=frame.state.document.design,
+    )  # fmt: skip
+
+
+def counterweights_html(frame: Frame) -> str:
+    """Return what the rows of the counterweights hold, and the clearance that the discs need."""
+    design = frame.state.document.design
+    needs = [room_words(design.geometry, weight) for weight in design.counterweights]
+    return render("counterweights.j2", needs=needs)
