@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_forces import leg_regressor

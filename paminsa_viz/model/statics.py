@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.leg import LegPosition, mechanism
 from paminsa_viz.model.leg_points import counterweight_point
