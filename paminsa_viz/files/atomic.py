@@ -19,7 +19,8 @@ def open_atomically(path: str | os.PathLike[str]) -> Iterator[TextIO]:
 
     The text goes into a temporary file next to ``path``, which replaces it when the block ends
     well. When the block ends with an error, also by Ctrl-C, ``path`` stays as it was and the
-    temporary file is removed. A symbolic link keeps pointing at the file it names; an existing file keeps its mode.
+    temporary file is removed. A symbolic link keeps pointing at the file it names; an existing
+    file keeps its mode.
 
     Raises:
         FileError: If the file cannot be created, written or put in place.

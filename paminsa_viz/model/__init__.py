@@ -2,8 +2,8 @@
 
 Poses are (..., 4) arrays (x, y, theta, z), actuator positions (theta_1, theta_2, theta_3, Z),
 torques (tau_1, tau_2, tau_3, F_4), in SI units in the base frame; z is up. See the modules for
-what each function says of the paper's equations, and `api` for the names that this package offers:
-they are loaded when the first one is used, so that a command's help does not wait for NumPy.
+the paper's equations behind each function, and `api` for the names that this package offers: they
+are loaded when the first one is used, so that a command's help does not wait for NumPy.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Torques as a product Q = Y(q, q', q'') c, linear in the lumped coefficients.
 
-A derivation of its own beside `dynamics`: by Jourdain's principle, with partial velocities of the
+A derivation independent of `dynamics`: by Jourdain's principle, with partial velocities of the
 actuators and no multipliers. With Y kept for a trajectory, a change of masses costs one product.
 """
 
@@ -44,7 +44,7 @@ def torque_regressor(
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
         gravity: Gravitational acceleration [m/s^2].
-        misprints: Formulae to take as printed. M_c4's misprint is one of c, not of Y.
+        misprints: Formulas to take as published. M_c4's misprint is one of c, not of Y.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     terms = term_matrix(misprints)

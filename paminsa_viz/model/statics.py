@@ -69,7 +69,7 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
 
 
 def static_imbalance(design: Design) -> float:
-    """Return M_p2 [N]: zero means that gravity asks nothing of M1..M3, anywhere (Eq. 8)."""
+    """Return M_p2 [N]: zero means statically balanced: no torque of M1..M3 anywhere (Eq. 8)."""
     return float(lumped_coefficients(design)[1])
 
 
