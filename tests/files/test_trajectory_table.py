@@ -30,8 +30,8 @@ from paminsa_viz.files.trajectory_table import (
 )
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
 from paminsa_viz.trajectory import (
-    Control,
     Controller,
+    ControlMode,
     Trajectory,
     analyze,
     point_to_point,
@@ -215,7 +215,7 @@ def test_npz_holds_the_same() -> None:
 
 
 def test_a_simulation_as_a_table() -> None:
-    found = simulate(APPENDIX_4, SAMPLES, controller=Controller(Control.FEED_FORWARD))
+    found = simulate(APPENDIX_4, SAMPLES, controller=Controller(ControlMode.FEED_FORWARD))
     table = simulation_table(found)
     np.testing.assert_array_equal(table.columns["wanted_x_m"], SAMPLES.pose[:, 0])
     np.testing.assert_array_equal(table.columns["f4_N"], found.torque[:, 3])
