@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import importlib
 import logging
+import runpy
 import sys
 import threading
 import warnings
@@ -13,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import viser
 
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.server.listening import exposure_notice, open_server, server_url
+from paminsa_viz.files.design_bounds import validate_limits
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.model.backend import compile_in_background
@@ -27,13 +28,13 @@ if TYPE_CHECKING:  # loaded in the background, while the browser starts
 log = logging.getLogger(__name__)
 
 
-SWITCH = 0.001
-"""Longest time one thread keeps the others waiting [s]: what is drawn is to be sent at once, while
-the next thing is computed. Python's own 5 ms would be felt."""
+SWITCH_INTERVAL = 0.001
+"""Longest time one thread keeps the others waiting [s]: what is drawn is sent at once while the
+next frame is computed. Python's own 5 ms would be felt."""
 
 
-PATIENCE = 2.0
-"""How long the program waits for a first tab before it makes ready what that would need [s]."""
+FIRST_TAB_TIMEOUT = 2.0
+"""How long the program waits for a first tab before it prepares what that needs [s]."""
 
 
 class App:
@@ -47,11 +48,11 @@ class App:
     def __init__(self, options: AppOptions, design: Design) -> None:
         self.design = design
         self.sessions: dict[int, Session] = {}
-        self._met = threading.Event()
+        self._first_tab = threading.Event()
         self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
-        threading.Thread(target=_warm_up, args=(design, self._met), daemon=True).start()
+        threading.Thread(target=_warm_up, args=(design, self._first_tab), daemon=True).start()
 
     @property
     def url(self) -> str:
@@ -62,7 +63,7 @@ class App:
         from paminsa_viz.explorer.page import build
 
         self.sessions[client.client_id] = build(client, self.design)
-        self._met.set()
+        self._first_tab.set()
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         session = self.sessions.pop(client.client_id, None)
@@ -76,16 +77,16 @@ class App:
         self.server.stop()
 
 
-def _warm_up(design: Design, met: threading.Event) -> None:
+def _warm_up(design: Design, first_tab: threading.Event) -> None:
     """Load what a page needs while the browser starts, make its bodies, then load the kernels.
 
     Args:
         design: What the pages start with.
-        met: Set when the first tab has connected. Until then the server is to hand out the page,
-            with nothing else in its way that can wait.
+        first_tab: Set when the first tab has connected. Until then the server sends the page, and
+            nothing that can wait is in its way.
     """
     importlib.import_module("paminsa_viz.explorer.page")
-    met.wait(PATIENCE)
+    first_tab.wait(FIRST_TAB_TIMEOUT)
     importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.meshes import prepare
 
@@ -103,7 +104,7 @@ def run(options: AppOptions) -> None:
     """
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    sys.setswitchinterval(SWITCH)
+    sys.setswitchinterval(SWITCH_INTERVAL)
     design = APPENDIX_4 if options.design is None else validate_limits(load_design(options.design))
     app = App(options, design)
     notice = exposure_notice(options.host)
@@ -118,6 +119,4 @@ def run(options: AppOptions) -> None:
 
 
 if __name__ == "__main__":
-    from paminsa_viz.cli import main
-
-    sys.exit(main())
+    runpy.run_module("paminsa_viz", run_name="__main__")

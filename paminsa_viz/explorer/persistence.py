@@ -15,9 +15,9 @@ import zlib
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.state import Document
+from paminsa_viz.files.design_bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
 from paminsa_viz.model import (

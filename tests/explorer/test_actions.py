@@ -10,9 +10,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.state import Document, initial_state
+from paminsa_viz.files.design_bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from functools import partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bounds import largest
 from paminsa_viz.explorer.entries import Slider
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.design_bounds import largest
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,

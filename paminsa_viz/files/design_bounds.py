@@ -1,4 +1,4 @@
-"""How large a design's numbers may be on the page: beyond any machine, within the arithmetic."""
+"""How large a design's numbers may be: beyond any machine, within the arithmetic."""
 
 from __future__ import annotations
 
