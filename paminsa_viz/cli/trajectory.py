@@ -15,8 +15,8 @@ from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import output_endings, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
-from paminsa_viz.files.design_bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.formats import figure_endings

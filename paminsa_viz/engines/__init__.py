@@ -16,7 +16,7 @@ from paminsa_viz.model.errors import PaminsaError
 
 
 class EngineMissing(PaminsaError, ImportError):
-    """A physics engine is asked for that is not installed, or does not load.
+    """A requested physics engine is not installed, or does not load.
 
     Attributes:
         engine: Its name.

@@ -12,7 +12,7 @@ from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques

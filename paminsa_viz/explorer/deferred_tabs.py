@@ -18,7 +18,7 @@ from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
-from paminsa_viz.explorer.panels.view_panel import ViewPanel
+from paminsa_viz.explorer.panels.view_panel import view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 
@@ -62,7 +62,7 @@ def build_tabs(
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
-        view = ViewPanel(session)
+        view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
     session.immediate.append(Clock(session))

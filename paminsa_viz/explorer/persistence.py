@@ -17,7 +17,6 @@ from typing import Any
 
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.state import Document
-from paminsa_viz.files.design_bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
 from paminsa_viz.model import (
@@ -28,6 +27,7 @@ from paminsa_viz.model import (
     KneeBranch,
     PaminsaError,
 )
+from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import Counterweight
 
 VERSION = 1

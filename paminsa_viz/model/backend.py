@@ -1,4 +1,4 @@
-"""Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
+"""Runs the formulas: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
 
 The first compilation takes seconds, and loading it from disk most of one later. So kernels are
 loaded, and a formula compiled, only once enough work has been requested to pay for it; small jobs
@@ -33,7 +33,7 @@ class Formula:
     Attributes:
         function: ``function(m, x, y, c, s, z)`` of a `Mechanism`, a position [m], cosine and sine
             of theta, and z [m]. It returns a tuple, calls NumPy's elementwise functions and other
-            such formulae by their names in its module, and chooses by `robot.where`.
+            such formulas by their names in its module, and chooses by `robot.where`.
         results: How many of the returned values are kept, from the first one on.
     """
 
@@ -52,7 +52,7 @@ _REGRESSOR_WORTH = 20
 
 
 class _Kernels:
-    """The compiled kernels, loaded and extended by further formulae once that pays."""
+    """The compiled kernels, loaded and extended by further formulas once that pays."""
 
     def __init__(self) -> None:
         self.module: ModuleType | None = None
@@ -98,7 +98,7 @@ _kernels = _Kernels()
 
 
 def compile_in_background(*formulas: Formula) -> threading.Thread:
-    """Load the kernels and those of formulae in a thread; until it ends all runs on NumPy."""
+    """Load the kernels and those of formulas in a thread; until it ends all runs on NumPy."""
     _kernels.deferred = True
     thread = threading.Thread(
         target=_kernels.load, args=formulas, name="paminsa-compile", daemon=True

@@ -1,10 +1,10 @@
-"""Formulae compiled into loops by Numba.
+"""Formulas compiled into loops by Numba.
 
 Nothing of the mechanics stands here: a formula and the functions that it calls are the same source
 that runs on NumPy arrays. Each kernel runs on columns (one array a quantity) and releases the GIL.
 
 Numba keeps compiled code on disk and looks only at the file of the kernel to see whether it is
-stale. The formulae live in other files, so a digest of their source is woven into the kernels.
+stale. The formulas live in other files, so a digest of their source is woven into the kernels.
 """
 
 from __future__ import annotations
@@ -34,8 +34,8 @@ def _where(condition: Any, yes: Any, no: Any) -> Any:
 _registered: set[FunctionType] = {robot.where}
 
 
-def register(*formulae: Callable[..., Any], inline: bool = True) -> int:
-    """Let Numba compile formulae and all that they call.
+def register(*formulas: Callable[..., Any], inline: bool = True) -> int:
+    """Let Numba compile formulas and all that they call.
 
     LLVM vectorizes a loop only if the whole formula is inlined into it.
 
@@ -43,7 +43,7 @@ def register(*formulae: Callable[..., Any], inline: bool = True) -> int:
         A number that changes with the source of what was registered.
     """
     found: list[FunctionType] = []
-    pending: list[Any] = list(formulae)
+    pending: list[Any] = list(formulas)
     while pending:
         function = pending.pop()
         if not isinstance(function, FunctionType) or function in found:
@@ -204,7 +204,7 @@ def _regressor_kernel(digest: int) -> Any:
     """Compile the regressor over lists of states.
 
     The mechanics in it is that of `leg_forces.leg_regressor`; the map from the legs to the
-    actuators alone is written a second time, as loops, beside the array form in `regressor.py`.
+    actuators alone is written a second time, as loops; its array form is in `regressor.py`.
     """
 
     @njit(**OPTIONS)

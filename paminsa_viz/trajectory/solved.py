@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Friction, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
-from paminsa_viz.model.jacobian import inverse_jacobian
+from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
 from paminsa_viz.model.reach import Limit

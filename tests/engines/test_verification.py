@@ -1,4 +1,4 @@
-"""The verdict on the formulae: right ones pass, and nothing wrong gets through."""
+"""The verdict on the formulas: right ones pass, and nothing wrong gets through."""
 
 from __future__ import annotations
 
@@ -81,12 +81,12 @@ def test_counterweights_pass_too(knee: KneeBranch) -> None:
 
 def test_misprints_are_misprints() -> None:
     found = checked()
-    assert set(found.printed) == set(EVERY_MISPRINT)
-    for item, comparison in found.printed.items():
+    assert set(found.published) == set(EVERY_MISPRINT)
+    for item, comparison in found.published.items():
         assert not comparison.agrees(1e-6), misprint_name(item)
         assert comparison.reference is found.engines[0].dynamic.reference
     # Eq. 13's lift speed concerns M4 alone.
-    lift = found.printed[Misprint.EQ13_LIFT_SPEED].relative
+    lift = found.published[Misprint.EQ13_LIFT_SPEED].relative
     assert lift[:3].max() < SHARP
     assert lift[3] > 1e-5
     assert misprint_name(Misprint.ALL) == "ALL"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -150,6 +151,15 @@ def test_a_plain_body_is_one_mesh_with_the_colors_of_all(name: str) -> None:
     shades = np.asarray(mesh.visual.vertex_attributes["color"])[mesh.faces[:, 0]] / 255
     for color, count in wanted.items():
         assert np.isclose(shades[:, :3], color, atol=2e-3).all(axis=1).sum() == count
+
+
+@pytest.mark.parametrize("fine", [True, False])
+def test_the_ground_shows_its_colors_unlit(fine: bool) -> None:
+    for name, unlit in (("ground", True), ("base", False)):
+        data = body_glb(name, APPENDIX_4.geometry, fine=fine)
+        tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+        assert all(("extensions" in each) is unlit for each in tree["materials"])
+        assert tree.get("extensionsUsed", []) == ["KHR_materials_unlit"] * unlit
 
 
 def test_what_is_plain_does_not_stay_so() -> None:

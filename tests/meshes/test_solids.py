@@ -75,6 +75,14 @@ def test_sharp_edges_stay_sharp_and_round_sides_smooth() -> None:
     assert np.isclose(np.abs(normals[:, 2]), 1.0, atol=1e-6).sum() >= 64
 
 
+def test_large_flat_sides_are_shaded_flat_next_to_round_corners() -> None:
+    plate = solids.prism(solids.rounded_rectangle(0.2, 0.1, 0.02, steps=4), 0.0, 0.1, 0.001)
+    large = plate.area_faces > 0.05 * plate.area
+    assert large.sum() >= 4
+    corners = plate.vertex_normals[plate.faces[large]]
+    assert corners == pytest.approx(np.repeat(plate.face_normals[large][:, None], 3, axis=1))
+
+
 def test_turning_keeps_normals_with_the_faces() -> None:
     rotation = solids.turn("x", 0.7) @ solids.turn("z", 0.3)
     box = solids.box((0.1, 0.2, 0.3))

@@ -247,7 +247,7 @@ def test_vary_refuses_a_value_that_does_not_exist(path: str) -> None:
 @EACH
 @pytest.mark.parametrize("kind", [int, np.float64, np.float32, np.int64])
 def test_whole_and_numpy_numbers_become_floats(parameter: Parameter, kind: Any) -> None:
-    """The compiled formulae are made for floats; another type would compile all of them again."""
+    """The compiled formulas are made for floats; another type would compile all of them again."""
     value = kind(round(parameter.default) + 3)
     changes = {parameter.path: value}
     if parameter.group == "geometry":

@@ -11,8 +11,8 @@ from paminsa_viz.explorer.balancing.settings import Goal
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.design_bounds import validate_limits
 from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.counterweight import Counterweight
 
 

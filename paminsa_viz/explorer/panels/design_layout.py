@@ -13,7 +13,6 @@ from functools import partial
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import Slider
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.design_bounds import largest
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -23,6 +22,7 @@ from paminsa_viz.model import (
     InvalidInput,
     Parameter,
 )
+from paminsa_viz.model.bounds import largest
 from paminsa_viz.units import number, symbol_text
 
 STROKE = "geometry.guide_stroke"

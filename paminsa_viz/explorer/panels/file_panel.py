@@ -11,10 +11,10 @@ from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
 from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.files.design_bounds import validate_limits
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
+from paminsa_viz.model.bounds import validate_limits
 
 
 def file_name(design: Design) -> str:

@@ -12,7 +12,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.commands import commands
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.view_panel import ViewPanel
+from paminsa_viz.explorer.panels.view_panel import view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
 from paminsa_viz.explorer.scene.skeleton import sticks
 from paminsa_viz.explorer.server.listening import open_server
@@ -62,7 +62,7 @@ def grid_layer() -> Iterator[None]:
 
 @pytest.mark.usefixtures("grid_layer")
 def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) -> None:
-    with desk_with(guarded, ViewPanel) as desk:
+    with desk_with(guarded, view_entries()) as desk:
         scene = desk.session.client.scene
         context = SceneContext(scene, desk.session.dispatch)
         desk.session.submit(
@@ -70,8 +70,7 @@ def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) 
         )
         nodes = scene._handle_from_node_name
         desk.until(lambda: "/grid" in nodes)
-        boxes = desk.session.client.gui._gui_input_handle_from_uuid.values()
-        box = next(handle for handle in boxes if getattr(handle, "label", "") == "Grid")
+        box = desk.handle("layers.grid")
         desk.set(box, True)
         desk.until(lambda: "grid" in desk.state.layers)
         desk.until(lambda: nodes["/grid"].visible)
