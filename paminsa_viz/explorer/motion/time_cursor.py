@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.panels.validation import number
+from paminsa_viz.explorer.entries import finite
 
 PLACE = "motion"
 """Name of the place (see `panels.slots`) whose charts have the cursor."""
@@ -36,6 +36,6 @@ class TimeCursor:
             self._bridge.call("showTime", PLACE, round(time, 6))
 
     def _hear(self, data: Any) -> None:
-        time = number(data)
+        time = finite(data)
         if time is not None:
             self._chosen(time)
