@@ -18,17 +18,17 @@ from paminsa_viz.explorer.panels.tables import note
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import BAD, MUTED, OK, WARN
-from paminsa_viz.trajectory import Control as Controlled
+from paminsa_viz.trajectory import ControlMode
 from paminsa_viz.units import number
 
 CONTROLS = {
-    "computed torque": Controlled.COMPUTED_TORQUE,
-    "feed-forward + PD": Controlled.PD,
-    "feed-forward alone": Controlled.FEED_FORWARD,
+    "computed torque": ControlMode.COMPUTED_TORQUE,
+    "feed-forward + PD": ControlMode.PD,
+    "feed-forward alone": ControlMode.FEED_FORWARD,
 }
 
 
-def _label(control: Controlled) -> str:
+def _label(control: ControlMode) -> str:
     return next(label for label, known in CONTROLS.items() if known is control)
 
 
@@ -99,7 +99,7 @@ class SimulationInputs:
         self._job.request(state.simulating.running)
         for control in self._controls:
             control.draw(frame, moving)
-        feedback = state.simulating.settings.control is not Controlled.FEED_FORWARD
+        feedback = state.simulating.settings.control is not ControlMode.FEED_FORWARD
         for handle in self._feedback:
             if handle.visible != feedback:
                 handle.visible = feedback
