@@ -152,7 +152,7 @@ class _Asked(Exception):
 
 def _command(name: str) -> tuple[dict[str, type], str]:
     """Return a command's flags, by subcommand, and what its help says first."""
-    module = importlib.import_module(f"paminsa_viz.cli.{name}")
+    module = importlib.import_module(cli.module_of(name))
     saved = module.parse
 
     def asked(kind: Any, _words: Any, _command: str, description: str) -> None:
@@ -258,7 +258,8 @@ def _constant(module: types.ModuleType, name: str) -> str:
     body = ast.parse(inspect.getsource(module)).body
     late = [item for block in body if isinstance(block, ast.If) for item in block.body]
     for item, after in pairwise([*body, *late, ast.Pass()]):
-        if isinstance(item, ast.ImportFrom) and name in {alias.name for alias in item.names}:
+        names = {a.name for a in item.names} if isinstance(item, ast.ImportFrom) else set()
+        if isinstance(item, ast.ImportFrom) and names & {name, "*"}:
             return _constant(importlib.import_module(item.module or ""), name)
         targets = item.targets if isinstance(item, ast.Assign) else []
         targets = [item.target] if isinstance(item, ast.AnnAssign) else targets

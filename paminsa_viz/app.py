@@ -1,4 +1,4 @@
-"""Starts the explorer: a web server on this machine, one session a browser tab."""
+"""``paminsa-viz start``: the explorer, a web server with one session a browser tab."""
 
 from __future__ import annotations
 
@@ -9,20 +9,21 @@ import sys
 import threading
 import warnings
 import webbrowser
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
-import viser
+import tyro
 
-from paminsa_viz.explorer.bounds import validate_limits
-from paminsa_viz.explorer.server.listening import exposure_notice, open_server, server_url
-from paminsa_viz.files.design_file import load_design
-from paminsa_viz.model import APPENDIX_4, Design
-from paminsa_viz.model.backend import compile_in_background
-from paminsa_viz.options import AppOptions
-from paminsa_viz.quantities import formulas
+from paminsa_viz import cli
+from paminsa_viz.cli.arguments import PROGRAM, parse
+from paminsa_viz.model.errors import InvalidInput
 
-if TYPE_CHECKING:  # loaded in the background, while the browser starts
+if TYPE_CHECKING:  # loaded when the server starts, and in the background
+    import viser
+
     from paminsa_viz.explorer.session import Session
+    from paminsa_viz.model import Design
 
 log = logging.getLogger(__name__)
 
@@ -36,6 +37,51 @@ PATIENCE = 2.0
 """How long the program waits for a first tab before it makes ready what that would need [s]."""
 
 
+DESCRIPTION = f"""\
+Explore the parallel manipulator PAMINSA: drag the pose, see the robot and its torque maps.
+
+Without a command the explorer starts and opens in the browser. It runs on this machine and, unless
+--host says otherwise, only this machine can reach it. Stop it with Ctrl-C.
+
+Commands:
+{chr(10).join(f"  {name:<10} {text}" for name, text in cli.COMMANDS.items())}
+
+'{PROGRAM} COMMAND --help' explains a command; '{PROGRAM} --version' prints the version."""
+
+
+@dataclass(frozen=True)
+class AppOptions:
+    """How to start the application: flags of the command.
+
+    Raises:
+        InvalidInput: If the port or the address is not one.
+    """
+
+    host: str = "127.0.0.1"
+    """Address to listen on. 0.0.0.0 lets everybody in your network use the page: it has no
+    password."""
+    port: int = 8080
+    """Port to listen on; 0 takes any free one. A port in use is an error."""
+    browser: bool = True
+    """Open the page in the browser."""
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML) to start with, instead of the paper's Appendix 4."""
+    allow_host: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME")] = ()
+    """Another name under which a browser may open the page, such as robot.local."""
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.port <= 65535:
+            raise InvalidInput("--port", f"{self.port} is not from 0 to 65535")
+        if not self.host.strip():
+            raise InvalidInput("--host", "an address or name is needed")
+
+
+def main(words: list[str]) -> int:
+    """Start the explorer and serve until it is stopped."""
+    run(parse(AppOptions, words, "", DESCRIPTION))
+    return 0
+
+
 class App:
     """The running server and its sessions.
 
@@ -45,6 +91,8 @@ class App:
     """
 
     def __init__(self, options: AppOptions, design: Design) -> None:
+        from paminsa_viz.explorer.server.listening import open_server
+
         self.design = design
         self.sessions: dict[int, Session] = {}
         self._met = threading.Event()
@@ -56,6 +104,8 @@ class App:
     @property
     def url(self) -> str:
         """Address of the page."""
+        from paminsa_viz.explorer.server.listening import server_url
+
         return server_url(self.server)
 
     def _connect(self, client: viser.ClientHandle) -> None:
@@ -86,8 +136,10 @@ def _warm_up(design: Design, met: threading.Event) -> None:
     """
     importlib.import_module("paminsa_viz.explorer.page")
     met.wait(PATIENCE)
-    importlib.import_module("paminsa_viz.explorer.scene.view")
+    importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.meshes import prepare
+    from paminsa_viz.model.backend import compile_in_background
+    from paminsa_viz.quantities import formulas
 
     prepare(design.geometry)
     importlib.import_module("paminsa_viz.explorer.deferred_tabs")
@@ -101,6 +153,11 @@ def run(options: AppOptions) -> None:
     Raises:
         PaminsaError: If the design file is not usable or the port is taken.
     """
+    from paminsa_viz.explorer.server.listening import exposure_notice
+    from paminsa_viz.files.design_file import load_design
+    from paminsa_viz.model import APPENDIX_4
+    from paminsa_viz.model.bounds import validate_limits
+
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH)
@@ -118,6 +175,4 @@ def run(options: AppOptions) -> None:
 
 
 if __name__ == "__main__":
-    from paminsa_viz.cli import main
-
-    sys.exit(main())
+    sys.exit(cli.main())

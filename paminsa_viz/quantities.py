@@ -85,22 +85,22 @@ def _torque(actuator: int) -> Quantity:
 QUANTITIES: dict[str, Quantity] = {
     quantity.key: quantity
     for quantity in (
+        *(_torque(actuator) for actuator in range(3)),
+        Quantity(
+            "f_4", "F₄", "F₄ of M4", "Static force of actuator 4", "N", UNIT_TORQUES,
+            lambda gamma, design: static_imbalance(design) * gamma[3] + lift_constant(design),
+            color=LIFT_COLOR,
+        ),
         Quantity(
             "max_torque", "max |τ|", "max |τ| of M1 to M3", "Largest static torque of M1 to M3",
             "N m", UNIT_TORQUES,
             lambda gamma, design: abs(static_imbalance(design)) * np.abs(gamma[:3]).max(axis=0),
         ),
-        *(_torque(actuator) for actuator in range(3)),
         Quantity(
             "rms_torque", "RMS τ", "RMS τ of M1 to M3", "RMS of the static torques of M1 to M3",
             "N m", UNIT_TORQUES,
             lambda gamma, design: abs(static_imbalance(design))
             * np.sqrt((gamma[:3] ** 2).mean(axis=0)),
-        ),
-        Quantity(
-            "f_4", "F₄", "F₄ of M4", "Static force of actuator 4", "N", UNIT_TORQUES,
-            lambda gamma, design: static_imbalance(design) * gamma[3] + lift_constant(design),
-            color=LIFT_COLOR,
         ),
         Quantity(
             "condition", "κ", "condition number κ", "Condition number", "1", DEXTERITY,

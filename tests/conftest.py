@@ -42,15 +42,8 @@ def browser() -> Iterator[Any]:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with the browser, which takes longest: everything else can run beside it.
-
-    What fails there is tried once more, and the summary counts it: on a busy machine a browser may
-    lose a click. Nothing else has a second chance.
-    """
+    """Start with the browser, which takes longest: everything else can run next to it."""
     items.sort(key=lambda item: item.get_closest_marker("browser") is None)
-    for item in items:
-        if item.get_closest_marker("browser") is not None:
-            item.add_marker(pytest.mark.flaky(reruns=1))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -9,6 +9,7 @@ import pytest
 
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from tests import oracle, samples
+from tests.model.cases import PROTOTYPES
 from tests.samples import with_knee
 
 DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in range(4))]
@@ -209,15 +210,13 @@ def test_mirror_image_has_opposite_gravity_torques() -> None:
     np.testing.assert_allclose(above[:, :3], -below[:, :3], rtol=0, atol=1e-12)
 
 
-@BOTH
-def test_one_state_and_batches_of_any_shape_agree(knee: KneeBranch) -> None:
-    states = samples.random_states(np.random.default_rng(9), with_knee(APPENDIX_4, knee), 6)
-    flat = oracle.inverse_dynamics(with_knee(APPENDIX_4, knee), *states)
-    grid = oracle.inverse_dynamics(
-        with_knee(APPENDIX_4, knee), *(s.reshape(2, 3, 4) for s in states)
-    )
+@PROTOTYPES
+def test_one_state_and_batches_of_any_shape_agree(design: Design) -> None:
+    states = samples.random_states(np.random.default_rng(9), design, 6)
+    flat = oracle.inverse_dynamics(design, *states)
+    grid = oracle.inverse_dynamics(design, *(s.reshape(2, 3, 4) for s in states))
     np.testing.assert_allclose(grid.reshape(6, 4), flat, rtol=1e-13)
-    one = oracle.inverse_dynamics(with_knee(APPENDIX_4, knee), *(s[4] for s in states))
+    one = oracle.inverse_dynamics(design, *(s[4] for s in states))
     np.testing.assert_allclose(one, flat[4], rtol=1e-13)
 
 

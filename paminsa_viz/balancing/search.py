@@ -6,13 +6,13 @@ lengths, and the same ones for the same seed, whatever it runs on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paminsa_viz.balancing.executors import as_mapper, in_parts
 from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
@@ -24,7 +24,7 @@ DEFAULT_PATHS = (
     "geometry.base_radius", "geometry.platform_radius", "geometry.magnification",
     "geometry.crank_length", "geometry.coupler_length",
 )  # fmt: skip
-"""Lengths searched unless said otherwise: R_b, R_pl, k, and the bars B3 and B8, B4."""
+"""Lengths searched by default: R_b, R_pl, k, and the bars B3 and B8, B4."""
 
 REFUSED = 1e9
 """Cost from which a trial breaks a requirement; below it, all are met."""
@@ -35,7 +35,7 @@ PART = 8
 
 @dataclass(frozen=True)
 class Weights:
-    """What the search makes small: the weighted sum of these.
+    """Weights of the sum that the search minimizes.
 
     Attributes:
         torque: Of the peak static torque of M1..M3 over the box [1/(N m)].
@@ -143,23 +143,24 @@ def search_geometry(
     executor: Any = None,
     progress: Callable[[SearchProgress], bool | None] | None = None,
 ) -> SearchResult:
-    """Search for the lengths that make a weighted sum small and meet requirements over a box.
+    """Search for the lengths that minimize a weighted sum and meet requirements over a box.
 
     Args:
         design: Where the other numbers come from.
         needs: The box, and what has to hold over it.
-        weights: What to make small; default the peak static torque.
+        weights: What to minimize; default the peak static torque.
         ranges: Least and largest value of each path searched; default half to twice the design's
             own for `DEFAULT_PATHS` (k from 1.5).
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
         seed: The same seed gives the same result.
         generations: Most generations.
         population: Trials in a generation for each path.
-        executor: See `as_mapper`; the result is the same whichever.
+        executor: None for this process; an executor of `concurrent.futures`; a client of
+            ``dask.distributed``; or any function like the built-in ``map``. The result is the same.
         progress: Called after each generation; true ends the search with the best so far.
 
     Raises:
-        InvalidInput: If a range is empty or a path is no length.
+        InvalidInput: If a range is empty, a path is no length, or the executor is none of these.
     """
     chosen = _ranges(design, ranges)
     trial = GeometryCost(design, tuple(chosen), needs, weights or Weights(), scale_bars)
@@ -170,18 +171,17 @@ def search_geometry(
         nonlocal canceled
         best = float(intermediate_result.fun)
         history.append(best)
-        told = SearchProgress(len(history), int(intermediate_result.nfev), best, best < REFUSED)
-        if progress is not None and progress(told):
+        state = SearchProgress(len(history), int(intermediate_result.nfev), best, best < REFUSED)
+        if progress is not None and progress(state):
             canceled = True
             raise StopIteration
 
-    workers: Any = in_parts(as_mapper(executor), PART)
     from scipy.optimize import differential_evolution  # slow to load
 
     found = differential_evolution(
         trial, list(chosen.values()), maxiter=generations, popsize=population,
         rng=np.random.default_rng(seed), callback=after_generation, polish=False,
-        updating="deferred", workers=workers, tol=1e-6,
+        updating="deferred", workers=_mapper(executor), tol=1e-6,
     )  # fmt: skip
     try:
         best = trial.robot(found.x)
@@ -217,3 +217,24 @@ def _ranges(
     if not ranges:
         raise InvalidInput("ranges", "at least one length has to be searched")
     return dict(ranges)
+
+
+def _mapper(executor: Any) -> Any:
+    """Return a function like ``map`` that hands `PART` items at a time to an executor."""
+    if hasattr(executor, "get_executor"):  # a client of Dask
+        executor = executor.get_executor(pure=False)
+    run = map if executor is None else getattr(executor, "map", executor)
+    if not callable(run):
+        raise InvalidInput("executor", "something with a map method, or like map itself, is needed")
+
+    def mapped(function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
+        listed = list(items)
+        parts = [listed[start : start + PART] for start in range(0, len(listed), PART)]
+        found: Any = run(partial(_each, function), parts)
+        return [value for part in found for value in part]
+
+    return mapped
+
+
+def _each(function: Callable[[Any], Any], part: Sequence[Any]) -> list[Any]:
+    return [function(item) for item in part]

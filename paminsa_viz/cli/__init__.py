@@ -1,9 +1,9 @@
 """The command line ``paminsa-viz``.
 
-Each command is a module with ``main(arguments) -> exit code``, imported only when it is asked for,
-so that a small command does not wait for the page's libraries.
+Each command is a module with ``main(words) -> exit code``, imported only when it runs, so that a
+small command does not wait for the page's libraries.
 
-Exit codes: 0 done; 1 the answer is no, such as a verification that failed, a motion that cannot be
+Exit codes: 0 done; 1 a negative result, such as a verification that failed, a motion that cannot be
 run, bounds that cannot be met; 2 a wrong argument or file, with one line on stderr that names the
 place; 130 stopped with Ctrl-C.
 """
@@ -33,7 +33,12 @@ COMMANDS: dict[str, str] = {
     "report": "write a design report as one HTML file",
     "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
 }
-"""Commands and what they do; ``paminsa_viz.cli.<name>`` is the module."""
+"""Commands and what they do."""
+
+
+def module_of(command: str) -> str:
+    """Return the module of a command: the application itself for ``start``."""
+    return "paminsa_viz.app" if command == "start" else f"paminsa_viz.cli.{command}"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -71,6 +76,6 @@ def _run(words: list[str]) -> int:
         near = difflib.get_close_matches(name, COMMANDS, 1)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
         raise UsageError(f"there is no command {name[:40]!r}; {hint}")
-    code = importlib.import_module(f"paminsa_viz.cli.{name}").main(words)
+    code = importlib.import_module(module_of(name)).main(words)
     sys.stdout.flush()
     return code

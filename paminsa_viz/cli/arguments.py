@@ -1,4 +1,4 @@
-"""Reading the words of a command line into a typed value, with one-line complaints."""
+"""Reading the words of a command line into a typed value, with one-line errors."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Options = TypeVar("Options")
 
 
 class UsageError(PaminsaError):
-    """Words on the command line that mean nothing."""
+    """Invalid arguments."""
 
 
 def print_error(error: Exception) -> None:

@@ -30,9 +30,9 @@ from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.explorer.bounds import LARGEST
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.weights import room_words
+from paminsa_viz.model.bounds import LARGEST
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PARAMETER

@@ -5,9 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
 

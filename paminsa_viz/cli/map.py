@@ -14,12 +14,12 @@ import tyro
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.map_data import MapData

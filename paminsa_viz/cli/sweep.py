@@ -19,7 +19,7 @@ from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
-from paminsa_viz.explorer.bounds import largest
+from paminsa_viz.model.bounds import largest
 from paminsa_viz.model.design import Design
 from paminsa_viz.studies import (
     DesignAxis,

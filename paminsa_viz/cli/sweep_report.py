@@ -10,7 +10,7 @@ from typing import Any
 from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
 from paminsa_viz.studies import StudySummary
-from paminsa_viz.studies.motion_metrics import RUNS
+from paminsa_viz.studies.metrics import RUNS
 from paminsa_viz.studies.study import OK
 
 

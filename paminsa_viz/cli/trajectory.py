@@ -15,16 +15,16 @@ from paminsa_viz.cli.motions import PresetName
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import output_endings, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.files.trajectory_table import read_trajectory
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.trajectory import (
     PRESET,
-    Control,
     Controller,
+    ControlMode,
     ImpossibleTrajectory,
     InfeasibleMotion,
     MinimumTime,
@@ -296,7 +296,7 @@ def _simulated(flags: Flags, design: Design, trajectory: Trajectory) -> Simulati
 
 
 _CONTROLS = {
-    "computed-torque": Control.COMPUTED_TORQUE,
-    "pd": Control.PD,
-    "feed-forward": Control.FEED_FORWARD,
+    "computed-torque": ControlMode.COMPUTED_TORQUE,
+    "pd": ControlMode.PD,
+    "feed-forward": ControlMode.FEED_FORWARD,
 }

@@ -132,7 +132,7 @@ def _show(found: Verification) -> None:
     print(f"\nFormulae as printed and {found.engines[0].engine}, moving: relative differences")
     rows = [
         (misprint_name(item), *(f"{value:.1e}" for value in comparison.relative))
-        for item, comparison in found.printed.items()
+        for item, comparison in found.published.items()
     ]
     head = ("", "tau_1", "tau_2", "tau_3", "F_4")
     print_table([head, *rows], indent=2, right=True)

@@ -20,10 +20,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.engines.mechanism import POSE_JOINTS, Mechanism, build_mechanism
-from paminsa_viz.engines.placing import joint_values, no_posture, posture_of
+from paminsa_viz.engines.poses import joint_values, unclosed
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.model.kinematics import inverse_kinematics
 
 
 class ClosedLoopRobot(ABC):
@@ -134,7 +135,7 @@ class ClosedLoopRobot(ABC):
         x, u = (np.asarray(a, float).reshape(1, 4) for a in (pose, velocity))
         good, q = self._place(x, u)
         if not good[0]:
-            raise no_posture(x[0])
+            raise unclosed(x[0])
         _, spread, _ = self._eliminate(q)
         return q[0], spread[0] @ u[0]
 
@@ -144,7 +145,7 @@ class ClosedLoopRobot(ABC):
 
     def _place(self, x: Array, *motion: Array) -> tuple[NDArray[np.bool_], Array]:
         """Return which poses (n, 4) are reachable with finite motion, and their coordinates."""
-        values = joint_values(posture_of(self.design, x))
+        values = joint_values(inverse_kinematics(self.design.geometry, x))
         q = np.stack([values[name] for name in self._names], axis=-1)
         good = np.asarray(np.isfinite(np.concatenate([q, *motion], axis=-1)).all(axis=-1))
         return good, q[good]

@@ -21,10 +21,10 @@ UNITS = ("N m", "N m", "N m", "N")
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Actuator torques of the formulae beside those of an engine, at the same n states.
+    """Actuator torques of the formulas and of an engine, at the same n states.
 
     Attributes:
-        computed: (n, 4) the formulae's [N m, N].
+        computed: (n, 4) the formulas's [N m, N].
         reference: (n, 4) the engine's.
         scale: (4,) what differences of each actuator are measured by, see `torque_scale`.
     """
@@ -79,7 +79,7 @@ def torque_scale(design: Design, poses: Array, torques: Array) -> Array:
     """Return what differences of each actuator's torque are measured by, (4,) [N m, N].
 
     It is the largest torque. Where the bodies balance each other, so that nothing but rounding is
-    left of it, it is the largest torque that a single body's weight asks for.
+    left of it, it is the largest torque of a single body's weight.
 
     Args:
         design: The robot.

@@ -1,4 +1,4 @@
-"""The MJCF model that a person takes away: it stands held in a pose, with servos to move it."""
+"""The exported MJCF model: it stands held in a pose, with servos to move it."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from paminsa_viz.engines.mechanism import PLATFORM, Mechanism, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
-from paminsa_viz.engines.placing import start_pose
+from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.model.statics import static_torques

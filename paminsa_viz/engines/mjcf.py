@@ -31,9 +31,10 @@ from paminsa_viz.engines.mechanism import (
     Point,
     build_mechanism,
 )
-from paminsa_viz.engines.placing import joint_values, no_posture, posture_of, start_pose
+from paminsa_viz.engines.poses import joint_values, start_pose, unclosed
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
 from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
@@ -99,9 +100,12 @@ def mjcf_text(
     """
     start = start_pose(design) if pose is None else np.asarray(pose, float)
     mechanism = build_mechanism(design)
-    values = {name: float(value) for name, value in joint_values(posture_of(design, start)).items()}
+    values = {
+        name: float(value)
+        for name, value in joint_values(inverse_kinematics(design.geometry, start)).items()
+    }
     if not all(math.isfinite(value) for value in values.values()):
-        raise no_posture(start)
+        raise unclosed(start)
     root = ET.Element("mujoco", model="PAMINSA")
     _add(root, "compiler", angle="radian", autolimits="true")
     # Euler: the implicit integrators damp servos apart from the closures, which is unstable here.

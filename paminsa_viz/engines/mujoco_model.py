@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design

@@ -1,7 +1,7 @@
-"""The formulae checked against engines that nobody here wrote, as the paper did with ADAMS.
+"""The formulas checked against engines that nobody here wrote, as the paper did with ADAMS.
 
 `verify` compares static torques over the workspace and dynamic torques along a trajectory, actuator
-by actuator; runs the formulae as the paper prints them past the same engine; and lets MuJoCo move
+by actuator; runs the formulas as published past the same engine; and lets MuJoCo move
 under the calculated torques. Joint friction is left out on both sides: it is not part of the
 paper's equations, and engines have other laws for it.
 """
@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
+from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.simulation import Played, play
-from paminsa_viz.engines.states import workspace_poses
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import inverse_dynamics
@@ -49,12 +49,12 @@ MOST_SIMULATED = 100_000
 """Samples of the simulated motion of a very long trajectory."""
 
 EVERY_MISPRINT: tuple[Misprint, ...] = (*Misprint, Misprint.ALL)
-"""Each misprint alone, and the formulae exactly as printed."""
+"""Each misprint alone, and the formulas exactly as published."""
 
 
 @dataclass(frozen=True, eq=False)
 class EngineCheck:
-    """The formulae beside one engine.
+    """The formulas compared with one engine.
 
     Attributes:
         engine: Its name.
@@ -84,7 +84,8 @@ class Verification:
         tolerance: What the verdict is measured by.
         engines: One check an engine; MuJoCo first.
         missing: Names of engines that are not installed.
-        printed: Dynamic torques of the formulae as printed, by misprint, beside the first engine.
+        published: Dynamic torques of the formulas as published, by misprint, compared with the
+            first engine.
         wanted: The trajectory as it was simulated.
         played: MuJoCo's motion under the calculated torques, at the times of ``wanted``.
     """
@@ -95,13 +96,13 @@ class Verification:
     tolerance: float
     engines: tuple[EngineCheck, ...]
     missing: tuple[str, ...]
-    printed: Mapping[Misprint, Comparison]
+    published: Mapping[Misprint, Comparison]
     wanted: Trajectory
     played: Played
 
     @property
     def passed(self) -> bool:
-        """Whether every engine agrees with the formulae within the tolerance."""
+        """Whether every engine agrees with the formulas within the tolerance."""
         return all(check.agrees(self.tolerance) for check in self.engines)
 
     @property
@@ -138,7 +139,7 @@ class Verification:
             ],
             "missing_engines": list(self.missing),
             "as_printed": {
-                misprint_name(item): found.summary() for item, found in self.printed.items()
+                misprint_name(item): found.summary() for item, found in self.published.items()
             },
             "simulation": {
                 "engine": self.engines[0].engine,
@@ -166,7 +167,7 @@ def verify(
     misprints: tuple[Misprint, ...] = EVERY_MISPRINT,
     xml: str | None = None,
 ) -> Verification:
-    """Compare the formulae with MuJoCo, and with Pinocchio where it is installed.
+    """Compare the formulas with MuJoCo, and with Pinocchio where it is installed.
 
     Args:
         design: The robot; joint friction is left out.
@@ -175,8 +176,8 @@ def verify(
             `workspace_poses`.
         seed: Of the random poses.
         tolerance: Largest difference that passes, over the largest torque of the actuator.
-        misprints: Which printed formulae to run past the engine too.
-        xml: An exported MJCF text to check instead of the design's own; only MuJoCo is asked then.
+        misprints: Which formulas as published to run past the engine too.
+        xml: An exported MJCF text to check instead of the design's own; only MuJoCo is used then.
 
     Raises:
         EngineMissing: If MuJoCo is not installed.
@@ -217,7 +218,7 @@ def verify(
         tolerance=float(tolerance),
         engines=tuple(checks),
         missing=missing,
-        printed={
+        published={
             item: _along(design, motion, first.reference, item) for item in misprints
         },
         wanted=wanted,
@@ -246,13 +247,13 @@ def _robots(
 
 
 def _along(design: Design, motion: Trajectory, reference: Array, misprints: Misprint) -> Comparison:
-    """Compare dynamic torques, some of them perhaps as printed, with an engine's (n, 4)."""
+    """Compare dynamic torques, some of them perhaps as published, with an engine's (n, 4)."""
     computed = _computed(design, motion, misprints)
     return Comparison(computed, reference, torque_scale(design, motion.pose, reference))
 
 
 def _computed(design: Design, motion: Trajectory, misprints: Misprint = Misprint.NONE) -> Array:
-    """Return the formulae's torques along a motion, (n, 4) [N m, N]."""
+    """Return the formulas's torques along a motion, (n, 4) [N m, N]."""
     states = motion.pose, motion.velocity, motion.acceleration
     return inverse_dynamics(design, *states, misprints).torque
 

@@ -6,12 +6,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.scene.layers import with_layers
 from paminsa_viz.explorer.state import Document, LastReachable, State, home_pose
 from paminsa_viz.files.design_writer import name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.grids import COORDINATES
 
 Action = Callable[[State], State]

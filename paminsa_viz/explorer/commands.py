@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.scene.view import CAMERAS, look
 from paminsa_viz.explorer.session import Session
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer import commands, saving
+from paminsa_viz.explorer import commands, persistence
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
@@ -18,7 +18,7 @@ from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
-from paminsa_viz.explorer.panels.view_panel import ViewPanel
+from paminsa_viz.explorer.panels.view_panel import view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 
@@ -34,7 +34,7 @@ class TabStore:
         """Save what has changed."""
         if moving:
             return
-        text = saving.dump(frame.state.document)
+        text = persistence.dump(frame.state.document)
         if text != self._kept:
             self._kept = text
             self._bridge.save(text)
@@ -62,7 +62,7 @@ def build_tabs(
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
-        view = ViewPanel(session)
+        view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
     session.immediate.append(Clock(session))

@@ -75,6 +75,12 @@ class Frame:
     balance: float
 
     @cached_property
+    def drawable(self) -> bool:
+        """Whether every joint of the standing configuration has a place."""
+        points = self.configuration.points
+        return all(bool(np.isfinite(points[joint]).all()) for joint in (5, 8, 9))
+
+    @cached_property
     def health(self) -> Health:
         """Status of the request."""
         if not self.requested.ok.all():

@@ -105,11 +105,11 @@ def _record(analysis: TrajectoryAnalysis, times: Array) -> tuple[str, Frames]:
     configurations = [inverse_kinematics(geometry, pose) for pose in poses]
     with standing_robot(analysis.design, configurations[0], covered=_COVERED) as (
         scene,
-        robot,
+        places,
         page,
     ):
         _draw_path(scene, trajectory, float(times[-1]))
-        return page(), [robot.places(configuration) for configuration in configurations]
+        return page(), [places(configuration) for configuration in configurations]
 
 
 def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> None:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import viser
 
-from paminsa_viz.explorer import actions, saving
+from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import style_html
@@ -70,7 +70,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     def build_robot() -> None:
         if session.immediate:
             return
-        from paminsa_viz.explorer.scene.view import look
+        from paminsa_viz.explorer.scene.cameras import look
 
         look(session, "3D")
         session.immediate += build_views(context, animated=True)
@@ -89,7 +89,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         if not isinstance(saved, str):
             return
         try:
-            document = saving.load(saved)
+            document = persistence.load(saved)
         except PaminsaError as error:
             log.info("a tab's saved state was not taken: %s", error)
             return

@@ -9,6 +9,8 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import viser
@@ -16,11 +18,15 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.browser.style import style_html
-from paminsa_viz.explorer.scene.cameras import preset
-from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
-from paminsa_viz.explorer.scene.view import raised
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.scene.actuators import ActuatorLabels
+from paminsa_viz.explorer.scene.bodies import Bodies, Position, Quaternion
+from paminsa_viz.explorer.scene.cameras import preset, raised
+from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.stage import SHADOW, Stage
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.server.viser_patch import quiet
+from paminsa_viz.explorer.state import LastReachable, initial_state
 from paminsa_viz.model.arrays import as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
@@ -29,6 +35,8 @@ from paminsa_viz.model.reach import require_reachable
 
 ASPECT = 1.6
 """Width over height of the window that the camera is placed for."""
+
+_LAYERS = frozenset({"mesh", "fine", "labels"})
 
 
 def robot_html(design: Design, pose: ArrayLike) -> bytes:
@@ -55,10 +63,14 @@ def robot_html(design: Design, pose: ArrayLike) -> bytes:
         return titled(page(), f"PAMINSA: {design.name}").encode()
 
 
+Places = Callable[[Configuration], tuple[dict[str, Position], dict[str, Quaternion]]]
+"""Where a configuration puts the nodes of the robot, see `Bodies.places`."""
+
+
 @contextmanager
 def standing_robot(
     design: Design, configuration: Configuration, *, covered: float = 0.0
-) -> Iterator[tuple[viser.SceneApi, RobotScene, Callable[[], str]]]:
+) -> Iterator[tuple[viser.SceneApi, Places, Callable[[], str]]]:
     """Put a robot into a scene of its own.
 
     Args:
@@ -67,21 +79,29 @@ def standing_robot(
         covered: Lower part of the window's height that the camera is to keep free.
 
     Yields:
-        The scene, for more to be drawn; the robot; and what writes the page of both.
+        The scene, for more to be drawn; where other configurations put the robot's nodes; and what
+        writes the page.
     """
+    x, y, theta, z = map(float, configuration.pose)
+    standing = LastReachable(design.geometry, (x, y, theta, z))
+    state = replace(initial_state(design), standing=standing, layers=_LAYERS)
     with quiet():
         server = open_server(port=0)
         try:
-            robot = RobotScene(server.scene, design)
-            for layer in Layer:
-                robot.show(layer, layer in SHOWN_AT_START or layer is Layer.FINE)
-            robot.pose(configuration)
-            view = preset("3D", design.geometry, configuration, ASPECT)
-            view = raised(view, covered)
+            context = SceneContext(server.scene)
+            stage, bodies, labels = Stage(context), Bodies(context), ActuatorLabels(context)
+            for view in (stage, bodies, labels):
+                view.draw(compute(state), dragging=False)
+
+            def places(other: Configuration) -> Any:
+                positions, turns = bodies.places(other)
+                return positions | {SHADOW: stage.shadow_place(other)}, turns
+
+            view = raised(preset("3D", design.geometry, configuration, ASPECT), covered)
             camera = server.initial_camera
             camera.position, camera.look_at = np.array(view.position), np.array(view.look_at)
             camera.fov = view.fov
-            yield server.scene, robot, lambda: server.get_scene_serializer().as_html()
+            yield server.scene, places, lambda: server.get_scene_serializer().as_html()
         finally:
             server.stop()
 

@@ -232,10 +232,9 @@ class TableReader:
         for row, record in enumerate(cells, first_row):
             if _is_blank(record):
                 return self._refused("the row is empty, but others follow it", row)
-            for column in self.columns:
-                cell = record[column.place] if column.place < len(record) else ""
+            present = [column for column in self.columns if column.place < len(record)]
+            for name, cell in ((column.header, record[column.place]) for column in present):
                 if problem := _cell_problem(cell):
-                    name = column.header
                     return TableFileError(self._source, problem, row=row, column=name, value=cell)
             if len(record) < len(self.header):
                 return self._refused(MISSING, row, self.header[len(record)])

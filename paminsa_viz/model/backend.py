@@ -1,4 +1,4 @@
-"""Runs the formulae: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
+"""Runs the formulas: compiled where Numba is ready, on NumPy arrays otherwise, from one source.
 
 The first compilation takes seconds, and loading it from disk most of one later. So kernels are
 loaded, and a formula compiled, only once enough work has been requested to pay for it; small jobs
@@ -33,7 +33,7 @@ class Formula:
     Attributes:
         function: ``function(m, x, y, c, s, z)`` of a `Mechanism`, a position [m], cosine and sine
             of theta, and z [m]. It returns a tuple, calls NumPy's elementwise functions and other
-            such formulae by their names in its module, and chooses by `robot.where`.
+            such formulas by their names in its module, and chooses by `robot.where`.
         results: How many of the returned values are kept, from the first one on.
     """
 
@@ -52,7 +52,7 @@ _REGRESSOR_WORTH = 20
 
 
 class _Kernels:
-    """The compiled kernels, loaded and extended by further formulae once that pays."""
+    """The compiled kernels, loaded and extended by further formulas once that pays."""
 
     def __init__(self) -> None:
         self.module: ModuleType | None = None
@@ -84,11 +84,10 @@ class _Kernels:
 
     def load(self, *formulas: Formula) -> None:
         with self.lock:
-            from paminsa_viz.model import compiled, compiled_regressor
+            from paminsa_viz.model import compiled
 
             if self.module is None:
                 compiled.warm_up()
-                compiled_regressor.warm_up()
             for formula in formulas:
                 if formula not in self.loops:
                     self.loops[formula] = compiled.over_poses(formula.function, formula.results)
@@ -99,7 +98,7 @@ _kernels = _Kernels()
 
 
 def compile_in_background(*formulas: Formula) -> threading.Thread:
-    """Load the kernels and those of formulae in a thread; until it ends all runs on NumPy."""
+    """Load the kernels and those of formulas in a thread; until it ends all runs on NumPy."""
     _kernels.deferred = True
     thread = threading.Thread(
         target=_kernels.load, args=formulas, name="paminsa-compile", daemon=True
@@ -257,15 +256,14 @@ def regressor(
 
     ``terms`` (21, 18) maps the lumped coefficients to the energy terms.
     """
-    if _kernels.get(_REGRESSOR_WORTH * len(pose)) is None:
+    kernels = _kernels.get(_REGRESSOR_WORTH * len(pose))
+    if kernels is None:
         return None
-    from paminsa_viz.model import compiled_regressor
-
     pose, velocity, acceleration = map(np.ascontiguousarray, (pose, velocity, acceleration))
     c, s = _cos_sin(pose[:, 2])
     rows, columns = np.nonzero(terms)
     y = np.empty((len(pose), 4, terms.shape[1]))
-    compiled_regressor.regressor(
+    kernels.regressor(
         m, gravity, pose, c, s, velocity, acceleration, rows, columns, terms[rows, columns], y
     )
     return y

@@ -69,7 +69,7 @@ def counterweight_clearance(
     height = crank * np.sin(phi) + coupler * np.sin(psi)
     slack = (crank + coupler) * half
     nearest, farthest = _distances(g)
-    # The knee is beyond the line 8-5 as seen from the platform's side: below it as printed.
+    # The knee is beyond the line 8-5 as seen from the platform's side: below it as published.
     bent = sign * np.sin(psi - phi)
     taken = (
         (rho >= nearest - part * slack)

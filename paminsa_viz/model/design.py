@@ -30,7 +30,7 @@ class KneeBranch(Enum):
 
     @property
     def sign(self) -> float:
-        """+1 for the printed root, -1 for its mirror image."""
+        """+1 for the published root, -1 for its mirror image."""
         return 1.0 if self is KneeBranch.LOWER else -1.0
 
     @property

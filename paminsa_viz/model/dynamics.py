@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Design, Friction
-from paminsa_viz.model.jacobian import inverse_jacobian
+from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
@@ -44,10 +44,10 @@ class TorqueBreakdown:
     """The parts of an actuator torque, each (..., 4) [N m, N]; they add up to ``total``.
 
     Attributes:
-        gravity: What holds the robot at rest.
-        inertial: What the accelerations ask for.
-        velocity: What the speeds ask for, squared: centrifugal and Coriolis terms.
-        friction: What friction at the actuators takes.
+        gravity: Of the weights, at rest.
+        inertial: Of the accelerations.
+        velocity: Of the squared speeds: centrifugal and Coriolis terms.
+        friction: Of the friction at the actuators.
     """
 
     gravity: Array
@@ -86,7 +86,7 @@ def inverse_dynamics(
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
-        misprints: Formulae to take as printed; none by default.
+        misprints: Formulas to take as published; none by default.
 
     Raises:
         InvalidInput: If shapes do not fit or values are not real. Poses out of reach raise

@@ -1,4 +1,4 @@
-"""Formulae over grids of any of the four coordinates.
+"""Formulas over grids of any of the four coordinates.
 
 What depends on the geometry alone is solved once (`solve_field`) and kept; the masses come in
 afterwards as one factor, so that a mass slider rescales a map and solves nothing.

@@ -42,7 +42,7 @@ class Configuration:
     Attributes:
         geometry: The lengths it was solved for.
         pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
-        reach: Whether each pose can be taken; ask it before using numbers of a configuration.
+        reach: Whether each pose can be taken; check it before using numbers of a configuration.
         actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
         beta: (..., 3) headings of the leg planes, from the leg axis toward the platform [rad].
         psi: (..., 3) elevation of B4 and B7, seen from 9 to 5 [rad].

@@ -1,4 +1,4 @@
-"""One leg: its pantograph, its motion, and what its energies ask of the platform and actuators.
+"""One leg: its pantograph, its motion, and the forces of its energies on platform and actuators.
 
 The functions here and in `robot.py` are the only place where the mechanics is written down. Each
 is a plain formula of numbers, without branches, loops or memory: called with NumPy arrays it works
@@ -18,7 +18,7 @@ from paminsa_viz.model.design import Geometry
 
 
 class Mechanism(NamedTuple):
-    """The lengths of a geometry in the form the formulae need [m]."""
+    """The lengths of a geometry in the form the formulas need [m]."""
 
     span_ratio: float  # k/(k-1): horizontal distance 8 to 5 over rho
     guide_ratio: float  # 1/(k-1): |X_4| over rho
@@ -33,7 +33,7 @@ class Mechanism(NamedTuple):
     inverse_span_ratio: float  # reciprocals: products are cheaper than quotients
     inverse_crank: float
     inverse_coupler: float
-    root: float  # +1: printed root of Appendix 1, -1: its mirror
+    root: float  # +1: published root of Appendix 1, -1: its mirror
     stroke: float
     clearance: float
     rho2_min: float  # the last two as bounds of rho^2
@@ -41,7 +41,7 @@ class Mechanism(NamedTuple):
 
 
 def mechanism(geometry: Geometry) -> Mechanism:
-    """Return the numbers of a geometry in the form the formulae need."""
+    """Return the numbers of a geometry in the form the formulas need."""
     k = geometry.magnification
     return Mechanism(
         span_ratio=geometry.span_ratio,

@@ -1,4 +1,4 @@
-"""What the energies of one leg ask for: Lagrange's left side, the regressor, the inertia.
+"""Forces of the energies of one leg: Lagrange's left side, the regressor, the inertia.
 
 The same source serves NumPy and the compiler; see `leg.py` for notation and conventions.
 """
@@ -66,7 +66,7 @@ def leg_regressor(
 
     Each of the four tuples has one entry for every field of `EnergyTerms` but the last two, which
     belong to the platform. Here theta_k, rho and zeta are independent coordinates of the leg, so
-    that this is a derivation of its own beside `leg_forces`.
+    that this is a derivation independent of `leg_forces`.
     """
     zero = 0.0 * g.rho
     one = zero + 1.0

@@ -31,7 +31,7 @@ Array = NDArray[np.float64]
 
 
 class Misprint(Flag):
-    """The printed formulae that differ from the correct ones; combine them with ``|``.
+    """The published formulas that differ from the correct ones; combine them with ``|``.
 
     The misprints of Appendix 1 (indices of the base points) and of Appendix 4 (a unit, a symbol)
     name things wrongly and leave nothing to evaluate, so they are not in this list.
@@ -49,7 +49,7 @@ class Misprint(Flag):
     EQ14_SINE_SIGNS = auto()
     """Eq. 14 prints -M_c10 sin^2 psi and -M_c12 sin^2 phi instead of +."""
     ALL = EQ13_LIFT_SPEED | EQ13_LEG_SPIN | APP3_MC4 | EQ14_PHI_SPEED | EQ14_SINE_SIGNS
-    """The formulae exactly as printed."""
+    """The formulas exactly as published."""
 
 
 COEFFICIENTS: tuple[str, ...] = (
@@ -88,8 +88,8 @@ class EnergyTerms(NamedTuple):
     spin_cos_psi: Any  # theta_k'^2 cos^2 psi
     spin_sin_phi: Any  # theta_k'^2 sin^2 phi
     spin_cos_phi: Any  # theta_k'^2 cos^2 phi
-    lift_linear: Any  # Z', only in the formula as printed
-    turn: Any  # theta'^2 of the platform, counted a leg; only in the formula as printed
+    lift_linear: Any  # Z', only in the formula as published
+    turn: Any  # theta'^2 of the platform, counted a leg; only in the formula as published
     mass: Any  # m_pl (x'^2 + y'^2 + z'^2)/2, platform and payload, counted once
     inertia: Any  # I_pl theta'^2 / 2, counted once
 
@@ -97,7 +97,7 @@ class EnergyTerms(NamedTuple):
 def _lumped(
     geometry: Geometry, gravity: float, m: SimpleNamespace, misprints: Misprint
 ) -> tuple[list[Any], Any]:
-    """Appendices 2 and 3 as printed, but for the one misprint in them; ``m`` by paper symbol."""
+    """Appendices 2 and 3 as published, but for the one misprint in them; ``m`` by paper symbol."""
     k, g = geometry.magnification, gravity
     joints = m.m2 + m.m3 + m.m4 + m.m7
     mp1 = g * (m.m5 + joints / k + m.B4 / 2 + (m.B1 + m.B7) / (2 * k) + (m.B2 + m.B3) / k)
@@ -163,7 +163,7 @@ _SYMBOLS = (
 
 
 def _masses(values: Any) -> SimpleNamespace:
-    """Name the values that come in the order of `MASS_PATHS` by the symbols of the formulae."""
+    """Name the values that come in the order of `MASS_PATHS` by the symbols of the formulas."""
     return SimpleNamespace(**dict(zip(_SYMBOLS, values, strict=True)))
 
 
@@ -226,25 +226,25 @@ def energy_terms(c: Array, misprints: Misprint = Misprint.NONE) -> EnergyTerms:
 
     Args:
         c: Lumped coefficients, (18,) or (18, n); the result's entries have the rest of its shape.
-        misprints: Terms to take as printed instead of corrected.
+        misprints: Terms to take as published instead of corrected.
     """
     mp1, mp2, mp3, c1, c2, c3, c4, c5, c6, c7, c8, c9, c10, c11, c12, c13, mass, inertia = c
     none = 0.0 * mass
-    lift_printed = bool(misprints & Misprint.EQ13_LIFT_SPEED)
-    spin_printed = bool(misprints & Misprint.EQ13_LEG_SPIN)
+    lift_published = bool(misprints & Misprint.EQ13_LIFT_SPEED)
+    spin_published = bool(misprints & Misprint.EQ13_LEG_SPIN)
     sine = -1.0 if misprints & Misprint.EQ14_SINE_SIGNS else 1.0
     return EnergyTerms(
         v5=mp1, v9=mp2, vz=mp3,
         xy5=c1, z5=c2, p9=c3, xy59=c4, z59=c5,
-        lift=none if lift_printed else c6,
+        lift=none if lift_published else c6,
         z5_lift=c7,
-        spin=c13 + (none if spin_printed else c8),
+        spin=c13 + (none if spin_published else c8),
         psi=c9,
         phi=c10 if misprints & Misprint.EQ14_PHI_SPEED else c11,
         spin_sin_psi=sine * c10, spin_cos_psi=c9,
         spin_sin_phi=sine * c12, spin_cos_phi=c11,
-        lift_linear=c6 if lift_printed else none,
-        turn=c8 if spin_printed else none,
+        lift_linear=c6 if lift_published else none,
+        turn=c8 if spin_published else none,
         mass=mass, inertia=inertia,
     )  # fmt: skip
 

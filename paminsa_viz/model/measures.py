@@ -1,4 +1,4 @@
-"""How far a pose is from the robot's limits and from its singularities, as plain formulae.
+"""How far a pose is from the robot's limits and from its singularities, as plain formulas.
 
 The same source serves NumPy and the compiler; see `leg.py` for notation and conventions.
 """

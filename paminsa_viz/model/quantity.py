@@ -41,7 +41,7 @@ def quantity(
 def check_numbers(group: object, path: str) -> None:
     """Raise `InvalidDesign` unless every quantity of ``group`` is a finite, allowed number.
 
-    Whole numbers are stored as floats, or each of them would have the formulae compiled again.
+    Whole numbers are stored as floats, or each of them would have the formulas compiled again.
     """
     for item in fields(group):  # type: ignore[arg-type]
         if "unit" not in item.metadata:

@@ -1,6 +1,6 @@
 """Torques as a product Q = Y(q, q', q'') c, linear in the lumped coefficients.
 
-A derivation of its own beside `dynamics`: by Jourdain's principle, with partial velocities of the
+A derivation independent of `dynamics`: by Jourdain's principle, with partial velocities of the
 actuators and no multipliers. With Y kept for a trajectory, a change of masses costs one product.
 """
 
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_forces import leg_regressor
@@ -44,7 +44,7 @@ def torque_regressor(
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
         gravity: Gravitational acceleration [m/s^2].
-        misprints: Formulae to take as printed. M_c4's misprint is one of c, not of Y.
+        misprints: Formulas to take as published. M_c4's misprint is one of c, not of Y.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
     terms = term_matrix(misprints)

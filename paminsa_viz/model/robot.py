@@ -1,4 +1,4 @@
-"""The robot from its three legs: torques, inertia, singularity, reach, as plain formulae.
+"""The robot from its three legs: torques, inertia, singularity, reach, as plain formulas.
 
 The same source serves NumPy and the compiler; see `leg.py` for notation and conventions. Outputs
 of an unreachable pose are NaN: each formula starts from the square root that fails there.

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.jacobian import jacobian
+from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.leg import LegPosition, mechanism
 from paminsa_viz.model.leg_points import counterweight_point
@@ -69,7 +69,7 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
 
 
 def static_imbalance(design: Design) -> float:
-    """Return M_p2 [N]: zero means that gravity asks nothing of M1..M3, anywhere (Eq. 8)."""
+    """Return M_p2 [N]: zero means statically balanced: no torque of M1..M3 anywhere (Eq. 8)."""
     return float(lumped_coefficients(design)[1])
 
 

@@ -134,6 +134,7 @@ def _color_axis(data: MapData, scale: Scale, place: dict[str, Any]) -> dict[str,
         "tickvals": scale.position(np.array(values)).tolist(),
         "ticktext": [number(value * factor) for value in values],
         "ticks": "outside",
+        "tickangle": 0,
         "thickness": 14,
         **place,
     }

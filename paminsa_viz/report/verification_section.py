@@ -90,7 +90,7 @@ def _misprints(found: Verification) -> Table:
             (MISPRINTS[item], *(number(value, 2) for value in comparison.relative)),
             "total" if item is Misprint.ALL else "plain",
         )
-        for item, comparison in found.printed.items()
+        for item, comparison in found.published.items()
     ]
     caption = (
         "The formulae as the paper prints them beside the engine, moving: largest difference over "

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from paminsa_viz.engines.states import WORST_CONDITION, workspace_poses
+from paminsa_viz.engines.poses import WORST_CONDITION, workspace_poses
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Grid

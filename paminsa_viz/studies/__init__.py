@@ -8,8 +8,15 @@ the work is done.
 from __future__ import annotations
 
 from paminsa_viz.studies.executors import Workers, cluster, here, processes
-from paminsa_viz.studies.metrics import METRICS, Metric, Region, default_region, measure_design
-from paminsa_viz.studies.motion_metrics import MOTION_METRICS, measure_motion
+from paminsa_viz.studies.metrics import (
+    METRICS,
+    MOTION_METRICS,
+    Metric,
+    Region,
+    default_region,
+    measure_design,
+    measure_motion,
+)
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
 from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks

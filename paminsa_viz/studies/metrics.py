@@ -1,20 +1,29 @@
-"""What a study measures of a design: its static loads and its distances to every limit over a
-region of the workspace."""
+"""What a study measures of a design: one entry a metric.
+
+Over a region of the workspace: static loads and distances to every limit. On a motion: dynamic
+loads, or where it fails and why.
+"""
 
 from __future__ import annotations
 
+import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.balancing.changes import whole_mass
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field, Grid, solve_field
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.trajectory.presets import home
+from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze, home
 
 MOST_CELLS = 1000
 """Most cells along a side."""
@@ -72,42 +81,126 @@ def default_region(design: Design) -> Region:
 
 
 @dataclass(frozen=True)
-class Metric:
+class RegionResults:
+    """A design solved over a region; the masks have the shape of the grid, (theta, z, y, x).
+
+    Attributes:
+        design, region: What was solved.
+        field: The solved grid.
+        inside: Where a pose belongs to the region.
+        base_mass: What the added mass is counted from [kg].
+    """
+
+    design: Design
+    region: Region
+    field: Field
+    inside: NDArray[np.bool_]
+    base_mass: float = 0.0
+
+    @classmethod
+    def of(cls, design: Design, region: Region, base_mass: float = 0.0) -> RegionResults:
+        """Solve a design over a region."""
+        grid = region.grid()
+        field = solve_field(design.geometry, grid, threads=1)
+        inside = np.broadcast_to(region.inside(grid), field.status.shape)
+        return cls(design, region, field, inside, base_mass)
+
+    @cached_property
+    def reached(self) -> NDArray[np.bool_]:
+        """Where a pose of the region can be reached."""
+        return self.inside & (self.field.status == Limit.OK)
+
+    @cached_property
+    def usable(self) -> NDArray[np.bool_]:
+        """Where it has a good condition number as well."""
+        return self.reached & (self.field.condition <= self.region.max_condition)
+
+    @cached_property
+    def torques(self) -> Array:
+        """Static torques of the usable poses, (4, n) [N m, N]."""
+        return self.field.torques(self.design)[:, self.usable]
+
+    @cached_property
+    def conditions(self) -> Array:
+        """Condition numbers of the poses that can be reached, (n,)."""
+        return self.field.condition[self.reached]
+
+    def share(self, poses: NDArray[np.bool_]) -> float:
+        """Return the share of the region's poses that a mask holds."""
+        return int(poses.sum()) / int(self.inside.sum())
+
+
+Results = TypeVar("Results")
+
+
+@dataclass(frozen=True)
+class Metric(Generic[Results]):
     """One number of a design.
 
     Attributes:
-        column: Its name in tables, with its unit.
+        name: Its name.
+        unit: SI unit, empty for pure numbers.
         meaning: What it is.
+        value: Makes it from results [SI]; NaN where there is none.
     """
 
-    column: str
+    name: str
+    unit: str
     meaning: str
+    value: Callable[[Results], float]
+
+    @property
+    def column(self) -> str:
+        """Name of its column in tables, with its unit."""
+        return f"{self.name}_{self.unit.replace(' ', '')}" if self.unit else self.name
 
 
-METRICS: tuple[Metric, ...] = (
-    Metric("Mp2_N", "M_p2, 0 for a robot that is balanced statically (Eq. 8)"),
-    Metric("mass_kg", "mass of all that moves, with the payload"),
-    Metric("added_mass_kg", "mass beyond that of the first design"),
-    Metric("reached_share", "share of the region that can be reached"),
-    Metric("usable_share", "share of the region that can be reached with a good condition number"),
-    Metric("peak_torque_Nm", "largest static torque of M1 to M3 over the usable poses"),
-    Metric("rms_torque_Nm", "RMS of the static torques of M1 to M3 over the usable poses"),
-    Metric("peak_force_N", "largest static force of M4 over the usable poses"),
-    Metric("worst_condition", "largest condition number over the poses that can be reached"),
-    Metric("median_condition", "median condition number over the poses that can be reached"),
-    Metric("reach_margin_m", "least distance of the region to a limit of reach, negative beyond"),
-    Metric("singular_distance_m", "from the region to the singular circle, negative if it crosses"),
-    Metric("singular_turn_rad", "from the region to the singular angle; none if R_pl > R_b"),
-)
-"""Everything that is measured, in the order of a table's columns."""
+def _largest(values: Array) -> float:
+    return float(np.abs(values).max()) if values.size else np.nan
 
 
-def measure_design(
-    design: Design,
-    region: Region,
-    *,
-    base_mass: float = 0.0,
-) -> tuple[float, ...]:
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2))) if values.size else np.nan
+
+
+METRICS: tuple[Metric[RegionResults], ...] = (
+    Metric("Mp2", "N", "M_p2, 0 for a robot that is balanced statically (Eq. 8)",
+           lambda found: static_imbalance(found.design)),
+    Metric("mass", "kg", "mass of all that moves, with the payload",
+           lambda found: whole_mass(found.design)),
+    Metric("added_mass", "kg", "mass beyond that of the first design",
+           lambda found: whole_mass(found.design) - found.base_mass),
+    Metric("reached_share", "", "share of the region that can be reached",
+           lambda found: found.share(found.reached)),
+    Metric("usable_share", "",
+           "share of the region that can be reached with a good condition number",
+           lambda found: found.share(found.usable)),
+    Metric("peak_torque", "N m", "largest static torque of M1 to M3 over the usable poses",
+           lambda found: _largest(found.torques[:3])),
+    Metric("rms_torque", "N m", "RMS of the static torques of M1 to M3 over the usable poses",
+           lambda found: _rms(found.torques[:3])),
+    Metric("peak_force", "N", "largest static force of M4 over the usable poses",
+           lambda found: _largest(found.torques[3])),
+    Metric("worst_condition", "", "largest condition number over the poses that can be reached",
+           lambda found: _largest(found.conditions)),
+    Metric("median_condition", "", "median condition number over the poses that can be reached",
+           lambda found: float(np.median(found.conditions)) if found.conditions.size else np.nan),
+    Metric("reach_margin", "m",
+           "least distance of the region to a limit of reach, negative beyond",
+           lambda found: float(found.field.margin[found.inside].min())),
+    Metric("singular_distance", "m",
+           "from the region to the singular circle, negative if it crosses",
+           lambda found: float(singular_radius(found.design.geometry, found.region.theta).min())
+           - found.region.radius),
+    Metric("singular_turn", "rad",
+           "from the region to the singular angle; none if R_pl > R_b",
+           lambda found: singular_rotation(found.design.geometry)
+           - max(abs(angle) for angle in found.region.theta)),
+)  # fmt: skip
+"""Everything that is measured over a region, in the order of a table's columns."""
+
+
+def measure_design(design: Design, region: Region, *, base_mass: float = 0.0) -> tuple[float, ...]:
     """Return the `METRICS` of a design [SI]; NaN where there is none, as without a usable pose.
 
     Args:
@@ -115,37 +208,45 @@ def measure_design(
         region: The poses.
         base_mass: What the added mass is counted from [kg].
     """
-    grid = region.grid()
-    field = solve_field(design.geometry, grid, threads=1)
-    inside = np.broadcast_to(region.inside(grid), field.status.shape)
-    poses = int(inside.sum())
-    reached = inside & (field.status == Limit.OK)
-    condition = field.condition
-    usable = reached & (condition <= region.max_condition)
-    known = condition[reached]
-    mass = whole_mass(design)
-    turn = max(abs(angle) for angle in region.theta)
-    circle = float(singular_radius(design.geometry, region.theta).min())
-    return (
-        static_imbalance(design),
-        mass,
-        mass - base_mass,
-        int(reached.sum()) / poses,
-        int(usable.sum()) / poses,
-        *_loads(design, field, usable),
-        float(known.max()) if known.size else np.nan,
-        float(np.median(known)) if known.size else np.nan,
-        float(field.margin[inside].min()),
-        circle - region.radius,
-        singular_rotation(design.geometry) - turn,
-    )
+    found = RegionResults.of(design, region, base_mass)
+    return tuple(metric.value(found) for metric in METRICS)
 
 
-def _loads(design: Design, field: Field, usable: np.ndarray) -> tuple[float, float, float]:
-    """Return peak and RMS of the rotary torques [N m] and the peak of the lifting force [N]."""
-    if not usable.any():
-        return np.nan, np.nan, np.nan
-    torque = field.torques(design)[:, usable]
-    rotary = torque[:3]
-    rms = float(np.sqrt(np.mean(rotary**2)))
-    return float(np.abs(rotary).max()), rms, float(np.abs(torque[3]).max())
+MOTION_METRICS: tuple[Metric[TrajectoryAnalysis], ...] = (
+    Metric("motion_peak_torque", "N m", "largest torque of M1 to M3 on the motion",
+           lambda found: max(abs(motor.peak) for motor in found.summary[:3])),
+    Metric("motion_rms_torque", "N m", "RMS torque of M1 to M3 over the motion's time",
+           lambda found: _rms(np.array([motor.rms for motor in found.summary[:3]]))),
+    Metric("motion_peak_force", "N", "largest force of M4 on the motion",
+           lambda found: abs(found.summary[3].peak)),
+    Metric("motion_energy", "J",
+           "energy that M1 to M4 put in on the motion; braking gives none back",
+           lambda found: sum(motor.driven for motor in found.summary)),
+)  # fmt: skip
+"""Everything that is measured on a motion, in the order of a table's columns."""
+
+RUNS = str(status_words(Limit.OK))
+"""Word for a motion that a design can run."""
+
+
+def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, tuple[float, ...]]:
+    """Return a word, a time [s] and the `MOTION_METRICS` [SI] of a design on a motion.
+
+    The numbers are those of `analyze`, friction included. A design that cannot run the whole
+    motion has none: they are NaN, the word is what it fails at, such as ``guide:leg2`` or
+    ``singular``, and the time is when. Otherwise the word is `RUNS` and the time NaN.
+    """
+    analysis = analyze(design, trajectory)
+    first = analysis.check.first
+    if first is not None:
+        word = str(status_words(first.limit, first.leg))
+        return word, first.t, (np.nan,) * len(MOTION_METRICS)
+    return RUNS, np.nan, tuple(metric.value(analysis) for metric in MOTION_METRICS)
+
+
+def samples_hash(trajectory: Trajectory) -> str:
+    """Return what tells a motion's samples from any others, whatever the motion is called."""
+    found = hashlib.sha256()
+    for array in (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration):
+        found.update(array.astype("<f8").tobytes())
+    return found.hexdigest()[:32]

@@ -11,8 +11,7 @@ from dataclasses import dataclass, field
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.metrics import METRICS, Metric
-from paminsa_viz.studies.motion_metrics import MOTION_METRICS, RUNS
+from paminsa_viz.studies.metrics import METRICS, MOTION_METRICS, RUNS, Metric
 from paminsa_viz.studies.study import OK, Study
 
 PART = 8
@@ -74,11 +73,11 @@ class StudySummary:
         self.rows += 1
         row = dict(zip(self.study.columns, cells, strict=True))
         if _count(self.status, row["status"]) == OK:
-            self._take_in(row, METRICS)
+            self._accumulate(row, METRICS)
         if row.get("motion") and _count(self.motion, row["motion"]) == RUNS:
-            self._take_in(row, MOTION_METRICS)
+            self._accumulate(row, MOTION_METRICS)
 
-    def _take_in(self, row: Mapping[str, str], metrics: tuple[Metric, ...]) -> None:
+    def _accumulate(self, row: Mapping[str, str], metrics: tuple[Metric, ...]) -> None:
         for metric in metrics:
             cell = row[metric.column]
             if cell:

@@ -17,8 +17,15 @@ from paminsa_viz.model import backend
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
-from paminsa_viz.studies.metrics import METRICS, Metric, Region, measure_design
-from paminsa_viz.studies.motion_metrics import MOTION_METRICS, measure_motion, samples_hash
+from paminsa_viz.studies.metrics import (
+    METRICS,
+    MOTION_METRICS,
+    Metric,
+    Region,
+    measure_design,
+    measure_motion,
+    samples_hash,
+)
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
 
@@ -121,7 +128,7 @@ class Study:
     @cached_property
     def fingerprint(self) -> str:
         """What tells this study's table from any other: a hash of all that decides its rows."""
-        told = {
+        facts = {
             "format": FORMAT,
             "version": __version__,
             "design": {p.path: self.design.value(p.path) for p in PARAMETERS},
@@ -134,7 +141,7 @@ class Study:
             "columns": self.columns,
             "motion": None if self.trajectory is None else samples_hash(self.trajectory),
         }
-        return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:32]
+        return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
     def provenance(self, command: str = "") -> dict[str, str]:
         """Return what the head of the table says: key and value, both on one line.
@@ -146,7 +153,7 @@ class Study:
             designs, varied = f"random, seed {variation.seed}", variation.ranges
         else:
             designs, varied = "grid", variation.axes
-        said = {
+        facts = {
             "format": FORMAT,
             "command": command,
             "design": self.design.name,
@@ -162,16 +169,16 @@ class Study:
             "region cells": str(region.cells),
             "largest condition number": repr(region.max_condition),
         }
-        said |= {f"vary {column(item.path)}": item.words for item in varied}
+        facts |= {f"vary {column(item.path)}": item.words for item in varied}
         if self.trajectory is not None:
             motion = self.trajectory
-            said["motion"] = f"{motion.name}, {motion.size} samples in {motion.duration:g} s"
-            said["hash of the motion's samples"] = samples_hash(motion)
-        said |= {m.column: m.meaning for m in self.metrics}
-        said |= {f"design {p.path}": repr(self.design.value(p.path)) for p in PARAMETERS}
+            facts["motion"] = f"{motion.name}, {motion.size} samples in {motion.duration:g} s"
+            facts["hash of the motion's samples"] = samples_hash(motion)
+        facts |= {m.column: m.meaning for m in self.metrics}
+        facts |= {f"design {p.path}": repr(self.design.value(p.path)) for p in PARAMETERS}
         for number, weight in enumerate(self.design.counterweights):
-            said[f"design counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
-        return {key: printable(value) for key, value in said.items() if value}
+            facts[f"design counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
+        return {key: printable(value) for key, value in facts.items() if value}
 
     @cached_property
     def _base_mass(self) -> float:

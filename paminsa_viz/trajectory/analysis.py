@@ -1,7 +1,8 @@
-"""What a trajectory asks of a robot: torques, their causes, power, energy, and where it fails."""
+"""Loads of a robot on a trajectory: required torques, their parts, power, energy, failures."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,6 +11,7 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
+from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
@@ -20,7 +22,7 @@ from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 
 @dataclass(frozen=True)
 class ActuatorSummary:
-    """What an actuator has to give before the motion ends or first fails.
+    """Load of an actuator before the motion ends or first fails.
 
     Attributes:
         peak: Torque or force that is largest in size, with its sign [N m or N].
@@ -54,7 +56,7 @@ class TrajectoryAnalysis:
 
     Attributes:
         design: The robot.
-        solved: What the motion asks of its geometry.
+        solved: The motion, solved for its geometry.
         torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction included.
     """
 
@@ -130,8 +132,8 @@ class TrajectoryAnalysis:
     def energy_residual(self) -> Array:
         """Work of all actuators minus growth of energy and friction losses, (n,) [J].
 
-        Zero but for the integration over samples: the energy balance of the formulae. Printed
-        formulae with `misprints` do not balance.
+        Zero but for the integration over samples: the energy balance of the formulae. With
+        `misprints` it does not balance.
         """
         until = self.check.until
         residual = np.full(self.trajectory.size, np.nan)
@@ -155,7 +157,7 @@ def analyze(
     clearance: float = SINGULAR_CLEARANCE,
     keep: SolvedTrajectory | None = None,
 ) -> TrajectoryAnalysis:
-    """Return what a trajectory asks of a robot.
+    """Return the required actuator torques and what follows from them.
 
     A path that the robot cannot run raises nothing: the result says where it fails and why, and
     is NaN there.
@@ -163,7 +165,7 @@ def analyze(
     Args:
         design: The robot.
         trajectory: The motion.
-        misprints: Formulae to take as printed.
+        misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
         keep: The ``solved`` of an earlier result, which is used again if geometry, trajectory,
             misprints are the same: then only one product is computed.
@@ -174,3 +176,43 @@ def analyze(
             gravity=design.gravity, misprints=misprints, clearance=clearance,
         )  # fmt: skip
     return TrajectoryAnalysis(design, keep, keep.torques(design))
+
+
+@dataclass(frozen=True)
+class ActuatorChange:
+    """Load of an actuator over that in the reference; infinite or NaN where the latter is zero.
+
+    Attributes:
+        peak: Ratio of the largest torques.
+        rms: Ratio of the root mean squares.
+        top_power: Ratio of the largest powers.
+        driven: Ratio of the energies put in while driving.
+    """
+
+    peak: float
+    rms: float
+    top_power: float
+    driven: float
+
+
+def compare(
+    chosen: TrajectoryAnalysis, reference: TrajectoryAnalysis
+) -> tuple[ActuatorChange, ...]:
+    """Return the change of each actuator's load; empty if either fails at its first sample.
+
+    Raises:
+        InvalidInput: If the two are not of the same trajectory.
+    """
+    if chosen.trajectory is not reference.trajectory:
+        raise InvalidInput("reference", "it has to be an analysis of the same trajectory")
+    names = ("peak", "rms", "top_power", "driven")
+    return tuple(
+        ActuatorChange(*(_ratio(getattr(a, name), getattr(b, name)) for name in names))
+        for a, b in zip(chosen.summary, reference.summary, strict=False)
+    )
+
+
+def _ratio(value: float, base: float) -> float:
+    if base == 0:
+        return math.nan if value == 0 else math.inf
+    return abs(value / base)

@@ -1,4 +1,4 @@
-"""Integrals over samples."""
+"""Integrals over samples, also as weighted sums of them."""
 
 from __future__ import annotations
 
@@ -40,3 +40,27 @@ def rms(t: Array, values: Array) -> Array:
     if len(t) < 2:
         return np.abs(values[0])
     return np.sqrt(np.maximum(running_integral(t, values**2)[-1] / (t[-1] - t[0]), 0.0))
+
+
+def time_weights(t: Array) -> Array:
+    """Return the weights (n,) with which samples at times t add up to an integral [s].
+
+    Those of `running_integral` unless a very uneven step makes one negative, which would not be
+    convex; then those of trapezia.
+    """
+    step = np.diff(t)
+    weights = np.zeros(len(t))
+    weights[:-1] += 0.5 * step
+    weights[1:] += 0.5 * step
+    if len(t) > 2:
+        # a step's parabolas reach four samples, so samples six apart can share a run
+        fine = np.zeros(len(t))
+        for first in range(6):
+            comb = np.zeros(len(t))
+            comb[first::6] = 1.0
+            total = running_integral(t, comb)
+            for i in range(first, len(t), 6):
+                fine[i] = total[min(i + 2, len(t) - 1)] - total[max(i - 3, 0)]
+        if (fine >= 0).all():
+            return fine
+    return weights

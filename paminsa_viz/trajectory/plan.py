@@ -1,16 +1,206 @@
-"""A planned motion: a curve in unit time and its duration."""
+"""Planned motions: curves in unit time with exact derivatives, and a duration for each.
+
+A curve gives the pose (..., 4) = (x, y, theta, z) as a function of u in [0, 1], and does not depend
+on its duration; `Plan` scales it.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.trajectory.curves import UnitCurve
 from paminsa_viz.trajectory.sampled import RATE, States, Trajectory, sample_times
+from paminsa_viz.trajectory.time_laws import TimeLaw
+
+if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them
+    from scipy.interpolate import BSpline
+
+
+class UnitCurve(Protocol):
+    """A motion in unit time."""
+
+    @property
+    def breaks(self) -> Array:
+        """Instants in [0, 1], ends included, between which all derivatives are continuous."""
+        ...
+
+    @property
+    def bounded_jerk(self) -> bool:
+        """Whether the acceleration never jumps, also against the rest before and after."""
+        ...
+
+    def __call__(self, u: Array, order: int = 0) -> Array:
+        """Return the pose or a derivative by u, up to the third, at instants u (n,); (n, 4)."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Displacement:
+    """A displacement (4,) made with a law between two instants of unit time."""
+
+    shift: Array
+    law: TimeLaw
+    begin: float = 0.0
+    end: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Blend:
+    """A start pose (4,) and displacements on top of each other: lines, arches, pauses."""
+
+    start: Array
+    terms: tuple[Displacement, ...]
+
+    @property
+    def breaks(self) -> Array:
+        """See `Curve`."""
+        inner = [t.begin + (t.end - t.begin) * t.law.breaks for t in self.terms]
+        return np.unique(np.concatenate([[0.0, 1.0], *inner]))
+
+    @property
+    def bounded_jerk(self) -> bool:
+        """See `Curve`."""
+        return all(term.law.bounded_jerk for term in self.terms)
+
+    def __call__(self, u: Array, order: int = 0) -> Array:
+        """See `Curve`."""
+        u = np.asarray(u, dtype=np.float64)
+        value = np.zeros((*u.shape, 4)) + (self.start if order == 0 else 0.0)
+        for term in self.terms:
+            span = term.end - term.begin
+            part = term.law((u - term.begin) / span, order) / span**order
+            if order and term.end < 1.0:
+                part = np.where(u < term.end, part, 0.0)
+            value += part[..., None] * term.shift
+        return value
+
+
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """A circular motion: center + first cos phi + second sin phi, phi = angle * law(u).
+
+    Attributes:
+        center, first, second: (4,) poses; the last two of equal length across each other.
+        angle: Angle run through [rad].
+        law: Its time law.
+    """
+
+    center: Array
+    first: Array
+    second: Array
+    angle: float
+    law: TimeLaw
+
+    @property
+    def breaks(self) -> Array:
+        """See `Curve`."""
+        return self.law.breaks
+
+    @property
+    def bounded_jerk(self) -> bool:
+        """See `Curve`."""
+        return self.law.bounded_jerk
+
+    def __call__(self, u: Array, order: int = 0) -> Array:
+        """See `Curve`."""
+        u = np.asarray(u, dtype=np.float64)
+        phi = self.angle * self.law(u)[..., None]
+        out = self.first * np.cos(phi) + self.second * np.sin(phi)
+        if order == 0:
+            return self.center + out
+        along = self.second * np.cos(phi) - self.first * np.sin(phi)
+        rate = self.angle * self.law(u, 1)[..., None]
+        if order == 1:
+            return along * rate
+        growth = self.angle * self.law(u, 2)[..., None]
+        if order == 2:
+            return along * growth - out * rate**2
+        third = self.angle * self.law(u, 3)[..., None]
+        return along * (third - rate**3) - 3.0 * out * rate * growth
+
+
+@dataclass(frozen=True, eq=False)
+class Spline:
+    """A spline of the pose with values (4,) on [0, 1], of a degree above 4, at rest at both ends.
+
+    Attributes:
+        spline: The spline.
+        breaks: The instants of its waypoints.
+    """
+
+    spline: BSpline
+    breaks: Array
+
+    @property
+    def bounded_jerk(self) -> bool:
+        """See `Curve`."""
+        return True
+
+    def __call__(self, u: Array, order: int = 0) -> Array:
+        """See `Curve`."""
+        return self.spline(np.asarray(u, dtype=np.float64), order)
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Curves after each other, each in its share of the time.
+
+    Attributes:
+        curves: Each starts where the one before it ends; all at rest there.
+        ends: (number of curves + 1,) instants at which they begin and end, from 0 to 1.
+    """
+
+    curves: tuple[UnitCurve, ...]
+    ends: Array
+
+    @property
+    def breaks(self) -> Array:
+        """See `Curve`."""
+        spans = zip(self.curves, self.ends[:-1], np.diff(self.ends), strict=True)
+        return np.unique(np.concatenate([begin + span * c.breaks for c, begin, span in spans]))
+
+    @property
+    def bounded_jerk(self) -> bool:
+        """See `Curve`."""
+        return all(curve.bounded_jerk for curve in self.curves)
+
+    def __call__(self, u: Array, order: int = 0) -> Array:
+        """See `Curve`."""
+        u = np.asarray(u, dtype=np.float64)
+        which = np.clip(np.searchsorted(self.ends, u, "right") - 1, 0, len(self.curves) - 1)
+        value = np.empty((*u.shape, 4))
+        for index, curve in enumerate(self.curves):
+            mine = which == index
+            begin, span = self.ends[index], self.ends[index + 1] - self.ends[index]
+            local = np.clip((u[mine] - begin) / span, 0.0, 1.0)
+            value[mine] = curve(local, order) / span**order
+        return value
+
+
+@dataclass(frozen=True, eq=False)
+class Reversed:
+    """A curve run backwards."""
+
+    curve: UnitCurve
+
+    @property
+    def breaks(self) -> Array:
+        """See `Curve`."""
+        return 1.0 - self.curve.breaks[::-1]
+
+    @property
+    def bounded_jerk(self) -> bool:
+        """See `Curve`."""
+        return self.curve.bounded_jerk
+
+    def __call__(self, u: Array, order: int = 0) -> Array:
+        """See `Curve`."""
+        return (-1.0) ** order * self.curve(1.0 - np.asarray(u, dtype=np.float64), order)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,23 +13,23 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.trajectory.curves import (
+from paminsa_viz.trajectory.plan import (
     Arc,
     Blend,
     Chain,
     Displacement,
+    Plan,
     Reversed,
     Spline,
     UnitCurve,
 )
-from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 PLACE = [0, 1, 3]
 """Columns of a pose that are lengths."""
 
 TURN_LENGTH = 0.1
-"""Lever by which turns count beside lengths where waypoints share out the time [m/rad]."""
+"""Lever by which rotations count as lengths where time is shared between waypoints [m/rad]."""
 
 PLANES = {"xy": (0, 1), "xz": (0, 3), "yz": (1, 3)}
 """Columns of a pose along which a circle may lie."""

@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.trajectory.plant import hermite
 
 RATE = 1000.0
-"""Samples a second unless said otherwise [1/s]."""
+"""Default samples a second [1/s]."""
 
 MOST_SAMPLES = 1_000_000
 """Longest list of samples; with all that is computed along it some 2 GB."""
@@ -104,17 +105,11 @@ class Trajectory:
         left = right - 1
         h = (self.t[right] - self.t[left])[..., None]
         u = (t - self.t[left])[..., None] / h
-        p0, v0, a0 = self.pose[left], self.velocity[left] * h, self.acceleration[left] * h**2
-        p1, v1, a1 = self.pose[right], self.velocity[right] * h, self.acceleration[right] * h**2
-        gap = p1 - p0 - v0 - 0.5 * a0
-        c3 = 10 * gap - 4 * (v1 - v0 - a0) + 0.5 * (a1 - a0)
-        c4 = -15 * gap + 7 * (v1 - v0 - a0) - (a1 - a0)
-        c5 = 6 * gap - 3 * (v1 - v0 - a0) + 0.5 * (a1 - a0)
-        return States(
-            p0 + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5)))),
-            (v0 + u * (a0 + u * (3 * c3 + u * (4 * c4 + u * 5 * c5)))) / h,
-            (a0 + u * (6 * c3 + u * (12 * c4 + u * 20 * c5))) / h**2,
-        )
+        ends = [
+            values[at] for at in (left, right)
+            for values in (self.pose, self.velocity, self.acceleration)
+        ]  # fmt: skip
+        return States(*hermite(u, h, *ends))
 
     def resampled(self, rate: float = RATE) -> Trajectory:
         """Return the same motion in equal steps at about another rate [1/s], as `at` has it.

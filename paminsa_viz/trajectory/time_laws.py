@@ -10,11 +10,15 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PPoly
 
 
 class Profile(Enum):
@@ -56,7 +60,7 @@ class TimeLaw:
     @property
     def breaks(self) -> Array:
         """Instants in [0, 1], ends included, between which the law is one polynomial."""
-        return _polynomial(self.profile, self.ramp, self.blend).breaks
+        return _derivatives(self.profile, self.ramp, self.blend)[0].x
 
     @property
     def bounded_jerk(self) -> bool:
@@ -68,62 +72,33 @@ class TimeLaw:
 
         Outside [0, 1] it is at rest. At a jump it is the value after it.
         """
-        inside = _polynomial(self.profile, self.ramp, self.blend)(np.clip(u, 0.0, 1.0), order)
+        inside = _derivatives(self.profile, self.ramp, self.blend)[order](np.clip(u, 0.0, 1.0))
         if order == 0:
             return inside
         return np.where((u < 0.0) | (u > 1.0), 0.0, inside)
 
 
-class _Piecewise:
-    """A polynomial on each of some pieces, in powers of the distance from the piece's begin."""
-
-    def __init__(self, breaks: Array, coefficients: Array) -> None:
-        """Take breaks (m + 1,) and coefficients (m, degree + 1), the constant first."""
-        self.breaks = breaks
-        self.coefficients = [coefficients]
-        for _ in range(3):
-            powers = np.arange(1, self.coefficients[-1].shape[1])
-            self.coefficients.append(self.coefficients[-1][:, 1:] * powers)
-
-    @classmethod
-    def integrated(cls, breaks: Array, highest: Array, times: int) -> _Piecewise:
-        """Integrate a piecewise constant (m,) from 0, and scale it to be 1 at the end."""
-        coefficients = highest[:, None]
-        spans = np.diff(breaks)
-        for _ in range(times):
-            raised = coefficients / np.arange(1, coefficients.shape[1] + 1)
-            growth = (raised * spans[:, None] ** np.arange(1, raised.shape[1] + 1)).sum(axis=1)
-            begin = np.concatenate([[0.0], np.cumsum(growth)[:-1]])
-            coefficients = np.column_stack([begin, raised])
-        end = (coefficients[-1] * spans[-1] ** np.arange(coefficients.shape[1])).sum()
-        return cls(breaks, coefficients / end)
-
-    def __call__(self, u: Array, order: int) -> Array:
-        """Return a derivative at u in [0, 1]; at a break the one after it."""
-        last = len(self.breaks) - 2
-        piece = np.minimum(np.searchsorted(self.breaks, u, "right") - 1, last)
-        rest = u - self.breaks[piece]
-        value = np.zeros_like(rest)
-        for column in self.coefficients[order].T[::-1]:
-            value = value * rest + column[piece]
-        return value
-
-
 @lru_cache(maxsize=256)
-def _polynomial(profile: Profile, ramp: float, blend: float) -> _Piecewise:
+def _derivatives(profile: Profile, ramp: float, blend: float) -> tuple[PPoly, ...]:
+    """Return a law and its first three derivatives."""
+    from scipy.interpolate import PPoly  # slow to load
+
     if profile is Profile.QUINTIC:
-        return _Piecewise(np.array([0.0, 1.0]), np.array([[0.0, 0.0, 0.0, 10.0, -15.0, 6.0]]))
-    if profile is Profile.TRAPEZOID:
-        ends = [0.0, ramp, 1.0 - ramp, 1.0]
-        values, integrations = [1.0, 0.0, -1.0], 2
+        law = PPoly([[6.0], [-15.0], [10.0], [0.0], [0.0], [0.0]], [0.0, 1.0])
     else:
-        rise = blend * ramp
-        ends = [0.0, rise, ramp - rise, ramp]
-        ends += [1.0 - end for end in reversed(ends)]
-        values, integrations = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0], 3
-    kept = [i for i, value in enumerate(values) if ends[i + 1] - ends[i] > 1e-15]
-    breaks = np.array([0.0, *(ends[i + 1] for i in kept)])
-    return _Piecewise.integrated(breaks, np.array([values[i] for i in kept]), integrations)
+        if profile is Profile.TRAPEZOID:
+            ends = [0.0, ramp, 1.0 - ramp, 1.0]
+            values, integrations = [1.0, 0.0, -1.0], 2
+        else:
+            rise = blend * ramp
+            ends = [0.0, rise, ramp - rise, ramp]
+            ends += [1.0 - end for end in reversed(ends)]
+            values, integrations = [1.0, 0.0, -1.0, 0.0, -1.0, 0.0, 1.0], 3
+        kept = [i for i, value in enumerate(values) if ends[i + 1] - ends[i] > 1e-15]
+        breaks = [0.0, *(ends[i + 1] for i in kept)]
+        law = PPoly([[values[i] for i in kept]], breaks).antiderivative(integrations)
+        law = PPoly(law.c / law(1.0), law.x)
+    return law, law.derivative(1), law.derivative(2), law.derivative(3)
 
 
 def fit_law(

@@ -10,15 +10,17 @@ from paminsa_viz.balancing import (
     ActiveConstraint,
     AddedMass,
     Changes,
+    Imbalance,
     InfeasibleBounds,
     MassChange,
+    MassRange,
     StaticPeak,
     Term,
     TrajectoryPeak,
     TrajectoryRms,
     optimize,
 )
-from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model import APPENDIX_4, static_imbalance
 from tests.balancing.measuring import measured
 from tests.balancing.robots import changes, field, solved
 
@@ -64,7 +66,22 @@ def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
     assert {"low", "limit"} <= seen
 
 
-def test_limits_that_can_not_be_met_say_what_can() -> None:
+def test_price_of_an_upper_bound_is_what_a_kilogram_more_saves() -> None:
+    """With joint 7 alone |M_p2| is linear in its mass, until it vanishes at 3.063 kg."""
+    fixed = Changes((MassRange("joints.j7", 1.0, 1.0),))
+    slope = static_imbalance(APPENDIX_4.vary({"joints.j7": 0.0})) - static_imbalance(
+        APPENDIX_4.vary({"joints.j7": 1.0})
+    )
+    for what, sides in (
+        (fixed, {"low": 0.0, "high": slope}),
+        (Changes((MassRange("joints.j7", 0.1, 1.0),)), {"high": slope}),
+        (Changes((MassRange("joints.j7", 4.0, 5.0),)), {"low": slope}),
+    ):
+        result = optimize(APPENDIX_4, what, Imbalance())
+        assert {item.side: item.price for item in result.active} == pytest.approx(sides, rel=1e-9)
+
+
+def test_limits_that_cannot_be_met_say_what_can() -> None:
     what = changes(0.2)
     with pytest.raises(InfeasibleBounds) as caught:
         optimize(APPENDIX_4, what, AddedMass(), limits=[(TrajectoryRms(solved()), 0.5)])

@@ -14,8 +14,7 @@ from paminsa_viz.balancing.convex import Cuts, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.balancing.enclosure import Enclosure
 from paminsa_viz.balancing.program import Infeasible, Program, Variable
 from paminsa_viz.balancing.solver import solve
-from paminsa_viz.balancing.time_weights import time_weights
-from paminsa_viz.trajectory.integrals import running_integral
+from paminsa_viz.trajectory.integrals import running_integral, time_weights
 
 SEEDS = st.integers(0, 10_000)
 

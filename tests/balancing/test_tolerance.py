@@ -74,6 +74,19 @@ def test_the_spread_of_masses_is_that_of_robots_with_three_different_legs() -> N
     np.testing.assert_allclose(np.max(corners, axis=0), found.torque_worst, rtol=1e-5)
 
 
+def test_mass_tolerance_has_the_standard_deviation_of_even_distributions() -> None:
+    """An even distribution from -a to a has the deviation a / sqrt(3); variances add up."""
+    tolerances = {"joints.j7": 0.1, "links.b8": 0.03}
+    ends = [
+        static_imbalance(APPENDIX_4.vary({path: (1 + part) * APPENDIX_4.value(path)}))
+        - static_imbalance(APPENDIX_4)
+        for path, part in tolerances.items()
+    ]
+    found = mass_tolerance(APPENDIX_4, tolerances, [0.05, -0.04, 0.3, -0.5])
+    assert found.deviation == pytest.approx(np.hypot(*ends) / 3**0.5, rel=1e-12)
+    assert found.worst == pytest.approx(np.abs(ends).sum(), rel=1e-12)
+
+
 def test_shares_add_up_and_name_the_counterweight() -> None:
     found = mass_tolerance(WITH_WEIGHT, 0.01, POSES)
     assert sum(found.shares.values()) == pytest.approx(1.0)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.cli import main
-from paminsa_viz.engines.placing import start_pose
+from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from tests.samples import with_knee

@@ -1,20 +1,20 @@
-"""The program: its commands, exit codes and one-line complaints."""
+"""The program: its commands, exit codes and one-line errors."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
-import types
 import warnings
 from pathlib import Path
 
 import pytest
 
 import paminsa_viz
+from paminsa_viz import app
+from paminsa_viz.app import AppOptions
 from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.cli.arguments import one_line
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.options import AppOptions
 from tests.cli import running
 
 
@@ -22,10 +22,7 @@ from tests.cli import running
 def started(monkeypatch) -> list[AppOptions]:
     """Put an application in place that only notes what it was started with."""
     found: list[AppOptions] = []
-    app = types.ModuleType("paminsa_viz.app")
-    app.run = found.append  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, "paminsa_viz.app", app)
-    monkeypatch.setattr(paminsa_viz, "app", app, raising=False)
+    monkeypatch.setattr(app, "run", found.append)
     return found
 
 
@@ -101,7 +98,7 @@ def test_ctrl_c_ends_with_130(monkeypatch, started) -> None:
     def stopped(_: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(sys.modules["paminsa_viz.app"], "run", stopped)
+    monkeypatch.setattr(app, "run", stopped)
     assert main([]) == 130
 
 
@@ -109,7 +106,7 @@ def test_an_error_of_the_system_is_one_line(monkeypatch, started, capsys) -> Non
     def taken(_: object) -> None:
         raise OSError(98, "Address already in use")
 
-    monkeypatch.setattr(sys.modules["paminsa_viz.app"], "run", taken)
+    monkeypatch.setattr(app, "run", taken)
     assert main([]) == 2
     assert capsys.readouterr().err == "paminsa-viz: [Errno 98] Address already in use\n"
 

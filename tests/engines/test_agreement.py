@@ -8,8 +8,8 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot

@@ -9,9 +9,10 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from paminsa_viz.engines.mechanism import Link, build_mechanism
-from paminsa_viz.engines.placing import joint_values, posture_of, start_pose
+from paminsa_viz.engines.poses import joint_values, start_pose
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign, UnreachablePose
+from paminsa_viz.model.kinematics import inverse_kinematics
 from tests import oracle, samples
 from tests.samples import with_knee
 
@@ -22,7 +23,7 @@ BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 
 def frames(design: Design, pose: Any) -> dict[str, tuple[Any, Rotation]]:
     """Origin and orientation of every link at one pose, from the joint values alone."""
-    values = joint_values(posture_of(design, pose))
+    values = joint_values(inverse_kinematics(design.geometry, pose))
     found: dict[str | None, tuple[Any, Rotation]] = {None: (np.zeros(3), Rotation.identity())}
     for link in build_mechanism(design).links:
         place, turn = found[link.parent]
@@ -98,7 +99,7 @@ def test_start_pose_is_regular_and_on_the_natural_side(knee: KneeBranch) -> None
     rng = np.random.default_rng(2)
     for design in (APPENDIX_4, *(samples.random_design(rng) for _ in range(10))):
         pose = start_pose(with_knee(design, knee))
-        assert np.isfinite(posture_of(with_knee(design, knee), pose).phi).all()
+        assert np.isfinite(inverse_kinematics(with_knee(design.geometry, knee), pose).phi).all()
         assert (pose[3] + design.geometry.platform_joint_height) * knee.sign < 0
 
 

@@ -16,6 +16,7 @@ from paminsa_viz.engines.simulation import play
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.errors import InvalidInput, UnreachablePose
 from tests import oracle, samples
+from tests.model.cases import PROTOTYPES
 from tests.samples import with_knee
 
 DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in (7, 8))]
@@ -81,18 +82,18 @@ def test_it_loads_and_stands_still_for_two_seconds(
     np.testing.assert_allclose(start.pose(model.qpos0), pose, rtol=0, atol=1e-14)
 
 
-@BOTH
-def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, knee: KneeBranch) -> None:
-    _, _, gap = run(mujoco, exported_mjcf(with_knee(APPENDIX_4, knee), servos=False), 2.0)
+@PROTOTYPES
+def test_default_start_steps_two_seconds_with_motors_too(mujoco: Any, design: Design) -> None:
+    _, _, gap = run(mujoco, exported_mjcf(design, servos=False), 2.0)
     assert gap < 1e-6
 
 
-@BOTH
-def test_servos_follow_their_controls(mujoco: Any, knee: KneeBranch) -> None:
+@PROTOTYPES
+def test_servos_follow_their_controls(mujoco: Any, design: Design) -> None:
     """The viewer's sliders: all at once, smoothly over half a second."""
-    robot = MujocoRobot(with_knee(APPENDIX_4, knee))
+    robot = MujocoRobot(design)
     wish = np.array([0.15, -0.1, 0.05, 0.04])
-    text = exported_mjcf(with_knee(APPENDIX_4, knee))
+    text = exported_mjcf(design)
     model, data, gap = run(mujoco, text, 1.5, lambda t: wish * min(2 * t, 1.0))
     joints = [model.joint(name).qposadr[0] for name in robot.mechanism.actuated]
     reached = (data.qpos - model.qpos0)[joints]

@@ -1,4 +1,4 @@
-"""The verdict on the formulae: right ones pass, and nothing wrong gets through."""
+"""The verdict on the formulas: right ones pass, and nothing wrong gets through."""
 
 from __future__ import annotations
 
@@ -11,11 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.engines import states, verification
+from paminsa_viz.engines import EngineMissing, poses, verification
 from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.engines.mjcf import mjcf_text
-from paminsa_viz.engines.states import workspace_poses
+from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.verification import EVERY_MISPRINT, Verification, misprint_name, verify
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -82,12 +81,12 @@ def test_counterweights_pass_too(knee: KneeBranch) -> None:
 
 def test_misprints_are_misprints() -> None:
     found = checked()
-    assert set(found.printed) == set(EVERY_MISPRINT)
-    for item, comparison in found.printed.items():
+    assert set(found.published) == set(EVERY_MISPRINT)
+    for item, comparison in found.published.items():
         assert not comparison.agrees(1e-6), misprint_name(item)
         assert comparison.reference is found.engines[0].dynamic.reference
     # Eq. 13's lift speed concerns M4 alone.
-    lift = found.printed[Misprint.EQ13_LIFT_SPEED].relative
+    lift = found.published[Misprint.EQ13_LIFT_SPEED].relative
     assert lift[:3].max() < SHARP
     assert lift[3] > 1e-5
     assert misprint_name(Misprint.ALL) == "ALL"
@@ -259,6 +258,6 @@ def test_workspace_poses_are_usable_everywhere(seed: int) -> None:
 
 
 def test_a_workspace_too_small_to_draw_from_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(states, "_ROUNDS", 1)
+    monkeypatch.setattr(poses, "_ROUNDS", 1)
     with pytest.raises(InvalidInput, match=r"only \d+ of 5000 found in a workspace this small"):
         workspace_poses(APPENDIX_4.geometry, 5000)

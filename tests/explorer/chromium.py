@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer import saving
+from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
 
 FLAGS = [
@@ -105,7 +105,7 @@ class Tab:
         until(
             lambda: (
                 self.page.evaluate(f"sessionStorage.getItem('{STORE_KEY}')")
-                == saving.dump(self.state.document)
+                == persistence.dump(self.state.document)
             ),
             "the tab's state is kept",
         )

@@ -32,9 +32,8 @@ def desk(server: viser.ViserServer, request: pytest.FixtureRequest) -> Iterator[
 @pytest.fixture(scope="module")
 def app() -> Iterator[Any]:
     """An explorer on any free port."""
-    from paminsa_viz.app import App
+    from paminsa_viz.app import App, AppOptions
     from paminsa_viz.model import APPENDIX_4, backend
-    from paminsa_viz.options import AppOptions
 
     backend.compile_now()
     running = App(AppOptions(port=0, browser=False), APPENDIX_4)

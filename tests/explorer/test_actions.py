@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.state import Document, initial_state
 from paminsa_viz.model import (
@@ -21,6 +20,7 @@ from paminsa_viz.model import (
     InvalidInput,
     KneeBranch,
 )
+from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
 from paminsa_viz.model.counterweight import Counterweight
 from tests.explorer.documents import assert_same, standing_state
 from tests.samples import random_design

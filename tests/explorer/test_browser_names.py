@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -32,6 +34,21 @@ HIDDEN = """(path) => {
     set: (value) => { real = value; },
   });
 }"""
+
+
+PACKAGE = Path(bridges.__file__).parents[2]
+NOT_PUBLIC = re.compile(r"\._impl\b|_websock|viser\._|__viser|[Mm]antine|_fullLayout|js-plotly")
+
+
+def test_only_two_folders_know_names_that_are_not_public() -> None:
+    allowed = [PACKAGE / "explorer" / name for name in ("browser", "server")]
+    found = {
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        if not any(folder in path.parents for folder in allowed)
+        and NOT_PUBLIC.search(path.read_text(encoding="utf-8"))
+    }
+    assert found == set()
 
 
 @pytest.fixture(autouse=True)

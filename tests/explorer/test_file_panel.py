@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions, bindings, sharing
+from paminsa_viz.explorer import actions, bindings, persistence
 from paminsa_viz.explorer.panels.file_panel import FILE, file_name, uploaded_design
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
@@ -102,9 +102,9 @@ def test_a_name_that_no_file_can_hold_is_told_and_set_back(desk: Desk) -> None:
 
 def test_a_downloaded_design_reads_back_as_it_was(desk: Desk) -> None:
     desk.dispatch(lambda s: actions.rename(actions.load_design(s, LIGHT), "light arms"))
-    desk.page.heard()
+    desk.page.received()
     desk.set(desk.handle("file.download"), True)
-    files = desk.until(lambda: downloads(desk.page.heard()))
+    files = desk.until(lambda: downloads(desk.page.received()))
     assert list(files) == ["light-arms.toml"]
     read = read_design(files["light-arms.toml"], "light-arms.toml")
     assert read == LIGHT
@@ -181,15 +181,19 @@ def test_appendix_4_is_one_button_away(desk: Desk) -> None:
 
 
 def test_the_code_follows_the_document(desk: Desk) -> None:
-    desk.until(lambda: desk.handle("file.code").value == sharing.encode(desk.state.document))
+    desk.until(
+        lambda: desk.handle("file.code").value == persistence.share_code(desk.state.document)
+    )
     desk.dispatch(lambda s: actions.move(actions.load_design(s, LIGHT), x=0.04))
-    desk.until(lambda: desk.handle("file.code").value == sharing.encode(desk.state.document))
-    assert sharing.decode(desk.handle("file.code").value) == desk.state.document
+    desk.until(
+        lambda: desk.handle("file.code").value == persistence.share_code(desk.state.document)
+    )
+    assert persistence.open_share_code(desk.handle("file.code").value) == desk.state.document
 
 
 def test_a_pasted_code_is_opened(desk: Desk) -> None:
     document = Document(LIGHT, pose=(0.01, 0.02, 0.3, -0.5), reference=APPENDIX_4)
-    code = sharing.encode(document)
+    code = persistence.share_code(document)
     desk.set(desk.handle("file.code"), f" {code[:30]} {code[30:]}\n")
     desk.until(lambda: desk.state.document == document)
     desk.until(lambda: desk.handle("file.code").value == code)

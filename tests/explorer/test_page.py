@@ -27,7 +27,7 @@ def test_the_page_shows_the_model(tab: Tab) -> None:
     state = tab.state
     expected = static_torques(APPENDIX_4, state.standing.pose)
     until(lambda: np.allclose(shown_torques(tab), expected, atol=6e-3), "the model's torques")
-    assert "Fine" in tab.text("status")
+    assert "Reachable" in tab.text("status")
 
 
 @pytest.mark.parametrize(
@@ -122,7 +122,7 @@ def test_an_unreachable_pose_says_why_and_recovers(tab: Tab) -> None:
     )
     tab.type_number(SLIDERS[0], 30)
     tab.wait_pose(0, 0.03)
-    until(lambda: "Fine" in tab.text("status"), "fine again")
+    until(lambda: "Reachable" in tab.text("status"), "reachable again")
 
 
 def test_two_tabs_do_not_disturb_each_other(open_tab: Callable[..., Tab]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -54,7 +55,7 @@ def test_a_body_changes_exactly_when_its_lengths_do(field: str, knee: KneeBranch
         assert told == drawn, body
 
 
-def test_every_length_of_the_geometry_is_tried() -> None:
+def test_every_length_of_the_geometry_is_covered() -> None:
     assert {*CHANGES, "knee"} == set(Geometry.__dataclass_fields__)
 
 
@@ -92,15 +93,11 @@ def test_an_arm_reaches_its_joint_and_is_as_long_as_the_design_says() -> None:
     assert GEOMETRY.base_radius < reach < GEOMETRY.base_radius + 0.04
 
 
-def test_colors() -> None:
+def test_legs_differ_in_color_alone() -> None:
     assert [color_of(f"leg{k}/b3") for k in (1, 2, 3)] == list(palette.LEG_COLORS)
     assert [color_of(f"m{k}") for k in (1, 2, 3, 4)] == list(palette.ACTUATOR_COLORS)
     assert color_of("carriage") == palette.LIFT_COLOR
-
-
-def test_legs_differ_in_color_alone() -> None:
-    first, second = body_glb("leg1/b4", GEOMETRY), body_glb("leg2/b4", GEOMETRY)
-    assert first != second
+    assert body_glb("leg1/b4", GEOMETRY) != body_glb("leg2/b4", GEOMETRY)
     assert outline("leg1/b4", GEOMETRY) == outline("leg2/b4", GEOMETRY)
 
 
@@ -154,6 +151,15 @@ def test_a_plain_body_is_one_mesh_with_the_colors_of_all(name: str) -> None:
     shades = np.asarray(mesh.visual.vertex_attributes["color"])[mesh.faces[:, 0]] / 255
     for color, count in wanted.items():
         assert np.isclose(shades[:, :3], color, atol=2e-3).all(axis=1).sum() == count
+
+
+@pytest.mark.parametrize("fine", [True, False])
+def test_the_ground_shows_its_colors_unlit(fine: bool) -> None:
+    for name, unlit in (("ground", True), ("base", False)):
+        data = body_glb(name, APPENDIX_4.geometry, fine=fine)
+        tree = json.loads(data[20 : 20 + int.from_bytes(data[12:16], "little")])
+        assert all(("extensions" in each) is unlit for each in tree["materials"])
+        assert tree.get("extensionsUsed", []) == ["KHR_materials_unlit"] * unlit
 
 
 def test_what_is_plain_does_not_stay_so() -> None:

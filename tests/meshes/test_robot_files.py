@@ -16,7 +16,7 @@ from scipy.spatial import cKDTree
 
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import mjcf_text
-from paminsa_viz.engines.placing import joint_values
+from paminsa_viz.engines.poses import joint_values
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.robot_files import robot_files, zipped
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics

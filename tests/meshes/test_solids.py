@@ -18,27 +18,31 @@ def closed(mesh: trimesh.Trimesh) -> trimesh.Trimesh:
     return whole
 
 
-def test_a_rod_has_the_volume_of_a_cylinder() -> None:
-    rod = closed(solids.rod(0.02, -0.1, 0.3, chamfer=1e-4, segments=200))
-    assert rod.volume == pytest.approx(np.pi * 0.02**2 * 0.4, rel=1e-3)
-    assert rod.bounds[:, 2] == pytest.approx([-0.1, 0.3])
+BEAM = (0.04 * 0.06 + 4 * 0.03 * 0.045 + 0.02 * 0.03) / 6 * 0.4
 
 
-def test_a_tube_is_hollow() -> None:
-    tube = closed(solids.tube(0.01, 0.02, 0.0, 0.1, chamfer=1e-4, segments=200))
-    assert tube.volume == pytest.approx(np.pi * (0.02**2 - 0.01**2) * 0.1, rel=1e-3)
-
-
-def test_a_box_has_its_size() -> None:
-    box = closed(solids.box((0.1, 0.2, 0.3), (1.0, 2.0, 3.0), chamfer=0.002))
-    assert box.extents == pytest.approx([0.1, 0.2, 0.3])
-    assert box.bounds.mean(axis=0) == pytest.approx([1.0, 2.0, 3.0])
-
-
-def test_a_beam_tapers() -> None:
-    beam = closed(solids.beam(0.1, 0.5, (0.04, 0.06), (0.02, 0.03), radius=1e-6, chamfer=1e-5))
-    mean = (0.04 * 0.06 + 4 * 0.03 * 0.045 + 0.02 * 0.03) / 6
-    assert beam.volume == pytest.approx(mean * 0.4, rel=1e-2)
+@pytest.mark.parametrize(
+    ("solid", "volume", "tolerance", "bounds"),
+    [
+        (solids.rod(0.02, -0.1, 0.3, 1e-4, 200), np.pi * 0.02**2 * 0.4, 1e-3, (-0.1, 0.3)),
+        (solids.tube(0.01, 0.02, 0.0, 0.1, 1e-4, 200), np.pi * 3e-4 * 0.1, 1e-3, (0.0, 0.1)),
+        (solids.box((0.1, 0.2, 0.3), (1.0, 2.0, 3.0), 0.0), 0.006, 1e-9, (2.85, 3.15)),
+        (solids.box((0.1, 0.2, 0.3), (1.0, 2.0, 3.0), 0.002), 0.006, 1e-2, (2.85, 3.15)),
+        (
+            solids.beam(0.1, 0.5, (0.04, 0.06), (0.02, 0.03), 1e-6, 1e-5), BEAM, 1e-2,
+            (-0.03, 0.03),
+        ),
+        (
+            solids.revolve([(0.0, 0.0), (0.1, 0.0), (0.0, 0.3)], 180), np.pi * 1e-3, 1e-3,
+            (0.0, 0.3),
+        ),
+    ],
+    ids=["rod", "tube", "sharp box", "box", "beam", "cone"],
+)  # fmt: skip
+def test_a_solid_is_closed_and_has_its_volume_and_height(solid, volume, tolerance, bounds) -> None:
+    whole = closed(solid)
+    assert whole.volume == pytest.approx(volume, rel=tolerance)
+    assert whole.bounds[:, 2] == pytest.approx(bounds)
 
 
 def test_a_piece_of_a_ring_spans_its_angle() -> None:
@@ -46,11 +50,6 @@ def test_a_piece_of_a_ring_spans_its_angle() -> None:
     assert piece.volume == pytest.approx(0.3 * 1.0 * 0.02 * 0.01, rel=5e-3)
     angle = np.arctan2(piece.vertices[:, 1], piece.vertices[:, 0])
     assert (angle.min(), angle.max()) == pytest.approx((0.2, 1.2))
-
-
-def test_a_revolved_profile_that_touches_the_axis_is_closed() -> None:
-    cone = closed(solids.revolve([(0.0, 0.0), (0.1, 0.0), (0.0, 0.3)], segments=180))
-    assert cone.volume == pytest.approx(np.pi * 0.1**2 * 0.3 / 3, rel=1e-3)
 
 
 def test_the_outline_around_circles_runs_at_their_radius() -> None:
@@ -74,6 +73,14 @@ def test_sharp_edges_stay_sharp_and_round_sides_smooth() -> None:
     assert np.abs(normals[level, :2] - radial).max() < 0.01
     # The caps are flat: somewhere a corner carries the cap's own normal.
     assert np.isclose(np.abs(normals[:, 2]), 1.0, atol=1e-6).sum() >= 64
+
+
+def test_large_flat_sides_are_shaded_flat_next_to_round_corners() -> None:
+    plate = solids.prism(solids.rounded_rectangle(0.2, 0.1, 0.02, steps=4), 0.0, 0.1, 0.001)
+    large = plate.area_faces > 0.05 * plate.area
+    assert large.sum() >= 4
+    corners = plate.vertex_normals[plate.faces[large]]
+    assert corners == pytest.approx(np.repeat(plate.face_normals[large][:, None], 3, axis=1))
 
 
 def test_turning_keeps_normals_with_the_faces() -> None:

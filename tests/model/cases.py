@@ -17,6 +17,13 @@ from tests import oracle, samples
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 """Runs a test on both branches of the knee."""
 
+PROTOTYPES = pytest.mark.parametrize(
+    "design",
+    [APPENDIX_4.with_knee(knee) for knee in KneeBranch],
+    ids=lambda d: d.geometry.knee.value,
+)
+"""Runs a test with the robot of Appendix 4 on both branches of the knee."""
+
 OTHER = {KneeBranch.LOWER: KneeBranch.UPPER, KneeBranch.UPPER: KneeBranch.LOWER}
 """The branch of the knee that a robot is not on."""
 

@@ -1,7 +1,7 @@
-"""The paper's formulae typed again from its text, for the tests to hold the model against.
+"""The paper's formulas typed again from its text, for the tests to hold the model against.
 
 Eqs. 11-17 and Appendices 1 to 3, on numbers, arrays, complex numbers or jets. `Misprint` chooses
-what is taken as printed; everything else of READING's table is corrected. Lagrange's left side is
+what is taken as published; everything else of READING's table is corrected. Lagrange's left side is
 differentiated here to rounding: L is a polynomial of second degree in the rates, so that a central
 difference of any size gives its slope exactly, and complex steps give the rest.
 """

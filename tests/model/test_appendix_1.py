@@ -1,4 +1,4 @@
-"""The formulae of Appendix 1 as they stand in the text, against the solved configuration."""
+"""The formulas of Appendix 1 as they stand in the text, against the solved configuration."""
 
 from __future__ import annotations
 

@@ -18,7 +18,6 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     InvalidInput,
-    KneeBranch,
     backend,
     solve_field,
     xy_grid,
@@ -27,8 +26,7 @@ from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.measures import least_margin
 from paminsa_viz.model.robot import where
-from tests.model.cases import BOTH, BY_HAND, Case, cases
-from tests.samples import with_knee
+from tests.model.cases import BY_HAND, PROTOTYPES, Case, cases
 
 Call = Callable[[Design, Any, Any, Any], list[Any]]
 """A function of the model on (design, pose, velocity, third), and its arrays."""
@@ -80,6 +78,9 @@ CALLS: dict[str, Call] = {
     "torque_breakdown": lambda d, p, v, a: breakdown(model.torque_breakdown(d, p, v, a)),
     "forward_dynamics": lambda d, p, v, a: [model.forward_dynamics(d, p, v, a)],
     "torque_regressor": lambda d, p, v, a: [model.torque_regressor(d.geometry, p, v, a)],
+    "published_regressor": lambda d, p, v, a: [
+        model.torque_regressor(d.geometry, p, v, a, gravity=3.7, misprints=model.Misprint.ALL)
+    ],
     "actuator_velocity": lambda d, p, v, a: [model.actuator_velocity(d, p, v)],
     "actuator_power": lambda d, p, v, a: [model.actuator_power(d, p, v, a)],
 }
@@ -88,9 +89,9 @@ THIRD = {"forward_dynamics": "torque", "actuator_power": "torque"}
 NEEDS = {
     "velocity": {"joint_rates", "inverse_jacobian_rate", "kinetic_energy", "actuator_velocity",
                  "actuator_power", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
-                 "torque_regressor"},
+                 "torque_regressor", "published_regressor"},
     "third": {"joint_rates", "inverse_dynamics", "torque_breakdown", "forward_dynamics",
-              "torque_regressor", "actuator_power"},
+              "torque_regressor", "published_regressor", "actuator_power"},
 }  # fmt: skip
 FIRST = {"forward_kinematics": "actuators", "nearest_solution": "actuators"}
 SECOND = {"nearest_solution": "near", "closure": "actuators", "closure_matrix": "actuators"}
@@ -189,11 +190,11 @@ def test_the_argument_that_can_not_be_used_is_named(name: str, bad: Any) -> None
 
 
 @EACH
-@BOTH
-def test_inputs_are_left_alone(name: str, knee: KneeBranch) -> None:
+@PROTOTYPES
+def test_inputs_are_left_alone(name: str, design: Design) -> None:
     arrays = BY_HAND.copy(), np.full((3, 4), 0.1), np.full((3, 4), 0.2)
     copies = [array.copy() for array in arrays]
-    CALLS[name](with_knee(APPENDIX_4, knee), *arrays)
+    CALLS[name](design, *arrays)
     for array, copy in zip(arrays, copies, strict=True):
         np.testing.assert_array_equal(array, copy)
 

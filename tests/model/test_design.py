@@ -23,6 +23,7 @@ from paminsa_viz.model import (
     InvalidDesign,
     InvalidInput,
     JointMasses,
+    KneeBranch,
     LinkMasses,
     PaminsaError,
     Payload,
@@ -200,6 +201,23 @@ def test_every_number_is_a_part_of_a_design(parameter: Parameter) -> None:
     )
 
 
+@pytest.mark.parametrize("knee", ["mirror", None, 1.0, -1])
+def test_a_knee_is_one_of_two_branches(knee: Any) -> None:
+    with pytest.raises(InvalidDesign, match="a KneeBranch is needed") as caught:
+        Geometry(knee=knee)
+    assert (caught.value.field, caught.value.value) == ("geometry.knee", knee)
+
+
+def test_the_knee_is_part_of_a_design_and_no_number_of_it() -> None:
+    upper = APPENDIX_4.with_knee(KneeBranch.UPPER)
+    assert upper != APPENDIX_4
+    assert upper.with_knee(KneeBranch.LOWER) == APPENDIX_4
+    assert upper.vary({"geometry.base_radius": 0.36}).geometry.knee is KneeBranch.UPPER
+    assert [upper.value(p.path) for p in PARAMETERS] == [p.default for p in PARAMETERS]
+    with pytest.raises(InvalidDesign, match="no design value"):
+        upper.vary({"geometry.knee": 1.0})
+
+
 def test_lengths_that_depend_on_each_other_change_in_one_step() -> None:
     """Half of either change alone could not be closed."""
     design = APPENDIX_4.vary({"geometry.base_radius": 3.5, "geometry.coupler_length": 6.3})
@@ -227,9 +245,9 @@ def test_vary_refuses_a_value_that_does_not_exist(path: str) -> None:
 
 
 @EACH
-@pytest.mark.parametrize("kind", [int, np.float64])
+@pytest.mark.parametrize("kind", [int, np.float64, np.float32, np.int64])
 def test_whole_and_numpy_numbers_become_floats(parameter: Parameter, kind: Any) -> None:
-    """The compiled formulae are made for floats; another type would compile all of them again."""
+    """The compiled formulas are made for floats; another type would compile all of them again."""
     value = kind(round(parameter.default) + 3)
     changes = {parameter.path: value}
     if parameter.group == "geometry":
@@ -243,13 +261,6 @@ def test_whole_and_numpy_numbers_become_floats(parameter: Parameter, kind: Any) 
         stored = getattr(stored, name)
     assert type(stored) is float
     assert stored == value
-
-
-@pytest.mark.parametrize("number", [np.float32(0.5), np.int64(2), np.float64(0.5)])
-def test_numbers_of_numpy_are_numbers(number: float) -> None:
-    design = APPENDIX_4.vary({"links.b3": number})
-    assert type(design.links.b3) is float
-    assert design.links.b3 == number
 
 
 @pytest.mark.parametrize("path", ["links.b99", "links", "nothing", "links.b3.mass", "name", ""])

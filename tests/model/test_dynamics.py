@@ -14,7 +14,6 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     Friction,
-    InvalidInput,
     KneeBranch,
     Limit,
     actuator_power,
@@ -207,18 +206,3 @@ def test_motions_that_are_not_finite_are_named_so(which: str, bad: float) -> Non
         assert np.isnan(result.torque[1]).all()
         assert np.isnan(result.multipliers[1]).all()
         assert np.isfinite(result.torque[[0, 2]]).all()
-
-
-def test_shapes_that_do_not_fit_are_named() -> None:
-    v2, v3 = np.zeros((2, 4)), np.zeros(3)
-    for call in (inverse_dynamics, torque_breakdown, forward_dynamics):
-        with pytest.raises(InvalidInput, match=r"pose: .* do not fit"):
-            call(APPENDIX_4, BY_HAND, v2, np.zeros(4))
-        with pytest.raises(InvalidInput, match="velocity: the last axis"):
-            call(APPENDIX_4, BY_HAND, v3, np.zeros(4))
-    with pytest.raises(InvalidInput, match="torque: the last axis"):
-        forward_dynamics(APPENDIX_4, BY_HAND, np.zeros(4), v3)
-    with pytest.raises(InvalidInput, match="velocity"):
-        kinetic_energy(APPENDIX_4, BY_HAND, v3)
-    with pytest.raises(InvalidInput, match=r"pose: .* do not fit"):
-        actuator_power(APPENDIX_4, BY_HAND, np.zeros(4), v2)

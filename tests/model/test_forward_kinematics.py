@@ -5,14 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
     Geometry,
-    InvalidInput,
     closure,
     forward_kinematics,
     inverse_kinematics,
@@ -160,18 +158,3 @@ def test_the_nearer_of_two_assembly_modes_is_taken() -> None:
     for q, poses, valid in zip(actuators, found.pose, found.valid, strict=True):
         for pose in poses[valid]:
             assert apart(nearest_solution(geometry, q, pose), pose) < 1e-12
-
-
-def test_batches_broadcast() -> None:
-    geometry = APPENDIX_4.geometry
-    actuators = inverse_kinematics(geometry, BY_HAND).actuators
-    assert forward_kinematics(geometry, actuators[0]).pose.shape == (2, 4)
-    assert forward_kinematics(geometry, np.zeros((0, 4))).valid.shape == (0, 2)
-    assert forward_kinematics(geometry, np.zeros((2, 3, 4))).pose.shape == (2, 3, 2, 4)
-    one_to_many = nearest_solution(geometry, actuators[1], np.stack([BY_HAND[1]] * 5))
-    assert_within(one_to_many, np.stack([BY_HAND[1]] * 5), 1e-12)
-    assert nearest_solution(geometry, actuators, BY_HAND[0]).shape == (3, 4)
-    with pytest.raises(InvalidInput, match="actuators"):
-        forward_kinematics(geometry, np.zeros(3))
-    with pytest.raises(InvalidInput, match="near"):
-        nearest_solution(geometry, np.zeros(4), np.zeros(3))

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    InvalidInput,
     actuator_velocity,
     closure,
     closure_matrix,
@@ -23,7 +21,7 @@ from paminsa_viz.model import (
 )
 from tests import oracle
 from tests.model import paper
-from tests.model.cases import BY_HAND, Case, assert_within, cases
+from tests.model.cases import Case, assert_within, cases
 
 
 def eight(pose: Any, actuators: Any) -> list[Any]:
@@ -160,20 +158,3 @@ def test_joint_5_on_its_axis_has_no_inverse_jacobian() -> None:
     g = inverse_jacobian(geometry, on_axis)
     assert not np.isfinite(g[2, :3]).any()
     assert np.isfinite(g[[0, 1, 3]]).all()
-
-
-def test_batches_broadcast() -> None:
-    geometry = APPENDIX_4.geometry
-    q = inverse_kinematics(geometry, BY_HAND).actuators
-    assert closure(geometry, BY_HAND[0], q).shape == (3, 4)
-    assert closure_matrix(geometry, BY_HAND, q[0]).shape == (3, 4, 8)
-    assert inverse_jacobian_rate(geometry, BY_HAND, np.zeros(4)).shape == (3, 4, 4)
-    assert jacobian(geometry, np.zeros((0, 4))).shape == (0, 4, 4)
-    for call in (
-        lambda: closure(geometry, BY_HAND, q[:2]),
-        lambda: closure_matrix(geometry, BY_HAND, q[:2]),
-        lambda: inverse_jacobian_rate(geometry, BY_HAND, np.zeros((2, 4))),
-        lambda: actuator_velocity(APPENDIX_4, BY_HAND, np.zeros((2, 4))),
-    ):
-        with pytest.raises(InvalidInput, match=r"pose: .* do not fit"):
-            call()

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch, Limit, inverse_kinematics
+from paminsa_viz.model import APPENDIX_4, KneeBranch, Limit, inverse_kinematics
 from paminsa_viz.model.kinematics import wrap
 from tests import oracle
 from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
@@ -212,8 +212,3 @@ def test_outside_its_reach_a_posture_is_nan_and_says_why(knee: KneeBranch) -> No
         assert np.isfinite(configuration.points[number][0]).all()
     assert np.isfinite(configuration.actuators).all()
     assert all(np.isfinite(points[1:]).all() for points in configuration.points.values())
-
-
-def test_pose_of_another_shape_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="pose: the last axis has to have 4 entries"):
-        inverse_kinematics(APPENDIX_4.geometry, np.zeros((2, 3)))

@@ -41,7 +41,7 @@ GOLDEN = {
     "Mp1": Fraction(1566984, 100000),  # 9.81 (0.233 + 1.094/3 + 0.672/2 + 1.328/6 + 1.327/3)
     "Mp2": Fraction(910041, 100000),  # 9.81 ((0.524 - 0.28 + 0.777)/3 + 0.299/6 + 1.075/2)
     "Mp3": Fraction(5989005, 1000000),  # 9.81 * 1.221/2
-    # Appendix 3 [kg]; M_c4 with 2 m_7 (as printed it is 0.28/36 less)
+    # Appendix 3 [kg]; M_c4 with 2 m_7 (as published it is 0.28/36 less)
     "Mc1": Fraction(79781, 288000),
     "Mc2": Fraction(3181, 9000),
     "Mc3": Fraction(3103, 9000),

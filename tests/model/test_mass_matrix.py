@@ -10,7 +10,7 @@ from hypothesis import given
 
 from paminsa_viz.model import (
     APPENDIX_4,
-    KneeBranch,
+    Design,
     Limit,
     Misprint,
     check_reach,
@@ -25,8 +25,7 @@ from paminsa_viz.model import (
 )
 from tests import oracle
 from tests.model import paper
-from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
-from tests.samples import with_knee
+from tests.model.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
 
 
 @given(case=cases())
@@ -36,8 +35,8 @@ def test_it_is_symmetric_and_positive_definite(case: Case) -> None:
     assert (np.linalg.eigvalsh(matrix) > 0).all()
 
 
-@BOTH
-def test_it_is_so_at_every_pose_that_can_be_taken(knee: KneeBranch) -> None:
+@PROTOTYPES
+def test_it_is_so_at_every_pose_that_can_be_taken(design: Design) -> None:
     """Type-2 singularities included: the platform has inertia wherever it is.
 
     With joint 5 on its leg axis (type 1) the smallest motion would turn the leg without bound.
@@ -50,7 +49,7 @@ def test_it_is_so_at_every_pose_that_can_be_taken(knee: KneeBranch) -> None:
     ok &= measure_singularity(APPENDIX_4.geometry, pose).serial_distance > 1e-6  # type 1
     assert ok[-2:].all()
     assert 1000 < ok.sum() < len(pose) / 2
-    matrix = mass_matrix(with_knee(APPENDIX_4, knee), pose)[ok]
+    matrix = mass_matrix(design, pose)[ok]
     assert (np.linalg.eigvalsh(matrix) > 0).all()
 
 
@@ -122,34 +121,34 @@ def test_forward_dynamics_is_its_inverse_times_the_forces(case: Case) -> None:
 
 
 @pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
-@BOTH
+@PROTOTYPES
 def test_with_misprints_it_is_the_second_degree_of_the_printed_energy(
-    misprints: Misprint, knee: KneeBranch
+    misprints: Misprint, design: Design
 ) -> None:
     """Eq. 13's Z' is linear and has no place in a mass matrix; everything else has."""
     v = np.array([0.3, -0.2, 0.8, 0.1])
     rates = inverse_jacobian(APPENDIX_4.geometry, BY_HAND) @ v
-    actuators = inverse_kinematics(with_knee(APPENDIX_4.geometry, knee), BY_HAND).actuators
+    actuators = inverse_kinematics(design.geometry, BY_HAND).actuators
     q = list(np.concatenate([BY_HAND, actuators], -1).T)
     qdot = np.concatenate([np.broadcast_to(v, (3, 4)), rates], -1)
-    typed = paper.kinetic(with_knee(APPENDIX_4, knee), q, list(qdot.T), misprints)
-    term_by_term = kinetic_energy(with_knee(APPENDIX_4, knee), BY_HAND, v, misprints)
+    typed = paper.kinetic(design, q, list(qdot.T), misprints)
+    term_by_term = kinetic_energy(design, BY_HAND, v, misprints)
     np.testing.assert_allclose(term_by_term, typed, rtol=1e-12)
     linear = 0.0
     if Misprint.EQ13_LIFT_SPEED in misprints:
         linear = 3 * APPENDIX_4.links.b1 / 8 * rates[:, 3]
-    matrix = mass_matrix(with_knee(APPENDIX_4, knee), BY_HAND, misprints)
+    matrix = mass_matrix(design, BY_HAND, misprints)
     np.testing.assert_allclose(v @ matrix @ v / 2 + linear, typed, rtol=1e-12)
 
 
-@BOTH
-def test_out_of_reach_there_is_no_acceleration(knee: KneeBranch) -> None:
+@PROTOTYPES
+def test_out_of_reach_there_is_no_acceleration(design: Design) -> None:
     pose = np.array([[0.0, 0.0, 0.0, -1.2], BY_HAND[1], [0.0, np.nan, 0.0, -0.5]])
-    assert np.isnan(mass_matrix(with_knee(APPENDIX_4, knee), pose)[[0, 2]]).all()
-    a = forward_dynamics(with_knee(APPENDIX_4, knee), pose, np.zeros(4), np.zeros(4))
+    assert np.isnan(mass_matrix(design, pose)[[0, 2]]).all()
+    a = forward_dynamics(design, pose, np.zeros(4), np.zeros(4))
     assert np.isnan(a[[0, 2]]).all()
     assert np.isfinite(a[1]).all()
-    status = inverse_dynamics(with_knee(APPENDIX_4, knee), pose, np.zeros(4), np.zeros(4)).status
+    status = inverse_dynamics(design, pose, np.zeros(4), np.zeros(4)).status
     assert status.tolist() == [Limit.STRETCHED, Limit.OK, Limit.NOT_FINITE]
 
 
@@ -159,11 +158,3 @@ def test_a_robot_let_go_in_space_stays_and_on_earth_falls() -> None:
     np.testing.assert_array_equal(forward_dynamics(in_space, BY_HAND, still, still), 0.0)
     falling = forward_dynamics(APPENDIX_4, BY_HAND, still, still)
     assert (falling[:, 3] < -1.0).all()
-
-
-@pytest.mark.parametrize("shape", [(), (0,), (2, 3)])
-def test_batches_keep_their_shape(shape: tuple[int, ...]) -> None:
-    pose = np.broadcast_to(BY_HAND[1], (*shape, 4))
-    assert mass_matrix(APPENDIX_4, pose).shape == (*shape, 4, 4)
-    assert kinetic_energy(APPENDIX_4, pose, np.ones(4)).shape == shape
-    assert forward_dynamics(APPENDIX_4, pose, np.ones(4), np.ones(4)).shape == (*shape, 4)

@@ -20,6 +20,7 @@ from hypothesis import given
 
 from paminsa_viz.model import (
     APPENDIX_4,
+    Design,
     KneeBranch,
     Misprint,
     inverse_dynamics,
@@ -27,7 +28,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from tests import oracle
-from tests.model.cases import BOTH, Case, assert_close, cases
+from tests.model.cases import BOTH, PROTOTYPES, Case, assert_close, cases
 from tests.samples import with_knee
 
 START = np.array([-0.09, -0.045, -0.3, -0.62])
@@ -135,14 +136,12 @@ def test_m_c4_and_eq_14_together_are_a_tenth_of_the_dynamic_torque() -> None:
     assert share == pytest.approx(0.115, abs=1e-3)
 
 
-@BOTH
-def test_standing_still_no_misprint_matters(knee: KneeBranch) -> None:
+@PROTOTYPES
+def test_standing_still_no_misprint_matters(design: Design) -> None:
     still = np.zeros(4)
-    right = inverse_dynamics(with_knee(APPENDIX_4, knee), STATES[0], still, still).torque
+    right = inverse_dynamics(design, STATES[0], still, still).torque
     for misprint in (*TABLE, Misprint.ALL):
-        printed = inverse_dynamics(
-            with_knee(APPENDIX_4, knee), STATES[0], still, still, misprint
-        ).torque
+        printed = inverse_dynamics(design, STATES[0], still, still, misprint).torque
         np.testing.assert_array_equal(printed, right)
 
 

@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from paminsa_viz.model import (
     APPENDIX_4,
     Geometry,
-    InvalidInput,
     Limit,
     PaminsaError,
     UnreachablePose,
@@ -271,13 +270,3 @@ def test_the_error_says_which_leg_and_how_far() -> None:
     assert "pose (100.0 mm, 50.0 mm, 11.5 deg, -1100.0 mm) cannot be taken" in str(error)
     assert f"(leg {error.leg}, by {1e3 * error.excess:.2f} mm)" in str(error)
     assert isinstance(error, PaminsaError)
-
-
-@pytest.mark.parametrize("shape", [(), (0,), (3,), (2, 3), (2, 0, 3)])
-def test_batches_keep_their_shape(shape: tuple[int, ...]) -> None:
-    found = check_reach(APPENDIX_4.geometry, np.broadcast_to(BY_HAND[1], (*shape, 4)))
-    assert found.status.shape == found.leg.shape == found.excess.shape == shape
-    assert found.margins.shape == (*shape, 3, 4)
-    assert found.words().shape == found.ok.shape == shape
-    with pytest.raises(InvalidInput, match="pose"):
-        check_reach(APPENDIX_4.geometry, np.zeros((*shape, 3)))

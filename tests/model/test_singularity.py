@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 from paminsa_viz.model import (
     APPENDIX_4,
     Geometry,
-    InvalidInput,
     check_reach,
     inverse_jacobian,
     inverse_kinematics,
@@ -260,13 +259,3 @@ def test_out_of_reach_there_is_no_condition_but_a_distance() -> None:
     assert np.isnan(found.condition)
     assert found.position_distance == pytest.approx(0.25)
     assert found.serial_distance < 0
-
-
-@pytest.mark.parametrize("shape", [(), (0,), (2, 3)])
-def test_batches_keep_their_shape(shape: tuple[int, ...]) -> None:
-    found = measure_singularity(APPENDIX_4.geometry, np.broadcast_to(BY_HAND[1], (*shape, 4)))
-    for values in vars(found).values():
-        assert np.shape(values) == shape
-    assert singular_radius(APPENDIX_4.geometry, np.zeros(shape)).shape == shape
-    with pytest.raises(InvalidInput, match="theta: real numbers"):
-        singular_radius(APPENDIX_4.geometry, "0.3")

@@ -13,7 +13,6 @@ from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
     Design,
-    KneeBranch,
     inverse_jacobian,
     lift_constant,
     potential_energy,
@@ -23,7 +22,15 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests import oracle
-from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_close, assert_within, cases
+from tests.model.cases import (
+    BY_HAND,
+    OTHER,
+    PROTOTYPES,
+    Case,
+    assert_close,
+    assert_within,
+    cases,
+)
 from tests.samples import with_knee
 
 BODIES = tuple(p.path for p in PARAMETERS if p.group in ("joints", "links"))
@@ -196,10 +203,10 @@ def test_each_part_of_a_leg_is_the_slope_of_its_height(case: Case) -> None:
             assert_within(parts.per_leg[:, :, leg, number], expected, 1e-11 * size)
 
 
-@BOTH
-def test_bodies_that_stay_at_their_height_ask_for_nothing(knee: KneeBranch) -> None:
+@PROTOTYPES
+def test_bodies_that_stay_at_their_height_ask_for_nothing(design: Design) -> None:
     """Joint 8 and the guide link only turn and slide in their plane."""
-    parts = static_breakdown(with_knee(APPENDIX_4, knee), BY_HAND)
+    parts = static_breakdown(design, BY_HAND)
     for path in ("joints.j8", "links.b10"):
         np.testing.assert_array_equal(parts.per_leg[..., parts.names.index(path)], 0.0)
     # what stands on the leg axis is lifted by M4 alone

@@ -55,6 +55,7 @@ def check(data: MapData) -> None:
             assert saved[name].tobytes() == values.tobytes()
         assert np.array_equal(saved["status"], data.status)
         assert np.array_equal(saved["pose"], data.pose)
+        assert data.leg is None or np.array_equal(saved["leg"], data.leg)
         assert np.array_equal(saved["x_m"], data.x)
 
 

@@ -37,7 +37,7 @@ from paminsa_viz.studies import (
     processes,
     run_study,
 )
-from paminsa_viz.studies.motion_metrics import samples_hash
+from paminsa_viz.studies.metrics import samples_hash
 from paminsa_viz.trajectory import PRESET, Trajectory, analyze, check_path
 from tests.samples import random_design, with_knee
 

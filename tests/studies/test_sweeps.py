@@ -23,8 +23,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies.sweeps import sweep, sweep_blocks
-from tests.model.cases import BOTH, Case, cases
-from tests.samples import with_knee
+from tests.model.cases import PROTOTYPES, Case, cases
 
 ALL = tuple(QUANTITIES)
 AXES = {
@@ -99,18 +98,18 @@ def test_the_summary_is_that_of_numpy(
         assert there == pytest.approx(largest, rel=rough, abs=spread)
 
 
-@BOTH
+@PROTOTYPES
 @pytest.mark.parametrize("block", [1, 7, 56, 300, 10**6])
-def test_blocks_make_up_the_grid(knee: Any, block: int) -> None:
+def test_blocks_make_up_the_grid(design: Any, block: int) -> None:
     grid = Grid.over(FIXED, theta=AXES["theta"], z=AXES["z"], x=AXES["x"])
     whole = np.full((len(ALL), *grid.shape), -1.0)
     status = np.full(grid.shape, 99)
-    for index, field, values in sweep_blocks(with_knee(APPENDIX_4, knee), grid, ALL, block=block):
+    for index, field, values in sweep_blocks(design, grid, ALL, block=block):
         assert field.status.size <= block
         status[index] = field.status
         for number, quantity in enumerate(ALL):
             whole[(number, *index)] = values[quantity]
-    expected, quantities = pointwise(with_knee(APPENDIX_4, knee), grid.poses().reshape(-1, 4))
+    expected, quantities = pointwise(design, grid.poses().reshape(-1, 4))
     np.testing.assert_array_equal(status.ravel(), expected)
     for number, quantity in enumerate(ALL):
         np.testing.assert_allclose(

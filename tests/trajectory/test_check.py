@@ -100,6 +100,25 @@ def test_a_short_dip_between_many_samples_is_found() -> None:
         assert (check.first is not None) == fails
 
 
+@pytest.mark.parametrize("after", [True, False])
+def test_steps_on_both_sides_of_a_sample_near_a_limit_are_looked_into(after: bool) -> None:
+    """Of 401 samples one is near: the motion leaves it, or comes to it, by way of the limit."""
+    limit = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
+    margin = np.full(401, 0.003)
+    margin[200], margin[201:] = 0.001, 0.0011
+    samples = np.zeros((3, 401, 4))
+    samples[0] = HOME
+    samples[0, :, 0] = limit - margin
+    samples[1, 200, 0] = 2.0  # m/s toward the limit
+    if not after:
+        samples = samples[:, ::-1] * np.array([1.0, -1.0, 1.0])[:, None, None]
+    check = check_path(GEOMETRY, Trajectory(np.linspace(0.0, 4.0, 401), *samples))
+    assert check.good.all()
+    assert check.first is not None
+    assert check.first.limit is Limit.SINGULAR
+    assert (2.0 if after else 1.99) < check.first.t < (2.01 if after else 2.0)
+
+
 def test_what_lies_beyond_a_singularity_stays_marked() -> None:
     plan = to(0.3, 0.0, 0.0, -0.5)
     samples = plan.sample(100)

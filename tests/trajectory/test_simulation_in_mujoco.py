@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from paminsa_viz.trajectory import Control, Controller, point_to_point, simulate
+from paminsa_viz.trajectory import Controller, ControlMode, point_to_point, simulate
 from tests.samples import with_knee
 from tests.trajectory.plans import A, B
 
@@ -20,7 +20,7 @@ def test_an_unknown_payload_makes_both_drift_alike(knee: KneeBranch) -> None:
     height = np.array([0, 0, 0, 0.0 if knee is KneeBranch.LOWER else 0.945])
     samples = point_to_point(A + height, B + height, 0.6).sample(400)
     loaded = APPENDIX_4.vary({"payload.mass": 0.5})
-    blind = Controller(Control.FEED_FORWARD)
+    blind = Controller(ControlMode.FEED_FORWARD)
     model = with_knee(APPENDIX_4, knee)
     ours = simulate(with_knee(loaded, knee), samples, model=model, controller=blind)
     part = slice(0, 101)  # a quarter of a second

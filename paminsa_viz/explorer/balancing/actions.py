@@ -9,10 +9,10 @@ from paminsa_viz.explorer.actions import renamed_if_changed, with_document
 from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
 from paminsa_viz.explorer.balancing.settings import Goal
 from paminsa_viz.explorer.balancing.solving import run
-from paminsa_viz.explorer.bounds import validate_limits
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, InvalidInput
+from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.counterweight import Counterweight
 
 

@@ -23,7 +23,6 @@ from paminsa_viz.balancing import (
     tornado,
     whole_mass,
 )
-from paminsa_viz.balancing.time_weights import time_weights
 from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
 from paminsa_viz.explorer.balancing.settings import BalanceSettings, Goal, changes_of
 from paminsa_viz.explorer.frame import near_singularity
@@ -44,6 +43,7 @@ from paminsa_viz.model import (
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.plots.map_data import cell_centers, half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
+from paminsa_viz.trajectory.integrals import time_weights
 
 FRONT_POINTS = 12
 MIDDLE, MIDDLE_CELLS = 0.75, 21

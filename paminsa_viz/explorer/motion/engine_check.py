@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.errors import EngineMissing
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import EngineTorques

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from paminsa_viz.model import Design, Friction, InvalidInput, PaminsaError
-from paminsa_viz.trajectory import Control, Controller, Simulation, Trajectory, simulate
+from paminsa_viz.trajectory import Controller, ControlMode, Simulation, Trajectory, simulate
 
 BANDWIDTHS = (0.0, 50.0)
 """Lowest and highest bandwidth of the controller [Hz]."""
@@ -33,7 +33,7 @@ class SimulationSettings:
         initial_error: Error of x at the start [m].
     """
 
-    control: Control = Control.PD
+    control: ControlMode = ControlMode.PD
     bandwidth: float = 8.0
     damping: float = 1.0
     payload_mismatch: float = 0.0

@@ -15,7 +15,6 @@ from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
 from paminsa_viz.explorer.balancing.settings import SLOTS, CounterweightSlot, FreeMasses, Goal
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import (
     MILLIMETERS,
@@ -44,6 +43,7 @@ from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.units import DisplayUnit
 

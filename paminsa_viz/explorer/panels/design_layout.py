@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from functools import partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.bounds import largest
 from paminsa_viz.explorer.entries import Slider
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
@@ -23,6 +22,7 @@ from paminsa_viz.model import (
     InvalidInput,
     Parameter,
 )
+from paminsa_viz.model.bounds import largest
 from paminsa_viz.units import number, symbol_text
 
 STROKE = "geometry.guide_stroke"

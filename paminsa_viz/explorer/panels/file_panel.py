@@ -7,14 +7,14 @@ import re
 from viser import Icon
 
 from paminsa_viz import __version__
-from paminsa_viz.explorer import actions, sharing
-from paminsa_viz.explorer.bounds import validate_limits
+from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
 from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
+from paminsa_viz.model.bounds import validate_limits
 
 
 def file_name(design: Design) -> str:
@@ -87,8 +87,8 @@ FILE = (
             ),
             TextBox(
                 "file.code", "Code", idle=True,
-                read=lambda state: sharing.encode(state.document),
-                apply=lambda state, code: actions.restore(state, sharing.decode(code)),
+                read=lambda state: persistence.share_code(state.document),
+                apply=lambda state, code: actions.restore(state, persistence.open_share_code(code)),
             ),
         ),
     ),

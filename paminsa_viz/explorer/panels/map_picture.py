@@ -1,19 +1,19 @@
-"""One picture of maps in the panel: an image that follows the hand, values under the pointer."""
+"""One picture of maps in the panel: an image that follows a drag, values under the pointer."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from html import escape
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, cast
 
 import numpy as np
 
+from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
+from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.palette import INK, MUTED
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
 from paminsa_viz.plots.map_data import MapData
@@ -21,12 +21,12 @@ from paminsa_viz.plots.map_figure import PAGE_EM, FloorPath, LiveMaps
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import number
+from paminsa_viz.units import format_value
 
-Quantities = Callable[[State], tuple[str, ...]]
+Quantities = Callable[[State], Sequence[str]]
 
 LIVE_QUALITY = 88
-"""Quality of the JPEG that follows the hand; at rest the picture is without loss."""
+"""Quality of the JPEG shown while dragging; the picture shown when idle is without loss."""
 
 Inputs = Literal["below", "right"]
 """Where a picture's inputs stand: side by side below it, or one below the other at its right."""
@@ -38,8 +38,8 @@ SHARES: dict[Inputs, float] = {"below": 1.0, "right": 0.52}
 class MapPicture:
     """The picture of some maps, its caption, and what lies under the pointer.
 
-    Made in the current container of the page, which is turned into a grid; inputs that are added
-    to the container afterwards come below or at the right.
+    Made in the current container of the page, which page.css turns into a grid; inputs that are
+    added to the container afterwards come below or at the right.
 
     Attributes:
         scales: The color scales drawn last, one a panel.
@@ -63,7 +63,7 @@ class MapPicture:
             store: Where maps come from.
             slots: Knows how wide the place is.
             name: Name of the place; it comes back with clicks.
-            quantities: What to show, one a panel.
+            quantities: Keys of what to show, one a panel.
             inputs: Where the inputs go.
             motions: Knows the motion, whose path is drawn on the maps.
         """
@@ -76,89 +76,66 @@ class MapPicture:
         gui.add_html(marker(name, SHARES[inputs], inputs))
         blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
-        self._marks = gui.add_html("")
+        self._markers = gui.add_html("")
         self._place = gui.add_folder(None)
         self._hover: Any = None
         self._layout: MapLayout | None = None
         self._caption = gui.add_html("")
         self._drawn: tuple[Any, ...] = ()
-        self._offered: tuple[Any, ...] = ()
+        self._readable: tuple[Any, ...] = ()
 
-    def draw(self, state: State, moving: bool) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what the state shows, unless it is drawn already or nobody sees it."""
-        width = self._slots.width(self._name)
+        state, width = frame.state, self._slots.width(self._name)
         if not width:
             return
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
         motion = self._motions.analysis(state) if "path" in state.layers else None
-        # Where the robot stands is not part of it: the mark lies over the picture.
-        shown = (
-            document.design, document.pose[2:], reference, view, quantities,
-            width, self._slots.ratio, motion and motion.trajectory,
-        )  # fmt: skip
-        if self._drawn and self._drawn[0] == shown and (moving or self._drawn[1]):
+        # Where the robot stands is not part of it: the marker lies over the picture.
+        values = (document.design, document.pose[2:], reference, view, quantities, width)
+        shown = (*values, self._slots.ratio, motion and motion.trajectory)
+        if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
             self._mark(state)
             return
-        data = self._store.data(state, COARSE if moving else FULL, quantities)
+        data = self._store.data(state, COARSE if dragging else FULL, quantities)
         scales = self._store.scales(state, data, quantities)
-        ratio = 1.0 if moving else self._slots.ratio
+        ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)
         picture = self._live.draw(data, scales, width, ratio, path)
-        if not moving:
+        if not dragging:
             opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
         self._image.image = picture
         self.data, self.scales = data, scales
         self._layout = map_layout(data, scales, width, PAGE_EM)
         self._mark(state)
-        self._say(state, data)
-        # All that the values depend on; how finely they are drawn is not part of it.
-        if not moving and shown[:7] != self._offered:
-            self._offer_values(data, self._layout)
-            self._offered = shown[:7]
-        self._drawn = (shown, not moving)
+        self._caption.content = caption(state, data)
+        # How finely the values are drawn is not part of what can be read off.
+        if not dragging and values != self._readable:
+            self._show_values(data, self._layout)
+            self._readable = values
+        self._drawn = (shown, not dragging)
 
     def _mark(self, state: State) -> None:
         if self.data is None or self._layout is None:
             return
         self.data = self.data.with_pose(state.document.pose)
-        html = marks_html(self.data, self._layout)
-        if html != self._marks.content:
-            self._marks.content = html
+        self._markers.content = render(
+            "map_markers.j2", layout=self._layout, places=self._layout.positions(self.data)
+        )
 
-    def _offer_values(self, data: MapData, layout: MapLayout) -> None:
+    def _show_values(self, data: MapData, layout: MapLayout) -> None:
         figure = cast(Any, HoverFigure(data, layout, self._name))
         height = layout.height / layout.width
         if self._hover is None:
-            # Not before the first rest: it sends Plotly's own code, a few megabytes.
+            # Not before the page is idle: it sends Plotly's own code, a few megabytes.
             with self._place:
                 self._hover = self._gui.add_plotly(figure, aspect=height)
             return
         self._hover.figure = figure
-        if self._hover.aspect != height:
-            self._hover.aspect = height
-
-    def _say(self, state: State, data: MapData) -> None:
-        text = caption(state, data)
-        if text != self._caption.content:
-            self._caption.content = text
-
-
-def marks_html(data: MapData, layout: MapLayout) -> str:
-    """Return the marks of the pose, to be laid over a picture that has this layout."""
-    rings = f"0 0 0 2.3px #fff,0 0 0 3.8px {INK},0 0 0 4.8px #fff"
-    spots = "".join(
-        f'<i style="position:absolute;left:{100 * x:.3f}%;top:{100 * y:.3f}%;width:3.4px;'
-        f"height:3.4px;margin:-1.7px 0 0 -1.7px;border-radius:50%;background:{INK};"
-        f'box-shadow:{rings}"></i>'
-        for x, y in layout.positions(data)
-    )
-    return (
-        '<div class="paminsa-marks" style="position:relative;'
-        f'aspect-ratio:{layout.width:g}/{layout.height:g}">{spots}</div>'
-    )
+        self._hover.aspect = height
 
 
 def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
@@ -170,15 +147,11 @@ def floor_path(motion: TrajectoryAnalysis) -> FloorPath:
 
 def caption(state: State, data: MapData) -> str:
     """Return the line below a picture: what it shows, where, and what its marks mean."""
-    pose = f"θ = {number(np.degrees(data.theta))}°, z = {number(1e3 * data.z)}\u00a0mm"
-    reference = state.document.reference
-    title = "Static torques" if data.panels > 1 else data.title
-    if shows_difference(state) and reference is not None:
-        title = f"{title.removesuffix(', difference')}, difference from “{reference.name}”,"
-    marks = "◎ pose · dashed: singular · hatched: out of reach · click: go there"
-    return (
-        '<div class="paminsa-line" style="display:flex;flex-wrap:wrap;gap:2px 16px;'
-        'justify-content:space-between;font-size:12px;line-height:1.3;padding:0 8px 5px 8px">'
-        f'<span style="color:{INK}"><b>{escape(title)}</b> at {pose}</span>'
-        f'<span style="color:{MUTED}">{marks}</span></div>'
+    reference = state.document.reference if shows_difference(state) else None
+    return render(
+        "map_caption.j2",
+        title="Static torques" if data.panels > 1 else data.title.removesuffix(", difference"),
+        reference=None if reference is None else reference.name,
+        theta=format_value(data.theta, "rad"),
+        z=format_value(data.z, "m"),
     )

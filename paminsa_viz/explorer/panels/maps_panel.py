@@ -12,7 +12,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.panels.map_controls import MapControls
+from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
@@ -20,7 +20,7 @@ from paminsa_viz.explorer.panels.slots import Slots
 from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.quantities import QUANTITIES, TORQUES
+from paminsa_viz.quantities import TORQUES
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
@@ -41,31 +41,15 @@ class MapsPanel:
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
-                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES,
-                "below", motions,
-            )  # fmt: skip
-            self._torque_inputs = MapControls(
-                session,
-                self._torques,
-                "torque maps",
-                lambda _: QUANTITIES["tau_1"].unit,
-                brief=True,
+                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "below", motions
             )
-            self._torque_inputs.range()
-            self._torque_inputs.shared()
-            self._torque_inputs.switches()
-            self._torque_inputs.figure_3()
+            self._torque_inputs = Panel(session, torque_entries("torque maps", self._torques))
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
                 "right", motions,
             )  # fmt: skip
-            self._single_inputs = MapControls(
-                session, self._single, "single map", lambda s: QUANTITIES[s.map_view.quantity].unit
-            )
-            self._single_inputs.quantity()
-            self._single_inputs.range()
-            self._single_inputs.switches()
+            self._single_inputs = Panel(session, single_entries("single map", self._single))
         motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
         with motion_tab:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
@@ -74,14 +58,13 @@ class MapsPanel:
         panel.float(x=MARGIN, y=-MARGIN, width=width)
         bridge.on("click", self._click)
 
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Draw the maps that are seen, and what holds in the inputs."""
-        self._torques.draw(frame.state, moving)
-        self._torque_inputs.draw(frame, moving)
-        self._single.draw(frame.state, moving)
-        self._single_inputs.draw(frame, moving)
-        self.motion.draw(frame, moving)
-        self.export.draw(frame, moving)
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Draw the maps that are seen, and what the inputs show: the ranges of the pictures."""
+        for view in (
+            self._torques, self._torque_inputs, self._single, self._single_inputs, self.motion,
+            self.export,
+        ):  # fmt: skip
+            view.draw(frame, dragging)
 
     def _click(self, data: Any) -> None:
         """Move the robot to where a map was clicked; ``data`` comes from the page."""

@@ -55,7 +55,7 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.trajectory import PRESETS, Control, Profile, Trajectory
+from paminsa_viz.trajectory import PRESETS, ControlMode, Profile, Trajectory
 from paminsa_viz.units import DisplayUnit, display_unit
 
 TIME = "t  [s]"
@@ -267,16 +267,16 @@ def _setting(
 
 
 def _has_feedback(state: State) -> bool:
-    return state.simulating.settings.control is not Control.FEED_FORWARD
+    return state.simulating.settings.control is not ControlMode.FEED_FORWARD
 
 
 SIMULATION: tuple[Entry, ...] = (
     Dropdown(
         "simulation.control", "Control",
         options={
-            "computed torque": Control.COMPUTED_TORQUE,
-            "feed-forward + PD": Control.PD,
-            "feed-forward alone": Control.FEED_FORWARD,
+            "computed torque": ControlMode.COMPUTED_TORQUE,
+            "feed-forward + PD": ControlMode.PD,
+            "feed-forward alone": ControlMode.FEED_FORWARD,
         },
         hint="Feed-forward alone has no feedback: the robot is unstable without it",
         read=lambda state: state.simulating.settings.control,

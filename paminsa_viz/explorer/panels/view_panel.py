@@ -1,57 +1,44 @@
-"""Switches for the layers of the scene, and camera presets."""
+"""The View tab: camera presets, and a switch for every layer of the scene."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.controls import Control
-from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.scene.view import CAMERAS, look
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.entries import ButtonGroup, Checkbox, Entry, Run, Slider
+from paminsa_viz.explorer.scene.cameras import CAMERAS, look
+from paminsa_viz.explorer.scene.layers import LAYERS, Layer
+
+LEGS = tuple(name for name in CAMERAS if name.startswith("Leg"))
+WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
 
 
-class ViewPanel:
-    """Camera buttons and a switch for every layer."""
+def view_entries() -> tuple[Entry, ...]:
+    """Return the entries of the tab for the layers that are registered."""
+    return (
+        _cameras("camera", "Camera", WHOLE),
+        _cameras("camera.leg", "Face leg", LEGS),
+        *map(_switch, LAYERS.values()),
+        Slider(
+            "floor_opacity", "Map opacity", range=(0.1, 1.0), step=0.05,
+            hint="Of the map under the robot",
+            read=lambda state: state.floor_opacity,
+            apply=lambda state, value: replace(state, floor_opacity=value),
+        ),
+    )  # fmt: skip
 
-    def __init__(self, session: Session) -> None:
-        gui = session.client.gui
 
-        def turn(event) -> None:  # type: ignore[no-untyped-def]
-            name = event.target.value
-            if name in CAMERAS:
-                session.submit(lambda: look(session, name))
+def _cameras(key: str, label: str, names: Iterable[str]) -> ButtonGroup:
+    def turn(name: str) -> Run:
+        return Run(lambda session: session.submit(lambda: look(session, name)))
 
-        legs = tuple(name for name in CAMERAS if name.startswith("Leg"))
-        whole = tuple(name for name in CAMERAS if name not in legs)
-        gui.add_button_group("Camera", whole).on_click(turn)
-        gui.add_button_group("Square to", legs).on_click(turn)
+    return ButtonGroup(key, label, choices={name: turn(name) for name in names})
 
-        self._controls = []
-        for key, layer in LAYERS.items():
-            box = gui.add_checkbox(layer.label, key in session.state.layers, hint=layer.hint)
-            self._controls.append(
-                Control(
-                    session,
-                    box,
-                    f"layers.{key}",
-                    lambda s, value, key=key: actions.set_layers(s, **{key: bool(value)}),
-                    lambda s, key=key: key in s.layers,
-                )
-            )
-        opacity = gui.add_slider("Map opacity", 0.1, 1.0, 0.05, session.state.floor_opacity)
-        self._controls.append(
-            Control(
-                session,
-                opacity,
-                "floor_opacity",
-                lambda s, value: replace(s, floor_opacity=min(max(value, 0.0), 1.0)),
-                lambda s: s.floor_opacity,
-            )
-        )
 
-    def draw(self, frame: Frame, moving: bool) -> None:
-        """Follow the state."""
-        for control in self._controls:
-            control.draw(frame, moving)
+def _switch(layer: Layer) -> Checkbox:
+    return Checkbox(
+        f"layers.{layer.key}", layer.label, hint=layer.hint,
+        read=lambda state: layer.key in state.layers,
+        apply=lambda state, visible: actions.set_layers(state, **{layer.key: visible}),
+    )  # fmt: skip

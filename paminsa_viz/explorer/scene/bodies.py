@@ -7,18 +7,20 @@ message a body is enough that way, where free-standing bodies would need two.
 
 from __future__ import annotations
 
-from typing import Final
+from functools import cache
+from typing import Any, Final
 
 import numpy as np
-from viser import FrameHandle, GlbHandle, SceneApi
+from viser import FrameHandle, GlbHandle
 
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes import bodies as shapes
 from paminsa_viz.meshes import load
 from paminsa_viz.meshes.placement import about_z, elevated
 from paminsa_viz.meshes.weights import counterweight_glb
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import Configuration
 
 Position = tuple[float, float, float]
@@ -37,195 +39,148 @@ PARENT: Final = {
 """What each body of a leg hangs from; empty for the leg's own frame."""
 
 
-def node_name(body: str, root: str = "/robot") -> str:
+@cache
+def node_name(body: str) -> str:
     """Return the scene name of a body, for example ``/robot/leg1/slider/b8``."""
     if not body.startswith("leg"):
-        return f"{root}/{body}"
+        return f"/robot/{body}"
     leg, _, kind = body.partition("/")
-    return f"{root}/{leg}/{PARENT[kind]}{kind}" if kind else f"{root}/{leg}"
+    return f"/robot/{leg}/{PARENT[kind]}{kind}" if kind else f"/robot/{leg}"
 
 
-class BodyNodes:
-    """All bodies of one robot in one scene.
+class Bodies:
+    """All bodies of one robot in one scene: the layers ``mesh`` and ``fine``.
 
-    Args:
-        scene: Scene of a client or a server.
-        geometry: Lengths to build the bodies for.
-        root: Name of the node that holds all others.
+    They start plain, and are there sooner.
     """
 
-    def __init__(self, scene: SceneApi, geometry: Geometry, root: str = "/robot") -> None:
-        self._scene = scene
-        self._root = root
-        self._top = scene.add_frame(root, show_axes=False)
-        self._legs: list[FrameHandle] = [
-            scene.add_frame(node_name(f"leg{leg}", root), show_axes=False) for leg in (1, 2, 3)
-        ]
-        self._nodes: dict[str, GlbHandle] = {}
-        self._built: dict[str, tuple[object, ...]] = {}
-        self._payload_mass = 0.0
-        self._weights: tuple[Counterweight, ...] = ()
-        self._hung: dict[str, GlbHandle] = {}
-        self._hung_data: dict[str, bytes] = {}
-        self._geometry = geometry
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._top = context.scene.add_frame("/robot", show_axes=False)
+        self._nodes: dict[str, FrameHandle | GlbHandle] = {
+            name: context.scene.add_frame(name, show_axes=False)
+            for name in (node_name(f"leg{leg}") for leg in (1, 2, 3))
+        }
+        self._data: dict[str, bytes] = {}
+        self._built: dict[str, object] = {}
         self._fine = False
-        self.rebuild(geometry)
+        self._design: Design | None = None
+        self._configuration: Configuration | None = None
 
-    @property
-    def visible(self) -> bool:
-        """Whether the bodies are shown."""
-        return self._top.visible
-
-    @visible.setter
-    def visible(self, visible: bool) -> None:
-        self._top.visible = visible
-
-    @property
-    def fine(self) -> bool:
-        """Whether the bodies have all their details; they begin plain, and are there sooner."""
-        return self._fine
-
-    @fine.setter
-    def fine(self, fine: bool) -> None:
-        if fine != self._fine:
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Move what has moved; remake only bodies whose lengths have changed."""
+        del dragging
+        self._top.visible = "mesh" in frame.state.layers
+        fine, design = "fine" in frame.state.layers, frame.standing_design
+        if fine != self._fine or self._design is None or design.geometry != self._design.geometry:
             self._fine = fine
-            for body in self._built:
-                self._make(body)
+            self._build(design.geometry)
+            self._configuration = None
+        if design != self._design:
+            self._design = design
+            self._attach_payload(design)
+            self._attach_counterweights(design)
+        if frame.drawable and frame.configuration is not self._configuration:
+            self._configuration = frame.configuration
+            positions, turns = self.places(frame.configuration)
+            for name, position in positions.items():
+                self._nodes[name].position = position
+            for name, turn in turns.items():
+                self._nodes[name].wxyz = turn
 
-    def rebuild(self, geometry: Geometry) -> tuple[str, ...]:
-        """Remake the bodies whose defining lengths differ; return their names.
-
-        The nodes keep their place until the next `pose`.
-        """
-        self._geometry = geometry
-        changed = []
+    def _build(self, geometry: Geometry) -> None:
+        """Make or replace the bodies whose defining lengths or detail differ."""
         for body in (*STANDING, *_HANGING_ORDER):
-            wanted = shapes.lengths_of(body, geometry)
+            wanted = (shapes.lengths_of(body, geometry), self._fine)
             if self._built.get(body) != wanted:
-                self._make(body)
                 self._built[body] = wanted
-                changed.append(body)
-        for leg, frame in enumerate(self._legs):
-            frame.position = shapes.leg_axis(geometry, leg)
-            knee = self._nodes[f"leg{leg + 1}/b4"]
-            knee.position = (geometry.crank_length, 0.0, 0.0)
-        self._place_payload(remake="platform" in changed)
-        self._hang_weights()
-        return tuple(changed)
+                self._put(node_name(body), shapes.body_glb(body, geometry, fine=self._fine))
+        for leg in (1, 2, 3):
+            self._nodes[node_name(f"leg{leg}")].position = shapes.leg_axis(geometry, leg - 1)
+            self._nodes[node_name(f"leg{leg}/b4")].position = (geometry.crank_length, 0.0, 0.0)
 
-    def _make(self, body: str) -> None:
+    def _put(self, name: str, data: bytes) -> Any:
         """Make or replace one node; a replaced one keeps its pose and what hangs from it."""
-        data = shapes.body_glb(body, self._geometry, fine=self._fine)
-        old = self._nodes.get(body)
-        if old is not None:
-            old.glb_data = data
-            return
-        self._nodes[body] = self._scene.add_glb(node_name(body, self._root), data)
-
-    def pose(self, configuration: Configuration) -> None:
-        """Move the bodies to a solved configuration of shape (); the caller opens ``atomic()``."""
-        positions, turns = self.places(configuration)
-        for body, position in positions.items():
-            self._nodes[body].position = position
-        for body, turn in turns.items():
-            leg = body.removeprefix("leg")
-            node = self._legs[int(leg) - 1] if leg.isdigit() else self._nodes[body]
-            node.wxyz = turn
+        node = self._nodes.get(name)
+        if node is None:
+            node = self._nodes[name] = self._scene.add_glb(name, data)
+        elif self._data[name] != data:
+            node.glb_data = data  # pyright: ignore[reportAttributeAccessIssue]
+        self._data[name] = data
+        return node
 
     def places(
         self, configuration: Configuration
     ) -> tuple[dict[str, Position], dict[str, Quaternion]]:
-        """Return what a configuration of shape () moves, by body, each in its parent's frame.
+        """Return what a configuration of shape () moves, by scene node, in its parent's frame.
 
         Returns:
-            Positions [m] of the bodies that slide, and quaternions (w, x, y, z) of those that turn;
-            the legs' own frames are ``leg1`` to ``leg3``.
+            Positions [m] of the nodes that slide, quaternions (w, x, y, z) of those that turn.
         """
         x, y, theta, z = configuration.pose
         positions = {
-            "carriage": (0.0, 0.0, float(configuration.actuators[3])),
-            "platform": (float(x), float(y), float(z)),
+            node_name("carriage"): (0.0, 0.0, float(configuration.actuators[3])),
+            node_name("platform"): (float(x), float(y), float(z)),
         }
-        turns = {"platform": about_z(theta)}
+        turns = {node_name("platform"): about_z(theta)}
         legs = about_z(configuration.beta)
-        b3, b7 = elevated(configuration.phi + np.pi), elevated(configuration.psi)
-        b8, b4 = elevated(configuration.phi), elevated(configuration.psi - configuration.phi)
-        along = self._along(configuration)
+        bars = {
+            "b3": elevated(configuration.phi + np.pi),
+            "b7": elevated(configuration.psi),
+            "b8": elevated(configuration.phi),
+            "b4": elevated(configuration.psi - configuration.phi),
+        }
+        radius5, radius8 = (_radius_in_leg_plane(configuration, joint) for joint in (5, 8))
+        height3, height5 = (configuration.points[joint][:, 2] for joint in (3, 5))
         for leg in range(3):
             name = f"leg{leg + 1}"
-            positions[f"{name}/shaft"] = (0.0, 0.0, float(configuration.points[3][leg, 2]))
-            positions[f"{name}/slider"] = (along[8][leg], 0.0, 0.0)
-            positions[f"{name}/swivel"] = (
-                along[5][leg],
-                0.0,
-                float(configuration.points[5][leg, 2]),
-            )
-            turns[name] = legs[leg]
-            for bar, turn in (("b3", b3), ("b7", b7), ("b8", b8), ("b4", b4)):
-                turns[f"{name}/{bar}"] = turn[leg]
+            for kind, r, height in (
+                ("shaft", 0.0, height3[leg]),
+                ("slider", radius8[leg], 0.0),
+                ("swivel", radius5[leg], height5[leg]),
+            ):
+                positions[node_name(f"{name}/{kind}")] = (float(r), 0.0, float(height))
+            turns[node_name(name)] = legs[leg]
+            for bar, turn in bars.items():
+                turns[node_name(f"{name}/{bar}")] = turn[leg]
         return positions, turns
 
-    def _along(self, configuration: Configuration) -> dict[int, list[float]]:
-        """Return r of joints 5 and 8 in each leg plane [m]."""
-        heading = np.stack([np.cos(configuration.beta), np.sin(configuration.beta)], axis=-1)
-        axis = configuration.points[3][:, :2]
-        return {
-            joint: np.einsum(
-                "ij,ij->i", configuration.points[joint][:, :2] - axis, heading
-            ).tolist()
-            for joint in (5, 8)
+    def _attach_payload(self, design: Design) -> None:
+        """Show a payload, its volume in proportion to its mass; without mass it is hidden."""
+        name, mass = f"{node_name('platform')}/payload", design.payload.mass
+        if mass > 0:
+            node = self._put(name, load.payload_glb())
+            node.position = load.payload_offset(design.geometry)
+            over = design.geometry.knee is KneeBranch.UPPER
+            node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
+            node.scale = load.payload_scale(mass)
+        if name in self._nodes:
+            self._nodes[name].visible = mass > 0
+
+    def _attach_counterweights(self, design: Design) -> None:
+        """Attach counterweights to the bars of every leg; one without mass is not drawn."""
+        wanted = {
+            f"{node_name(bar)}/weight{number}": counterweight_glb(
+                design.geometry, weight, shapes.color_of(bar)
+            )
+            for leg in (1, 2, 3)
+            for number, weight in enumerate(design.counterweights, 1)
+            if weight.mass > 0
+            for bar in (f"leg{leg}/{weight.bar}",)
         }
-
-    def payload(self, mass: float) -> None:
-        """Show a payload of a mass [kg]: its volume is in proportion, at 0 it is hidden."""
-        self._payload_mass = mass
-        self._place_payload()
-
-    def _place_payload(self, remake: bool = False) -> None:
-        node = self._nodes.get("payload")
-        if self._payload_mass <= 0:
-            if node is not None:
-                node.visible = False
-            return
-        if node is None:
-            name = f"{node_name('platform', self._root)}/payload"
-            node = self._scene.add_glb(name, load.payload_glb())
-            self._nodes["payload"] = node
-        node.position = load.payload_offset(self._geometry)
-        over = self._geometry.knee is KneeBranch.UPPER
-        node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
-        node.scale = load.payload_scale(self._payload_mass)
-        node.visible = True
-
-    def counterweights(self, weights: tuple[Counterweight, ...]) -> None:
-        """Show counterweights on every leg; one without mass is not drawn."""
-        self._weights = weights
-        self._hang_weights()
-
-    def _hang_weights(self) -> None:
-        """Make, remake or remove what differs; they hang from the bars, and no pose moves them."""
-        wanted: dict[str, bytes] = {}
-        for leg in (1, 2, 3):
-            for number, weight in enumerate(self._weights, 1):
-                if weight.mass > 0:
-                    bar = f"leg{leg}/{weight.bar}"
-                    name = f"{node_name(bar, self._root)}/weight{number}"
-                    color = shapes.color_of(bar)
-                    wanted[name] = counterweight_glb(self._geometry, weight, color)
-        for name in [name for name in self._hung if name not in wanted]:
-            self._hung.pop(name).remove()
-            del self._hung_data[name]
+        attached = [name for name in self._nodes if "/weight" in name]
+        for name in attached:
+            if name not in wanted:
+                self._nodes.pop(name).remove()
         for name, data in wanted.items():
-            if name not in self._hung:
-                self._hung[name] = self._scene.add_glb(name, data)
-            elif self._hung_data[name] != data:
-                self._hung[name].glb_data = data
-            self._hung_data[name] = data
+            self._put(name, data)
 
-    @property
-    def node_count(self) -> int:
-        """Number of nodes that exist, frames included."""
-        return len(self._nodes) + len(self._hung) + len(self._legs) + 1
+
+def _radius_in_leg_plane(configuration: Configuration, joint: int) -> Array:
+    """Return the distance of a joint from the axis of its leg, (3,) [m]."""
+    heading = np.stack([np.cos(configuration.beta), np.sin(configuration.beta)], axis=-1)
+    from_axis = configuration.points[joint][:, :2] - configuration.points[3][:, :2]
+    return np.einsum("ij,ij->i", from_axis, heading)
 
 
 STANDING: Final = tuple(body for body in shapes.STANDING if body != "ground")

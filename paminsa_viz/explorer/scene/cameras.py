@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import ClientHandle
 
+from paminsa_viz.explorer.placing import covered_share
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.meshes.frame import lift_motor_height, plinth_radius
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model.design import Geometry, KneeBranch
-from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 
 Array = NDArray[np.float64]
 
@@ -22,12 +23,12 @@ FIELD_OF_VIEW: Final = float(np.radians(32.0))
 FILL: Final = 0.94
 """How much of the picture's height or width a preset fills."""
 
-VIEWS: Final = ("3D", "Top", "Front", "Leg 1", "Leg 2", "Leg 3")
+CAMERAS: Final = ("3D", "Top", "Front", "Leg 1", "Leg 2", "Leg 3")
 """Names of the presets."""
 
 
 @dataclass(frozen=True)
-class View:
+class CameraView:
     """A camera: where it stands and what it looks at [m], and its field of view [rad]."""
 
     position: tuple[float, float, float]
@@ -41,11 +42,11 @@ def preset(
     geometry: Geometry,
     configuration: Configuration | None = None,
     aspect: float = 1.5,
-) -> View:
+) -> CameraView:
     """Return a preset that fits the picture.
 
     Args:
-        name: One of `VIEWS`. "Leg k" faces the leg's plane as the paper's Fig. 2 does, from the
+        name: One of `CAMERAS`. "Leg k" faces the leg's plane as the paper's Fig. 2 does, from the
             side where the mast does not stand in the way.
         geometry: Lengths of the robot.
         configuration: With it, "Leg k" squares up to the plane as it is now; without, as at home.
@@ -54,7 +55,7 @@ def preset(
     Raises:
         KeyError: If there is no such preset.
     """
-    if name not in VIEWS:
+    if name not in CAMERAS:
         raise KeyError(name)
     if name.startswith("Leg"):
         leg = int(name[-1]) - 1
@@ -97,7 +98,7 @@ def _leg_outline(geometry: Geometry, leg: int, heading: float) -> Array:
     return np.array([[*(axis + r * along), z] for r, z in corners])
 
 
-def _fitted(azimuth: float, elevation: float, points: Array, aspect: float) -> View:
+def _fitted(azimuth: float, elevation: float, points: Array, aspect: float) -> CameraView:
     """Return the view from a direction [deg] that just holds all points.
 
     The camera is moved across until the margins on opposite sides are equal.
@@ -116,12 +117,47 @@ def _fitted(azimuth: float, elevation: float, points: Array, aspect: float) -> V
         seen = local[:, :2] / (distance - local[:, 2])[:, None]
         middle = (seen.max(axis=0) + seen.min(axis=0)) / 2 * distance
         look = look + middle[0] * right + middle[1] * up
-    x, y, z = look + distance * back
-    return View((float(x), float(y), float(z)), (float(look[0]), float(look[1]), float(look[2])))
+    return CameraView(_triple(look + distance * back), _triple(look))
 
 
-def take(client: ClientHandle, view: View) -> None:
-    """Move a client's camera to a view."""
+def _triple(point: Array) -> tuple[float, float, float]:
+    x, y, z = point.tolist()
+    return (x, y, z)
+
+
+def raised(view: CameraView, covered: float) -> CameraView:
+    """Return a view that shows the same in the upper part of the picture.
+
+    Args:
+        view: A camera for the whole picture.
+        covered: Share of the picture's height that is covered from below.
+    """
+    position, target = np.array(view.position), np.array(view.look_at)
+    back = position - target
+    distance = float(np.linalg.norm(back)) / (1 - covered)
+    back /= np.linalg.norm(back)
+    right = np.cross(view.up, back)
+    upward = np.cross(back, right / np.linalg.norm(right))
+    shift = covered * distance * np.tan(view.fov / 2) * upward
+    look_at = target - shift
+    moved = look_at + distance * back
+    return replace(view, position=_triple(moved), look_at=_triple(look_at))
+
+
+def look(session: Session, name: str) -> None:
+    """Move a tab's camera to a preset, with the robot in the part of the view that is free.
+
+    Args:
+        session: The tab; "Leg k" squares up to the leg as it stands.
+        name: One of `CAMERAS`.
+    """
+    client, standing = session.client, session.state.standing
+    configuration = inverse_kinematics(standing.geometry, standing.pose)
+    width, height = client.camera.image_width, client.camera.image_height
+    covered = covered_share(session.panel_width, height)
+    aspect = width / (height * (1 - covered)) if height else 1.4
+    view = preset(name, standing.geometry, configuration, aspect)
+    view = raised(view, covered)
     camera = client.camera
     with client.atomic():
         camera.up_direction = view.up

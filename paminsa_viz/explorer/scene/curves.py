@@ -9,9 +9,18 @@ from numpy.typing import ArrayLike, NDArray
 from viser import LineSegmentsHandle, SceneApi
 
 from paminsa_viz import palette
-from paminsa_viz.explorer.scene.tint import drawn
+from paminsa_viz.meshes.materials import srgb_to_linear
 
 Array = NDArray[np.float64]
+
+
+def linear_colors(*colors: str) -> NDArray[np.uint8]:
+    """Return ``#rrggbb`` colors for lines, batched meshes and arrows, (n, 3).
+
+    The viewer reads their colors as linear light, but those of plain meshes as they are seen. What
+    is given here looks like the palette either way.
+    """
+    return np.rint(255 * np.array([srgb_to_linear(color) for color in colors])).astype(np.uint8)
 
 
 def segments(curve: ArrayLike, height: float = 0.0, closed: bool = False) -> Array:
@@ -88,7 +97,7 @@ class Curve:
     ) -> None:
         self._scene = scene
         self._name = name
-        self._color = drawn(color)[0]
+        self._color = linear_colors(color)[0]
         self._thickness = thickness
         self._dash = dash
         self._node: LineSegmentsHandle | None = None

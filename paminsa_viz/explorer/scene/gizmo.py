@@ -44,17 +44,11 @@ class Gizmo:
         theta = before + float(np.remainder(turn - before + np.pi, 2 * np.pi) - np.pi)
         return actions.move(state, x=x, y=y, theta=theta, z=z)
 
-    def draw(self, frame: Frame, moving: bool) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
         """Stand at the platform, unless it is being dragged."""
-        visible = "gizmo" in frame.state.layers
-        if self.handle.visible != visible:
-            self.handle.visible = visible
-        if self._held and moving:
+        self.handle.visible = "gizmo" in frame.state.layers
+        if (self._held and dragging) or not frame.drawable:
             return
         x, y, theta, z = frame.state.standing.pose
-        place = np.array([x, y, z])
-        turn = np.array([np.cos(theta / 2), 0.0, 0.0, np.sin(theta / 2)])
-        if not np.allclose(self.handle.position, place, atol=1e-9):
-            self.handle.position = place
-        if not np.allclose(self.handle.wxyz, turn, atol=1e-9):
-            self.handle.wxyz = turn
+        self.handle.position = (x, y, z)
+        self.handle.wxyz = (float(np.cos(theta / 2)), 0.0, 0.0, float(np.sin(theta / 2)))

@@ -114,25 +114,26 @@ def _factory(view: str | ViewFactory) -> ViewFactory:
     return getattr(import_module(f"{__package__}.{module}"), name)
 
 
-_ROBOT = "view:RobotView"
 _FLOOR = "floor:FloorMap"
+_MASSES = "masses:PointMassView"
 
 register(
-    Layer("mesh", "Robot", "The machine itself", _ROBOT, default=True),
+    Layer("mesh", "Robot", "The machine itself", "bodies:Bodies", default=True),
     Layer(
-        "skeleton", "Skeleton", "Bars as lines, with the paper's joint numbers", _ROBOT,
-        shortcut="K",
+        "skeleton", "Skeleton", "Bars as lines, with the paper's joint numbers",
+        "skeleton:Skeleton", shortcut="K",
     ),
     Layer(
-        "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion", _ROBOT,
+        "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion", _MASSES,
         shortcut="C",
     ),
-    Layer("gravity", "Weights", "The weight of each body as an arrow", _ROBOT),
+    Layer("gravity", "Weights", "The weight of each body as an arrow", _MASSES),
     Layer(
         "torques", "Actuator torques", "Static torques as arrows about the leg axes, and F₄",
-        _ROBOT, default=True,
+        "actuators:TorqueArrows", default=True,
     ),
-    Layer("labels", "Labels", "Names of the actuators", _ROBOT, default=True),
+    Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
+          default=True),
     Layer(
         "workspace", "Workspace boundary", "Positions within reach at the current θ and z", _FLOOR,
         default=True, animated=False,
@@ -151,9 +152,11 @@ register(
     ),
     Layer(
         "fine", "Fine detail",
-        "Round edges and bolts; on by default where there is a graphics card", _ROBOT,
+        "Round edges and bolts; on by default where there is a graphics card",
+        "bodies:Bodies",
     ),
     Layer(
-        "shadows", "Shadows", "Shadows and reflections; slow without a graphics card", _ROBOT
+        "shadows", "Shadows", "Shadows and reflections; slow without a graphics card",
+        "stage:Stage"
     ),
 )  # fmt: skip

@@ -7,10 +7,12 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from trimesh.creation import icosphere
-from viser import ArrowsHandle, BatchedMeshHandle, SceneApi
+from viser import ArrowsHandle, BatchedMeshHandle
 
 from paminsa_viz import palette
-from paminsa_viz.explorer.scene.tint import drawn
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes.load import payload_center
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Design
@@ -68,21 +70,23 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     x, y, _, z = configuration.pose
     platform = np.array([x, y, z])
     load = platform + payload_center(geometry, design.payload.mass)
-    leg_colors = np.repeat(drawn(*palette.LEG_COLORS), len(masses), axis=0)
-    ends = drawn(palette.INK, palette.WARN)
+    leg_colors = linear_colors(*palette.LEG_COLORS)
+    ends = linear_colors(palette.INK, palette.WARN)
     weights = design.counterweights
-    hung = [_hung(configuration, weight) for weight in weights]
-    added = np.stack(hung, axis=1).reshape(-1, 3) if hung else np.empty((0, 3))
+    attached = [_counterweight_places(configuration, weight) for weight in weights]
+    added = np.stack(attached, axis=1).reshape(-1, 3) if attached else np.empty((0, 3))
     return PointMasses(
         np.vstack([legs, platform, load, added]),
         np.array(
             [*masses * 3, design.platform.mass, design.payload.mass, *[w.mass for w in weights] * 3]
         ),
-        np.vstack([leg_colors, ends, np.repeat(drawn(*palette.LEG_COLORS), len(hung), axis=0)]),
+        np.vstack(
+            [leg_colors.repeat(len(masses), axis=0), ends, leg_colors.repeat(len(attached), axis=0)]
+        ),
     )
 
 
-def _hung(configuration: Configuration, weight: Counterweight) -> Array:
+def _counterweight_places(configuration: Configuration, weight: Counterweight) -> Array:
     """Return where a counterweight is on the three legs, (3, 3) [m]."""
     near, far = configuration.points[weight.joint], configuration.points[weight.other]
     return near + weight.beyond / bar_length(configuration.geometry, weight.bar) * (near - far)
@@ -99,36 +103,33 @@ def gravity_arrows(points: PointMasses, gravity: float) -> Array:
     return np.stack([points.center, tips], axis=1)
 
 
-class MassLayers:
-    """Spheres at the mass centers and gravity arrows; the nodes are made when first shown."""
+class PointMassView:
+    """The layers ``mass_centers`` and ``gravity``; the nodes are made when first shown."""
 
-    def __init__(self, scene: SceneApi, design: Design, root: str = "/masses") -> None:
-        self._scene = scene
-        self._root = root
-        self._design = design
-        self._posture: Configuration | None = None
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._drawn: tuple[object, ...] = ()
+        self._configuration: Configuration | None = None
         self._balls: BatchedMeshHandle | None = None
         self._arrows: ArrowsHandle | None = None
-        self._show_balls = self._show_arrows = False
 
-    def design(self, design: Design) -> None:
-        """Take the masses of another design."""
-        self._design = design
-        self._draw()
-
-    def pose(self, configuration: Configuration) -> None:
-        """Follow a configuration of shape (); nothing is sent while hidden."""
-        self._posture = configuration
-        self._draw()
-
-    def _draw(self) -> None:
-        if self._posture is None or not (self._show_balls or self._show_arrows):
-            return
-        points = mass_centers(self._design, self._posture)
-        if self._show_balls:
-            self._draw_balls(points)
-        if self._show_arrows:
-            self._draw_arrows(points)
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow masses and configuration; nothing is sent while hidden."""
+        del dragging
+        shown = frame.state.layers & {"mass_centers", "gravity"} if frame.drawable else frozenset()
+        design, configuration = frame.standing_design, frame.configuration
+        key = (shown, design)
+        if shown and (key != self._drawn or configuration is not self._configuration):
+            self._drawn, self._configuration = key, configuration
+            points = mass_centers(design, configuration)
+            if "mass_centers" in shown:
+                self._draw_balls(points)
+            if "gravity" in shown:
+                self._draw_arrows(points, design.gravity)
+        if self._balls is not None:
+            self._balls.visible = "mass_centers" in shown
+        if self._arrows is not None:
+            self._arrows.visible = "gravity" in shown
 
     def _draw_balls(self, points: PointMasses) -> None:
         centers = points.center.astype(np.float32)
@@ -139,45 +140,19 @@ class MassLayers:
         if self._balls is None:
             ball = icosphere(subdivisions=2, radius=BALL)
             self._balls = self._scene.add_batched_meshes_simple(
-                f"{self._root}/centers", ball.vertices, ball.faces,
+                "/masses/centers", ball.vertices, ball.faces,
                 np.tile([1.0, 0.0, 0.0, 0.0], (len(centers), 1)), centers,
                 batched_scales=scales, batched_colors=points.color,
                 lod="off", cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
-            return
         self._balls.batched_positions = centers
         self._balls.batched_scales = scales
 
-    def _draw_arrows(self, points: PointMasses) -> None:
-        arrows = gravity_arrows(points, self._design.gravity).astype(np.float32)
+    def _draw_arrows(self, points: PointMasses, gravity: float) -> None:
+        arrows = gravity_arrows(points, gravity).astype(np.float32)
         if self._arrows is None:
             self._arrows = self._scene.add_arrows(
-                f"{self._root}/gravity", arrows, drawn(palette.INK)[0],
+                "/masses/gravity", arrows, linear_colors(palette.INK)[0],
                 shaft_radius=0.0028, head_radius=0.0075, head_length=0.018,
             )  # fmt: skip
-            return
         self._arrows.points = arrows
-
-    @property
-    def centers_visible(self) -> bool:
-        """Whether the mass centers are shown."""
-        return self._show_balls
-
-    @centers_visible.setter
-    def centers_visible(self, visible: bool) -> None:
-        self._show_balls = visible
-        self._draw()
-        if self._balls is not None:
-            self._balls.visible = visible
-
-    @property
-    def gravity_visible(self) -> bool:
-        """Whether the gravity arrows are shown."""
-        return self._show_arrows
-
-    @gravity_visible.setter
-    def gravity_visible(self, visible: bool) -> None:
-        self._show_arrows = visible
-        self._draw()
-        if self._arrows is not None:
-            self._arrows.visible = visible

@@ -11,9 +11,8 @@ from viser import LineSegmentsHandle
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
-from paminsa_viz.explorer.scene.curves import Curve, segments
+from paminsa_viz.explorer.scene.curves import Curve, linear_colors, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.scene.tint import drawn
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK
 from paminsa_viz.plots import colors
@@ -56,7 +55,7 @@ def _hues() -> tuple[str, ...]:
 
 @cache
 def _drawn_hues() -> NDArray[np.uint8]:
-    return drawn(*_hues())
+    return linear_colors(*_hues())
 
 
 def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:

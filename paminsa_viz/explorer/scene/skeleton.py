@@ -7,10 +7,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from trimesh.creation import icosphere
-from viser import BatchedMeshHandle, LabelHandle, LineSegmentsHandle, SceneApi
+from viser import BatchedMeshHandle, LabelHandle, LineSegmentsHandle
 
 from paminsa_viz import palette
-from paminsa_viz.explorer.scene.tint import drawn
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model.kinematics import Configuration
 
 Array = NDArray[np.float64]
@@ -53,99 +55,69 @@ def sticks(configuration: Configuration) -> Array:
 
 def stick_colors() -> NDArray[np.uint8]:
     """Return the colors of `sticks`, (3, 9, 2, 3)."""
-    legs = drawn(*palette.LEG_COLORS)
+    legs = linear_colors(*palette.LEG_COLORS)
     out = np.broadcast_to(legs[:, None, None, :], (3, 9, 2, 3)).copy()
-    out[:, 4:6] = drawn(palette.LIFT_COLOR)
-    out[:, 6:] = drawn(palette.MUTED)
+    out[:, 4:6] = linear_colors(palette.LIFT_COLOR)
+    out[:, 6:] = linear_colors(palette.MUTED)
     return out
 
 
 class Skeleton:
-    """Stick figure and joint numbers; the nodes are made when first shown."""
+    """The layer ``skeleton``: stick figure and joint numbers; made when first shown."""
 
-    def __init__(self, scene: SceneApi, root: str = "/skeleton") -> None:
-        self._scene = scene
-        self._root = root
-        self._posture: Configuration | None = None
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._configuration: Configuration | None = None
         self._lines: LineSegmentsHandle | None = None
         self._dots: BatchedMeshHandle | None = None
-        self._labels: list[LabelHandle] = []
-        self._visible = self._numbered = False
+        self._numbers: list[LabelHandle] = []
 
-    def pose(self, configuration: Configuration) -> None:
-        """Follow a configuration of shape (); nothing is sent while hidden."""
-        self._posture = configuration
-        if self._visible:
-            self._draw(configuration)
-        if self._numbered:
-            self._number(configuration)
-
-    def _draw(self, configuration: Configuration) -> None:
-        lines = sticks(configuration).reshape(-1, 2, 3).astype(np.float32)
-        dots = _dots(configuration)
-        if self._lines is None or self._dots is None:
-            self._lines = self._scene.add_line_segments(
-                f"{self._root}/lines", lines, stick_colors().reshape(-1, 2, 3),
-                thickness=3.5, thickness_units="screen",
-            )  # fmt: skip
-            ball = icosphere(subdivisions=2, radius=DOT)
-            self._dots = self._scene.add_batched_meshes_simple(
-                f"{self._root}/dots", ball.vertices, ball.faces,
-                np.tile([1.0, 0.0, 0.0, 0.0], (len(dots), 1)), dots,
-                batched_colors=np.repeat(drawn(*palette.LEG_COLORS), len(JOINTS), axis=0),
-                lod="off", cast_shadow=False, receive_shadow=False,
-            )  # fmt: skip
-            return
-        self._lines.points = lines
-        self._dots.batched_positions = dots
-
-    def _number(self, configuration: Configuration) -> None:
-        dots = _dots(configuration)
-        if not self._labels:
-            names = [(leg, joint) for leg in (1, 2, 3) for joint in JOINTS]
-            self._labels = [
-                self._scene.add_label(
-                    f"{self._root}/numbers/{leg}/{joint}",
-                    str(joint),
-                    position=dot,
-                    font_screen_scale=0.95,
-                    anchor="bottom-left",
-                )
-                for (leg, joint), dot in zip(names, dots, strict=True)
-            ]
-            return
-        for label, dot in zip(self._labels, dots, strict=True):
-            label.position = dot
-
-    @property
-    def visible(self) -> bool:
-        """Whether the stick figure is shown."""
-        return self._visible
-
-    @visible.setter
-    def visible(self, visible: bool) -> None:
-        self._visible = visible
-        if visible and self._posture is not None:
-            self._draw(self._posture)
-        for node in (self._lines, self._dots):
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the configuration; nothing is sent while hidden."""
+        del dragging
+        visible = "skeleton" in frame.state.layers and frame.drawable
+        if visible and frame.configuration is not self._configuration:
+            self._configuration = frame.configuration
+            self._draw_bars(frame.configuration)
+            self._draw_joints(_joints(frame.configuration))
+        for node in (self._lines, self._dots, *self._numbers):
             if node is not None:
                 node.visible = visible
 
-    @property
-    def numbered(self) -> bool:
-        """Whether the joints carry the paper's numbers."""
-        return self._numbered
+    def _draw_bars(self, configuration: Configuration) -> None:
+        lines = sticks(configuration).reshape(-1, 2, 3).astype(np.float32)
+        if self._lines is None:
+            self._lines = self._scene.add_line_segments(
+                "/skeleton/lines", lines, stick_colors().reshape(-1, 2, 3),
+                thickness=3.5, thickness_units="screen",
+            )  # fmt: skip
+        self._lines.points = lines
 
-    @numbered.setter
-    def numbered(self, numbered: bool) -> None:
-        self._numbered = numbered
-        if numbered and self._posture is not None:
-            self._number(self._posture)
-        for label in self._labels:
-            label.visible = numbered
+    def _draw_joints(self, joints: NDArray[np.float32]) -> None:
+        if self._dots is None:
+            ball = icosphere(subdivisions=2, radius=DOT)
+            self._dots = self._scene.add_batched_meshes_simple(
+                "/skeleton/dots", ball.vertices, ball.faces,
+                np.tile([1.0, 0.0, 0.0, 0.0], (len(joints), 1)), joints,
+                batched_colors=np.repeat(
+                    linear_colors(*palette.LEG_COLORS), len(JOINTS), axis=0
+                ),
+                lod="off", cast_shadow=False, receive_shadow=False,
+            )  # fmt: skip
+            self._numbers = [
+                self._scene.add_label(
+                    f"/skeleton/numbers/{leg}/{joint}", str(joint),
+                    font_screen_scale=0.95, anchor="bottom-left",
+                )
+                for leg in (1, 2, 3)
+                for joint in JOINTS
+            ]  # fmt: skip
+        self._dots.batched_positions = joints
+        for number, joint in zip(self._numbers, joints, strict=True):
+            number.position = joint
 
 
-def _dots(configuration: Configuration) -> NDArray[np.float32]:
+def _joints(configuration: Configuration) -> NDArray[np.float32]:
     """Return the joints of legs 1, 2, 3 in the order of `JOINTS`, (21, 3) [m]."""
     points = np.stack([configuration.points[joint] for joint in JOINTS], axis=1)
     return points.reshape(-1, 3).astype(np.float32)

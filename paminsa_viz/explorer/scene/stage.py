@@ -6,11 +6,14 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from viser import SceneApi
+from viser import GlbHandle
 
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes.bodies import body_glb, lengths_of
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import Configuration
 
 SKY_PLAIN: Final = 1.75
 SKY_RICH: Final = 0.55
@@ -42,20 +45,16 @@ def soft_spot(strength: float, sharpness: float = 2.0) -> NDArray[np.uint8]:
 
 
 class Stage:
-    """Lights, plinth and a soft shadow below the platform, which is all a pose moves.
+    """Lights, plinth and a soft shadow below the platform: the layer ``shadows``.
 
-    Unless `shadows` asks for it there is no environment map, and the ground is unlit: reflections
-    cost several times as much as all the rest where the browser draws without a graphics card.
-
-    Args:
-        scene: Scene of a client or a server.
-        geometry: Lengths that the plinth's size follows.
+    Without true shadows there is no environment map, and the ground is unlit: reflections cost
+    several times as much as all the rest where the browser draws without a graphics card.
     """
 
-    def __init__(self, scene: SceneApi, geometry: Geometry) -> None:
+    def __init__(self, context: SceneContext) -> None:
+        scene = self._scene = context.scene
         scene.configure_default_lights(False)
         scene.configure_environment_map(None)
-        self._scene = scene
         self._sky = scene.add_light_hemisphere(
             "/stage/sky", sky_color=SKY, ground_color=FLOOR_GLOW, intensity=SKY_PLAIN
         )
@@ -63,71 +62,44 @@ class Stage:
             "/stage/key", intensity=2.1, position=KEY_LIGHT, cast_shadow=False
         )
         scene.add_light_directional("/stage/fill", intensity=0.7, position=FILL_LIGHT)
-        self._lengths = lengths_of("ground", geometry)
-        self._ground = scene.add_glb(
-            "/stage/ground",
-            body_glb("ground", geometry, fine=False),
-            cast_shadow=False,
-            receive_shadow=False,
+        self._lengths: object = None
+        self._height = 0.0
+        self._ground: GlbHandle | None = None
+        self._spot = scene.add_image(
+            SHADOW, soft_spot(0.42, 1.6), 0.62, 0.62, cast_shadow=False, receive_shadow=False
         )
-        self._below = scene.add_image(
-            SHADOW,
-            soft_spot(0.42, 1.6),
-            0.62,
-            0.62,
-            cast_shadow=False,
-            receive_shadow=False,
-        )
-        self._place(geometry)
 
-    def rebuild(self, geometry: Geometry) -> bool:
-        """Remake the ground if its size or height changed; return whether it did."""
-        lengths = lengths_of("ground", geometry)
-        if lengths == self._lengths:
-            return False
-        self._lengths = lengths
-        self._ground.glb_data = body_glb("ground", geometry, fine=False)
-        self._place(geometry)
-        return True
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the geometry, the platform, and what is shown."""
+        del dragging
+        layers = frame.state.layers
+        lengths = lengths_of("ground", frame.standing_design.geometry)
+        if lengths != self._lengths:
+            self._lengths = lengths
+            self._build(frame.standing_design.geometry)
+        if frame.drawable:
+            self._spot.position = self.shadow_place(frame.configuration)
+        # Over a map it would only dim the colors, and true shadows need no help.
+        self._spot.visible = not layers & {"floor_map", "shadows"}
+        self._cast_shadows("shadows" in layers)
 
-    def _place(self, geometry: Geometry) -> None:
-        self._height = layout(geometry).ground
-        self._below.position = (0.0, 0.0, self._height + 0.0012)
-
-    def pose(self, x: float, y: float) -> None:
-        """Move the soft shadow below the platform [m]."""
-        self._below.position = self.shadow_place(x, y)
-
-    def shadow_place(self, x: float, y: float) -> tuple[float, float, float]:
+    def shadow_place(self, configuration: Configuration) -> tuple[float, float, float]:
         """Return where the soft shadow `SHADOW` lies below the platform [m]."""
-        return (x, y, self._height + 0.0012)
+        x, y = configuration.pose[:2]
+        return (float(x), float(y), self._height + 0.0012)
 
-    @property
-    def visible(self) -> bool:
-        """Whether the ground is shown; the light stays."""
-        return self._ground.visible
+    def _build(self, geometry: Geometry) -> None:
+        self._height = layout(geometry).ground
+        data = body_glb("ground", geometry, fine=False)
+        if self._ground is None:
+            self._ground = self._scene.add_glb(
+                "/stage/ground", data, cast_shadow=False, receive_shadow=False
+            )
+        else:
+            self._ground.glb_data = data
 
-    @visible.setter
-    def visible(self, visible: bool) -> None:
-        self._ground.visible = visible
-
-    @property
-    def spot(self) -> bool:
-        """Whether the soft shadow below the platform is shown."""
-        return self._below.visible
-
-    @spot.setter
-    def spot(self, visible: bool) -> None:
-        self._below.visible = visible
-
-    @property
-    def shadows(self) -> bool:
-        """Whether there are true shadows and reflections; without a graphics card they are slow."""
-        return self._key.cast_shadow
-
-    @shadows.setter
-    def shadows(self, shadows: bool) -> None:
-        if shadows == self._key.cast_shadow:
+    def _cast_shadows(self, shadows: bool) -> None:
+        if shadows == self._key.cast_shadow or self._ground is None:
             return
         self._key.cast_shadow = shadows
         self._sky.intensity = SKY_RICH if shadows else SKY_PLAIN

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.solving import tidied
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import APPENDIX_4, InvalidDesign, static_imbalance
+from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import Counterweight
 from tests.explorer.balancing.balanced import HANGING, solved, with_design
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.engines.errors import EngineMissing
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import saving, sharing
+from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.motion.description import Kind, Motion, Timing
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import PaminsaError
@@ -41,8 +41,8 @@ motions = st.builds(
 @given(motions)
 def test_a_motion_comes_back(motion: Motion) -> None:
     document = replace(initial_state().document, motion=motion)
-    assert saving.load(saving.dump(document)) == document
-    assert sharing.decode(sharing.encode(document)) == document
+    assert persistence.load(persistence.dump(document)) == document
+    assert persistence.open_share_code(persistence.share_code(document)) == document
 
 
 def test_the_longest_motion_fits_into_a_share_code() -> None:
@@ -50,13 +50,13 @@ def test_the_longest_motion_fits_into_a_share_code() -> None:
     way = tuple(tuple(value * (1 + i / 41) for value in pose) for i in range(40))
     motion = Motion(kind=Kind.WAYPOINTS, waypoints=way)  # type: ignore[arg-type]
     document = replace(initial_state().document, motion=motion)
-    assert sharing.decode(sharing.encode(document)) == document
+    assert persistence.open_share_code(persistence.share_code(document)) == document
 
 
 def test_a_file_is_not_saved() -> None:
     table = from_samples([0.0, 1.0], [[0.0] * 4, [0.1] * 4])
     document = replace(initial_state().document, motion=Motion(kind=Kind.TABLE, table=table))
-    assert saving.load(saving.dump(document)) == initial_state().document
+    assert persistence.load(persistence.dump(document)) == initial_state().document
 
 
 @pytest.mark.parametrize(
@@ -79,9 +79,9 @@ def test_a_file_is_not_saved() -> None:
     ],
 )
 def test_what_is_no_motion_is_refused(bad: Any) -> None:
-    text = json.loads(saving.dump(initial_state().document)) | {"motion": bad}
+    text = json.loads(persistence.dump(initial_state().document)) | {"motion": bad}
     with pytest.raises(PaminsaError):
-        saving.load(json.dumps(text))
+        persistence.load(json.dumps(text))
 
 
 OLD_CODE = (
@@ -95,7 +95,7 @@ OLD_CODE = (
 
 
 def test_share_codes_of_earlier_versions_still_open() -> None:
-    assert sharing.decode(OLD_CODE).motion == Motion(
+    assert persistence.open_share_code(OLD_CODE).motion == Motion(
         kind=Kind.CIRCLE,
         center=(0.02, -0.03, 0.1, -0.52),
         radius=0.08,

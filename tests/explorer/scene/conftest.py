@@ -1,4 +1,4 @@
-"""A server with a scene, and the robot in it."""
+"""A server, and the robot's layers in its scene."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import pytest
 import viser
 
-from paminsa_viz.explorer.scene.robot import RobotScene
-from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.explorer.scene.layers import SceneContext, build_views
+from tests.explorer.scene.seen import Scene
 
 
 @pytest.fixture
@@ -20,6 +20,6 @@ def server() -> Iterator[viser.ViserServer]:
 
 
 @pytest.fixture
-def robot(server: viser.ViserServer) -> RobotScene:
-    """The robot of Appendix 4 in the scene of the server, not yet posed."""
-    return RobotScene(server.scene, APPENDIX_4)
+def scene(server: viser.ViserServer) -> Scene:
+    """All animated layers in the scene of the server; nothing is drawn yet."""
+    return Scene(server, build_views(SceneContext(server.scene), animated=True))

@@ -5,18 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.scene.cameras import VIEWS, preset
+from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests.explorer.scene.seen import solved
 from tests.samples import with_knee
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
-@pytest.mark.parametrize("name", VIEWS)
+@pytest.mark.parametrize("name", CAMERAS)
 @pytest.mark.parametrize("aspect", [0.6, 1.0, 1.6])
 def test_presets_hold_the_robot_in_the_picture(name: str, knee: KneeBranch, aspect: float) -> None:
     sign = -knee.sign
-    configuration = solved((0.0, 0.0, 0.1, sign * 0.45), knee=knee)
+    configuration = solved((0.0, 0.0, 0.1, sign * 0.45), with_knee(APPENDIX_4, knee))
     view = preset(name, with_knee(APPENDIX_4.geometry, knee), configuration, aspect)
     position, look = np.array(view.position), np.array(view.look_at)
     back = (position - look) / np.linalg.norm(position - look)

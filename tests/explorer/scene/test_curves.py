@@ -7,24 +7,23 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.scene.curves import Curve, circle, dashes, segments
-from tests.explorer.scene.seen import nodes
 
 
 def test_a_curve_is_one_node(server: viser.ViserServer) -> None:
     curve = Curve(server.scene, "/circle")
     curve.draw([])
-    assert "/circle" not in nodes(server)
+    assert "/circle" not in server.scene._handle_from_node_name
     curve.draw([circle(0.3), circle(0.1)], height=-0.5, closed=True)
-    node = nodes(server)["/circle"]
+    node = server.scene._handle_from_node_name["/circle"]
     assert node.points.shape == (256, 2, 3)
     assert np.unique(node.points[..., 2]) == pytest.approx([-0.5])
     curve.draw([circle(0.3, 16)], closed=True)
-    assert nodes(server)["/circle"] is node
+    assert server.scene._handle_from_node_name["/circle"] is node
     assert node.points.shape == (16, 2, 3)
     curve.draw([])
     assert not node.visible
     curve.remove()
-    assert "/circle" not in nodes(server)
+    assert "/circle" not in server.scene._handle_from_node_name
 
 
 def test_a_gap_breaks_a_curve() -> None:

@@ -1,66 +1,138 @@
-"""Layers of the scene: shown or hidden, up to date when shown, and free when hidden."""
+"""Layers: registered once, up to date when shown, free when hidden."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer.scene.robot import SHOWN_AT_START, Layer, RobotScene
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.commands import commands
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
 from paminsa_viz.explorer.scene.skeleton import sticks
-from paminsa_viz.meshes.bodies import body_glb
+from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4
-from tests.explorer.scene.seen import nodes, recorded, solved
+from tests.explorer.panel_desk import desk_with
+from tests.explorer.scene.seen import Scene, solved
+
+ANIMATED = [key for key, layer in LAYERS.items() if layer.animated]
+OWN_NODES = {
+    "mesh": "/robot",
+    "skeleton": "/skeleton/lines",
+    "mass_centers": "/masses/centers",
+    "gravity": "/masses/gravity",
+    "torques": "/efforts/m4",
+    "labels": "/actuators/m1",
+    "gizmo": "/gizmo",
+}
 
 
-def test_layers_switch_on_and_off(server: viser.ViserServer, robot: RobotScene) -> None:
-    assert {layer for layer in Layer if robot.shown(layer)} == SHOWN_AT_START
-    robot.pose(solved())
-    robot.efforts([1.0, -0.5, 0.2, 120.0], 2.0, 200.0)
-    for layer in Layer:
-        robot.show(layer)
-        assert robot.shown(layer)
-    first = set(nodes(server))
-    for layer in Layer:
-        robot.show(layer, False)
-        assert not robot.shown(layer)
-    robot.pose(solved((0.0, 0.0, 0.0, -0.5)))
-    for layer in Layer:
-        robot.show(layer)
-    assert set(nodes(server)) == first
+@pytest.fixture
+def guarded() -> Iterator[viser.ViserServer]:
+    """A server whose pages answer to a raw socket."""
+    running = open_server(port=0)
+    yield running
+    running.stop()
 
 
-def test_bodies_begin_plain_and_can_be_fine(server: viser.ViserServer, robot: RobotScene) -> None:
-    bar = nodes(server)["/robot/leg1/slider/b8/b4"]
-    plain = bar.glb_data
-    robot.show(Layer.FINE)
-    assert bar.glb_data == body_glb("leg1/b4", APPENDIX_4.geometry)
-    assert len(bar.glb_data) > 2 * len(plain)
-    robot.show(Layer.FINE, False)
-    assert bar.glb_data == plain
+@pytest.fixture
+def grid_layer() -> Iterator[None]:
+    """A layer that only this test knows."""
+
+    class Grid:
+        def __init__(self, context: SceneContext) -> None:
+            self._node = context.scene.add_grid("/grid", visible=False)
+
+        def draw(self, frame: Frame, dragging: bool) -> None:
+            del dragging
+            self._node.visible = "grid" in frame.state.layers
+
+    before = dict(LAYERS)
+    register(Layer("grid", "Grid", "Lines every 10 cm", Grid, shortcut="J"))
+    yield
+    LAYERS.clear()
+    LAYERS.update(before)
 
 
-def test_hidden_layers_cost_nothing(server: viser.ViserServer, robot: RobotScene) -> None:
-    robot.pose(solved())
-    hidden = [Layer.SKELETON, Layer.NUMBERS, Layer.MASSES, Layer.GRAVITY, Layer.EFFORTS]
-    for layer in hidden:
-        robot.show(layer)
-        robot.show(layer, False)
-    with recorded(server) as messages:
-        robot.pose(solved((0.0, 0.0, 0.1, -0.5)))
-        robot.efforts([1.0, 0.5, 0.2, 100.0], 2.0, 200.0)
-    assert all(m.name.startswith(("/robot/", "/stage/")) for m in messages)
+@pytest.mark.usefixtures("grid_layer")
+def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) -> None:
+    with desk_with(guarded, view_entries()) as desk:
+        scene = desk.session.client.scene
+        context = SceneContext(scene, desk.session.dispatch)
+        desk.session.submit(
+            lambda: desk.session.immediate.extend(build_views(context, animated=True))
+        )
+        nodes = scene._handle_from_node_name
+        desk.until(lambda: "/grid" in nodes)
+        box = desk.handle("layers.grid")
+        desk.set(box, True)
+        desk.until(lambda: "grid" in desk.state.layers)
+        desk.until(lambda: nodes["/grid"].visible)
+        (command,) = [c for c in commands(desk.session) if c.label == "Show or hide: grid"]
+        assert command.key == "J"
+        command.run()
+        desk.until(lambda: not box.value)
+        desk.until(lambda: not nodes["/grid"].visible)
 
 
-def test_a_layer_shown_late_is_up_to_date(server: viser.ViserServer, robot: RobotScene) -> None:
-    robot.pose(solved())
-    robot.show(Layer.SKELETON)
-    robot.show(Layer.SKELETON, False)
-    configuration = solved((0.1, 0.0, 0.0, -0.45))
-    robot.pose(configuration)
-    robot.show(Layer.SKELETON)
-    points = nodes(server)["/skeleton/lines"].points
-    assert points == pytest.approx(sticks(configuration).reshape(-1, 2, 3), abs=1e-6)
+@pytest.mark.parametrize("taken", [{"key": "mesh"}, {"shortcut": "K"}])
+def test_a_key_or_shortcut_belongs_to_one_layer(taken: dict[str, str]) -> None:
+    fields = {"key": "new", "label": "New", "hint": "", "view": "bodies:Bodies"}
+    with pytest.raises(ValueError, match="taken"):
+        register(Layer(**(fields | taken)))
+    assert "new" not in LAYERS
+
+
+def test_layers_are_switched_by_their_keys_only() -> None:
+    state = initial_state()
+    assert state.layers == {key for key, layer in LAYERS.items() if layer.default}
+    changed = actions.set_layers(state, path=True, mesh=False)
+    assert changed.layers == (state.layers | {"path"}) - {"mesh"}
+    with pytest.raises(KeyError):
+        actions.set_layers(state, no_such_layer=True)
+
+
+def test_layers_switch_on_and_off_without_new_nodes(scene: Scene) -> None:
+    scene.draw(layers=ANIMATED)
+    first = set(scene.nodes)
+    for key, name in OWN_NODES.items():
+        scene.draw(layers=[key])
+        shown = {other for other, node in OWN_NODES.items() if scene.nodes[node].visible}
+        assert shown == {key}, name
+    scene.draw((0.0, 0.0, 0.0, -0.5), layers=[])
+    scene.draw((0.0, 0.0, 0.0, -0.5), layers=ANIMATED)
+    assert set(scene.nodes) == first
+
+
+def test_true_shadows_and_the_floor_map_replace_the_soft_one(scene: Scene) -> None:
+    for layers, soft, true in (([], True, False), (["floor_map"], False, False),
+                               (["shadows"], False, True)):  # fmt: skip
+        scene.draw(layers=layers)
+        assert scene.nodes["/stage/ground/below"].visible is soft
+        assert scene.nodes["/stage/key"].cast_shadow is true
+
+
+def test_hidden_layers_cost_nothing(scene: Scene) -> None:
+    scene.draw(layers=ANIMATED)
+    scene.draw(layers=["mesh"])
+    with scene.sent() as messages:
+        scene.draw((0.0, 0.0, 0.1, -0.5), APPENDIX_4.vary({"links.b3": 2.0}), ["mesh"])
+    assert all(m.name.startswith(("/robot/", "/stage/", "/gizmo")) for m in messages)
+
+
+def test_a_layer_shown_late_is_up_to_date(scene: Scene) -> None:
+    scene.draw(layers=["skeleton"])
+    scene.draw(layers=[])
+    pose = (0.1, 0.0, 0.0, -0.45)
+    scene.draw(pose, layers=[])
+    scene.draw(pose, layers=["skeleton"])
+    points = scene.nodes["/skeleton/lines"].points
+    assert points == pytest.approx(sticks(solved(pose)).reshape(-1, 2, 3), abs=1e-6)
 
 
 def test_sticks_join_the_papers_joints() -> None:

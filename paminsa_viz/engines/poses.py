@@ -1,4 +1,4 @@
-"""Where the joints of the mechanism stand at a pose, from the geometry alone."""
+"""Poses for the engines: joint values at a pose, the start pose, random poses for checks."""
 
 from __future__ import annotations
 
@@ -8,10 +8,22 @@ import numpy as np
 
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, leg_name
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import UnreachablePose
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
+from paminsa_viz.model.reach import check_reach, workspace_height, workspace_radius
+from paminsa_viz.model.singularity import measure_singularity, singular_rotation
 from paminsa_viz.units import format_ascii
+
+WORST_CONDITION = 10.0
+"""Largest condition number of a drawn pose. Torques grow without bound toward a singularity, and
+relative to the largest of them every difference would look small."""
+
+LEAST_CLEARANCE = 0.1
+"""Least distance from stretched, folded and on-axis legs, over R_b."""
+
+_DRAWN = 4096
+_ROUNDS = 200
 
 
 def joint_values(configuration: Configuration) -> dict[str, Array]:
@@ -67,22 +79,14 @@ def start_pose(design: Design) -> Array:
     g = design.geometry
     least = max(g.home_span, abs(g.coupler_length - g.crank_length))
     distance = 0.5 * (least + g.coupler_length + g.crank_length)
-    height = (
-        -design.geometry.knee.sign * math.sqrt(distance**2 - g.home_span**2)
-        - g.platform_joint_height
-    )
+    height = -g.knee.sign * math.sqrt(distance**2 - g.home_span**2) - g.platform_joint_height
     pose = np.array([0.0, 0.0, 0.0, height])
-    if not np.isfinite(posture_of(design, pose).phi).all():
-        raise no_posture(pose)
+    if not np.isfinite(inverse_kinematics(g, pose).phi).all():
+        raise unclosed(pose)
     return pose
 
 
-def posture_of(design: Design, poses: Array) -> Configuration:
-    """Solve poses (..., 4) for a design."""
-    return inverse_kinematics(design.geometry, np.asarray(poses, float))
-
-
-def no_posture(pose: Array) -> UnreachablePose:
+def unclosed(pose: Array) -> UnreachablePose:
     """Return the error for a pose (4,) at which the bars cannot close."""
     x, y, theta, z = (float(value) for value in pose)
     text = (
@@ -90,3 +94,49 @@ def no_posture(pose: Array) -> UnreachablePose:
         f"theta = {math.degrees(theta):.6g} deg, z = {format_ascii(z, 'm', 6)}"
     )
     return UnreachablePose((x, y, theta, z), 0, "configuration", 0.0, text)
+
+
+def workspace_poses(geometry: Geometry, count: int, seed: int = 0) -> Array:
+    """Draw poses from all of the workspace that the robot reaches without crossing a singularity.
+
+    Uniform in x, y, theta and z, above and below the guides; clear of singularities, see
+    `WORST_CONDITION` and `LEAST_CLEARANCE`. The same arguments give the same poses for both
+    branches of the knee.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        count: How many.
+        seed: Of the random numbers.
+
+    Returns:
+        (count, 4) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If count or seed is not possible, or the workspace is too small to find so
+            many.
+    """
+    if count < 1:
+        raise InvalidInput("poses", f"at least 1 is needed, not {count}")
+    if seed < 0:
+        raise InvalidInput("seed", f"a whole number of at least 0 is needed, not {seed}")
+    rng = np.random.default_rng(seed)
+    across, up = workspace_radius(geometry), workspace_height(geometry)
+    turn = np.nan_to_num(singular_rotation(geometry), nan=np.pi)
+    home = np.array([0.0, 0.0, 0.0, -0.5 * up - geometry.platform_joint_height])
+    side = np.sign(measure_singularity(geometry, home).determinant)
+    found = np.empty((0, 4))
+    for _ in range(_ROUNDS):
+        poses = rng.uniform(-1.0, 1.0, (_DRAWN, 4)) * [across, across, turn, up]
+        poses[:, 3] -= geometry.platform_joint_height
+        measured = measure_singularity(geometry, poses)
+        good = check_reach(geometry, poses).ok & (measured.condition <= WORST_CONDITION)
+        good &= measured.serial_distance >= LEAST_CLEARANCE * geometry.base_radius
+        good &= np.sign(measured.determinant) == side
+        found = np.concatenate([found, poses[good]])
+        if len(found) >= count:
+            return found[:count]
+    raise InvalidInput(
+        "poses",
+        f"only {len(found)} of {count} found in a workspace this small; ask for fewer, or check "
+        "the design's lengths",
+    )

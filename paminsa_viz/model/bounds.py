@@ -1,8 +1,10 @@
-"""How large a design's numbers may be on the page: beyond any machine, within the arithmetic."""
+"""How large a design's numbers may be in a program: beyond any machine, within the arithmetic."""
 
 from __future__ import annotations
 
-from paminsa_viz.model import PARAMETER, PARAMETERS, Design, InvalidDesign
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.errors import InvalidDesign
+from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 
 LARGEST = {"": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3}
 """Largest number of each unit; any other unit has `LARGEST_OTHER`."""

@@ -15,11 +15,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import saving, sharing
-from paminsa_viz.explorer.bounds import MOST_COUNTERWEIGHTS
+from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
+from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import Counterweight
 from tests.explorer.documents import DOCUMENTS, assert_same, designs
 from tests.samples import random_design
@@ -27,25 +27,25 @@ from tests.samples import random_design
 
 @given(document=DOCUMENTS)
 def test_a_document_survives_text_and_share_code_to_the_last_digit(document: Document) -> None:
-    assert_same(saving.load(saving.dump(document)), document)
-    assert_same(sharing.decode(sharing.encode(document)), document)
+    assert_same(persistence.load(persistence.dump(document)), document)
+    assert_same(persistence.open_share_code(persistence.share_code(document)), document)
 
 
 @given(design=designs())
 def test_a_shared_design_can_be_written_to_a_file(design: Design) -> None:
-    shared = sharing.decode(sharing.encode(Document(design))).design
+    shared = persistence.open_share_code(persistence.share_code(Document(design))).design
     assert read_design(write_design(shared), "shared") == design
 
 
 @given(document=DOCUMENTS, width=st.integers(5, 80))
 def test_a_mail_may_break_a_share_code_into_lines(document: Document, width: int) -> None:
-    code = sharing.encode(document)
+    code = persistence.share_code(document)
     lines = [code[i : i + width] for i in range(0, len(code), width)]
-    assert_same(sharing.decode("  " + " \r\n".join(lines) + "\n"), document)
+    assert_same(persistence.open_share_code("  " + " \r\n".join(lines) + "\n"), document)
 
 
 def test_share_codes_are_short() -> None:
-    assert len(sharing.encode(Document())) < 200
+    assert len(persistence.share_code(Document())) < 200
     rng = np.random.default_rng(0)
 
     def heavy() -> Design:
@@ -56,14 +56,14 @@ def test_share_codes_are_short() -> None:
         return replace(random_design(rng), counterweights=tuple(weights))
 
     full = Document(heavy(), reference=heavy())
-    assert len(sharing.encode(full)) < sharing.LONGEST_CODE / 2
-    assert len(saving.dump(full)) < sharing.LONGEST_TEXT / 2
+    assert len(persistence.share_code(full)) < persistence.LONGEST_CODE / 2
+    assert len(persistence.dump(full)) < persistence.LONGEST_TEXT / 2
 
 
 def test_codes_from_before_there_were_counterweights_are_read() -> None:
-    data = json.loads(saving.dump(Document()))
+    data = json.loads(persistence.dump(Document()))
     assert "counterweights" not in data  # as older versions wrote it
-    assert saving.load(json.dumps(data)).design.counterweights == ()
+    assert persistence.load(json.dumps(data)).design.counterweights == ()
 
 
 def test_codes_from_when_the_knee_was_no_part_of_the_design_are_read() -> None:
@@ -72,7 +72,7 @@ def test_codes_from_when_the_knee_was_no_part_of_the_design_are_read() -> None:
         "xrm3kOLYDH5QlIrTk6VJFfO8fl2SSaSIC2pR195STGMXkk08-xruBgWfKMgP_B3490Fr7QAXKDET"
     )
     upper = APPENDIX_4.with_knee(KneeBranch.UPPER)
-    assert sharing.decode(code) == Document(
+    assert persistence.open_share_code(code) == Document(
         upper.vary({"links.b3": 0.5}), (0.05, 0.0, 0.2, 0.4), reference=upper
     )
 
@@ -89,15 +89,15 @@ def test_codes_from_when_the_knee_was_no_part_of_the_design_are_read() -> None:
     ],
 )
 def test_impossible_counterweights_are_refused(weights: Any) -> None:
-    data = json.loads(saving.dump(Document()))
+    data = json.loads(persistence.dump(Document()))
     with pytest.raises(PaminsaError):
-        saving.load(json.dumps(data | {"counterweights": weights}))
+        persistence.load(json.dumps(data | {"counterweights": weights}))
 
 
 def pack(text: str | bytes) -> str:
     """Return a share code of any text."""
     data = text.encode() if isinstance(text, str) else text
-    return sharing.PREFIX + base64.urlsafe_b64encode(zlib.compress(data)).decode().rstrip("=")
+    return persistence.PREFIX + base64.urlsafe_b64encode(zlib.compress(data)).decode().rstrip("=")
 
 
 def only_refused(read: Callable[[str], Any], text: str) -> None:
@@ -122,11 +122,13 @@ JSON = st.recursive(
 @given(text=st.text(), data=st.binary(max_size=200), value=JSON)
 def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None:
     for whole in (text, json.dumps(value)):
-        only_refused(saving.load, whole)
-        only_refused(sharing.decode, whole)
-        only_refused(sharing.decode, pack(whole.encode(errors="replace")))
-    only_refused(sharing.decode, pack(data))
-    only_refused(sharing.decode, sharing.PREFIX + base64.urlsafe_b64encode(data).decode())
+        only_refused(persistence.load, whole)
+        only_refused(persistence.open_share_code, whole)
+        only_refused(persistence.open_share_code, pack(whole.encode(errors="replace")))
+    only_refused(persistence.open_share_code, pack(data))
+    only_refused(
+        persistence.open_share_code, persistence.PREFIX + base64.urlsafe_b64encode(data).decode()
+    )
 
 
 @given(
@@ -140,28 +142,28 @@ def test_any_text_is_read_or_refused(text: str, data: bytes, value: Any) -> None
 def test_a_document_with_something_else_in_one_place_is_read_or_refused(
     document: Document, key: str, value: Any, remove: bool
 ) -> None:
-    data = json.loads(saving.dump(document))
+    data = json.loads(persistence.dump(document))
     if remove:
         data.pop(key, None)
     else:
         data[key] = value
-    only_refused(saving.load, json.dumps(data))
-    data = json.loads(saving.dump(document))
+    only_refused(persistence.load, json.dumps(data))
+    data = json.loads(persistence.dump(document))
     data["design"]["links.b3"] = value
-    only_refused(saving.load, json.dumps(data))
+    only_refused(persistence.load, json.dumps(data))
 
 
 @given(document=DOCUMENTS, place=st.floats(0, 1), letter=st.characters())
 def test_a_share_code_with_a_wrong_letter_is_refused(
     document: Document, place: float, letter: str
 ) -> None:
-    code = sharing.encode(document)
+    code = persistence.share_code(document)
     index = min(int(place * len(code)), len(code) - 1)
     wrong = code[:index] + letter + code[index + 1 :]
-    if wrong[len(sharing.PREFIX) :].strip() == code[len(sharing.PREFIX) :]:
+    if wrong[len(persistence.PREFIX) :].strip() == code[len(persistence.PREFIX) :]:
         return
     try:
-        found = sharing.decode(wrong)
+        found = persistence.open_share_code(wrong)
     except PaminsaError:
         return
     assert_same(found, document)  # the last letter has bits that mean nothing
@@ -175,39 +177,41 @@ def test_a_share_code_with_a_wrong_letter_is_refused(
         ("PMZ1-", "damaged"),
         ("PMZ1-eNpL", "damaged"),
         ("PMZ1-ä", "damaged"),
-        (sharing.encode(Document())[:-4], "damaged"),
-        (pack(saving.dump(Document())) + "AAAA", "damaged"),
+        (persistence.share_code(Document())[:-4], "damaged"),
+        (pack(persistence.dump(Document())) + "AAAA", "damaged"),
         ("PMZ1-" + "A" * 8000, "too long"),
         (pack("[" * 15_000), "cannot be read"),
         (pack('{"version": 7}'), "version 7 is not known"),
         (pack(json.dumps({"version": "7" * 9000})), "is not known"),
-        (pack(saving.dump(Document()).replace("[0.0", "[1" + "0" * 400)), "cannot be read"),
-        (pack(saving.dump(Document()).replace("[0.0", "[NaN")), "pose is not possible"),
-        (pack(saving.dump(Document()).replace("[0.0", "[1e7")), "pose is not possible"),
-        (pack(saving.dump(Document()).replace("[0.0", '["1"')), "a number is needed"),
+        (pack(persistence.dump(Document()).replace("[0.0", "[1" + "0" * 400)), "cannot be read"),
+        (pack(persistence.dump(Document()).replace("[0.0", "[NaN")), "pose is not possible"),
+        (pack(persistence.dump(Document()).replace("[0.0", "[1e7")), "pose is not possible"),
+        (pack(persistence.dump(Document()).replace("[0.0", '["1"')), "a number is needed"),
         (
-            pack(saving.dump(Document()).replace('"design": {}', '"design": {"links.b3": -1}')),
+            pack(
+                persistence.dump(Document()).replace('"design": {}', '"design": {"links.b3": -1}')
+            ),
             "links.b3",
         ),
     ],
 )
 def test_what_is_wrong_with_a_share_code_is_said(text: str, said: str) -> None:
     with pytest.raises(PaminsaError) as error:
-        sharing.decode(text)
+        persistence.open_share_code(text)
     assert said in str(error.value)
     assert len(str(error.value)) < 300
 
 
 def test_a_share_code_is_not_unpacked_beyond_its_bound() -> None:
     bomb = zlib.compress(b" " * 5_000_000, 9)
-    code = sharing.PREFIX + base64.urlsafe_b64encode(bomb).decode()
-    assert len(code) < sharing.LONGEST_CODE  # or its length would be what refuses it
+    code = persistence.PREFIX + base64.urlsafe_b64encode(bomb).decode()
+    assert len(code) < persistence.LONGEST_CODE  # or its length would be what refuses it
     with pytest.raises(InvalidInput, match="damaged"):
-        sharing.decode(code)
+        persistence.open_share_code(code)
 
 
 def test_a_name_from_elsewhere_is_made_printable() -> None:
-    text = saving.dump(Document()).replace('"Appendix 4"', json.dumps("a\nb" + "x" * 500))
-    name = saving.load(text).design.name
+    text = persistence.dump(Document()).replace('"Appendix 4"', json.dumps("a\nb" + "x" * 500))
+    name = persistence.load(text).design.name
     assert name.startswith("a?bxxx")
-    write_design(saving.load(text).design)
+    write_design(persistence.load(text).design)

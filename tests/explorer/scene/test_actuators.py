@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer.scene.efforts import FACES, arc_arrow, force_arrow
-from paminsa_viz.explorer.scene.robot import Layer, RobotScene
-from tests.explorer.scene.seen import nodes, solved
+from paminsa_viz.explorer.scene.actuators import FACES, TorqueArrows, arc_arrow, force_arrow
+from paminsa_viz.explorer.scene.layers import SceneContext
+from tests.explorer.scene.seen import frame_at
 
 
 @pytest.mark.parametrize("fraction", [-1.0, -0.3, 0.0, 0.4, 1.0])
@@ -22,18 +24,16 @@ def test_arcs_turn_the_way_of_the_torque(fraction: float) -> None:
     assert abs(turned) < 2 * np.pi
 
 
-def test_longer_arcs_and_arrows_for_greater_efforts() -> None:
+def test_longer_arrows_for_greater_efforts() -> None:
     lengths = [np.ptp(force_arrow(f)[:, 2]) for f in (0.1, 0.4, 0.9, 1.0, 5.0)]
     assert lengths == sorted(lengths)
     assert lengths[-1] == lengths[-2]
     assert force_arrow(-0.5)[:, 2].min() < -0.1
 
 
-def test_efforts_that_are_not_finite_are_not_drawn(
-    server: viser.ViserServer, robot: RobotScene
-) -> None:
-    robot.pose(solved())
-    robot.show(Layer.EFFORTS)
-    robot.efforts([np.nan, np.inf, 1.0, 0.0], 2.0, 200.0)
-    seen = [nodes(server)[f"/efforts/m{k}"].visible for k in (1, 2, 3, 4)]
-    assert seen == [False, False, True, False]
+def test_torques_that_are_not_finite_are_not_drawn(server: viser.ViserServer) -> None:
+    view = TorqueArrows(SceneContext(server.scene))
+    frame = frame_at(layers=["torques"])
+    view.draw(replace(frame, torques=np.array([np.nan, np.inf, 1.0, 0.0])), False)
+    nodes = server.scene._handle_from_node_name
+    assert [nodes[f"/efforts/m{k}"].visible for k in (1, 2, 3, 4)] == [False, False, True, False]

@@ -6,58 +6,54 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import viser
 
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centers
-from paminsa_viz.explorer.scene.robot import Layer, RobotScene
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients
-from tests.explorer.scene.seen import nodes, recorded, solved
+from tests.explorer.scene.seen import Scene, solved
 from tests.samples import random_poses
 
 
-def test_the_payload_shows_its_mass(server: viser.ViserServer, robot: RobotScene) -> None:
-    assert "/robot/platform/payload" not in nodes(server)
-    robot.change(APPENDIX_4.vary({"payload.mass": 1.0}))
-    one = nodes(server)["/robot/platform/payload"].scale
-    robot.change(APPENDIX_4.vary({"payload.mass": 8.0}))
-    load = nodes(server)["/robot/platform/payload"]
-    assert load.scale == pytest.approx(2 * one)
-    assert load.visible
-    robot.change(APPENDIX_4)
-    assert not load.visible
+def test_the_payload_shows_its_mass(scene: Scene) -> None:
+    name = "/robot/platform/payload"
+    scene.draw()
+    assert name not in scene.nodes
+    scene.draw(design=APPENDIX_4.vary({"payload.mass": 1.0}))
+    one = scene.nodes[name].scale
+    scene.draw(design=APPENDIX_4.vary({"payload.mass": 8.0}))
+    assert scene.nodes[name].scale == pytest.approx(2 * one)
+    assert scene.nodes[name].visible
+    scene.draw()
+    assert not scene.nodes[name].visible
 
 
-def test_counterweights_hang_from_their_bars_and_no_pose_moves_them(
-    server: viser.ViserServer, robot: RobotScene
-) -> None:
-    robot.pose(solved())
-    bare = set(nodes(server))
+def test_counterweights_are_attached_to_their_bars_and_no_pose_moves_them(scene: Scene) -> None:
+    layers = ["mesh"]
+    scene.draw(layers=layers)
+    bare = set(scene.nodes)
     weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b3", 7, 0.1, 1.0))
     design = replace(APPENDIX_4, counterweights=weights)
-    assert robot.change(design) == ()
-    added = set(nodes(server)) - bare
+    scene.draw(design=design, layers=layers)
+    added = set(scene.nodes) - bare
     assert added == {
         f"{node_name(f'leg{leg}/{bar}')}/weight{number}"
         for leg in (1, 2, 3)
         for number, bar in ((1, "b8"), (2, "b3"))
     }
-    with recorded(server) as messages:
-        robot.pose(solved((0.0, 0.02, 0.1, -0.55)))
+    with scene.sent() as messages:
+        scene.draw((0.0, 0.02, 0.1, -0.55), design, layers)
     assert not {m.name for m in messages} & added
-    with recorded(server) as messages:
-        heavier = (replace(weights[0], mass=3.0), weights[1])
-        robot.change(replace(design, counterweights=heavier))
+    heavier = replace(design, counterweights=(replace(weights[0], mass=3.0), weights[1]))
+    with scene.sent() as messages:
+        scene.draw((0.0, 0.02, 0.1, -0.55), heavier, layers)
     assert {m.name for m in messages} == {name for name in added if name.endswith("1")}
-    robot.change(replace(design, counterweights=weights[1:]))
-    assert set(nodes(server)) - bare == {
-        f"{node_name(f'leg{leg}/b3')}/weight1" for leg in (1, 2, 3)
-    }
-    robot.change(APPENDIX_4)
-    assert set(nodes(server)) == bare
+    scene.draw(design=replace(design, counterweights=weights[1:]), layers=layers)
+    assert set(scene.nodes) - bare == {f"{node_name(f'leg{leg}/b3')}/weight1" for leg in (1, 2, 3)}
+    scene.draw(layers=layers)
+    assert set(scene.nodes) == bare
 
 
 def test_mass_centers_weigh_what_the_design_does() -> None:
@@ -84,7 +80,7 @@ def test_mass_centers_weigh_what_the_design_does() -> None:
     assert change == pytest.approx(legs / design.gravity + platform, abs=1e-9)
 
 
-def test_mass_centers_know_counterweights(server: viser.ViserServer, robot: RobotScene) -> None:
+def test_mass_centers_include_counterweights(scene: Scene) -> None:
     weight = Counterweight("b8", 8, 0.2, 2.0)
     design = replace(APPENDIX_4, counterweights=(weight,))
     at = counterweight_point(design.geometry, weight)
@@ -95,12 +91,9 @@ def test_mass_centers_know_counterweights(server: viser.ViserServer, robot: Robo
         assert len(loaded.mass) == len(bare.mass) + 3 == len(loaded.color)
         z5, z9 = (configuration.points[joint][:, 2] for joint in (5, 9))
         assert loaded.center[-3:, 2] == pytest.approx(at.z5 * z5 + at.r9 * z9 + at.z0)
-    robot.pose(configuration)
-    robot.show(Layer.MASSES)
-    robot.change(design)  # more spheres than before: the node is made again
-    assert len(server.scene._handle_from_node_name["/masses/centers"].batched_positions) == len(
-        loaded.mass
-    )
+    scene.draw(pose, layers=["mass_centers"])
+    scene.draw(pose, design, ["mass_centers"])  # more spheres than before: the node is made again
+    assert len(scene.nodes["/masses/centers"].batched_positions) == len(loaded.mass)
 
 
 def test_gravity_arrows_point_down_by_the_weight() -> None:
