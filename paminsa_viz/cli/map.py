@@ -14,18 +14,26 @@ import tyro
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.explorer.maps import FULL, MapStore
-from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.model.bounds import validate_limits
-from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.model.grids import solve_field, xy_grid
+from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_data import (
+    COARSE,
+    FULL,
+    MapData,
+    cell_centers,
+    difference,
+    half_width,
+    map_data,
+)
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.quantities import QUANTITIES, selections
-from paminsa_viz.units import format_ascii
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
+from paminsa_viz.plots.scale import Scale
+from paminsa_viz.quantities import QUANTITIES, affordable_cells, selections
+from paminsa_viz.units import MM, format_ascii
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -133,11 +141,17 @@ def main(words: list[str]) -> int:
     reference = None
     if flags.reference is not None:
         reference = design_of(flags.reference).with_knee(design.geometry.knee)
-    state = state_of(flags, design, reference)
-    store = MapStore()
-    data = store.data(state, flags.cells, flags.quantities)
+    data = maps_of(flags, design, reference, flags.cells)
     for path in flags.out:
-        write_bytes(path, _content(flags, state, store, data, path.suffix.lower()))
+        ending = path.suffix.lower()
+        if ending in table_endings():
+            content = table_bytes(map_table(data), ending[1:])
+        else:
+            from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second
+
+            scales = scales_of(flags, data, maps_of(flags, design, reference, COARSE))
+            content = render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
+        write_bytes(path, content)
     told = report(flags, data)
     if flags.json:
         print_json(told)
@@ -150,42 +164,31 @@ def main(words: list[str]) -> int:
     return 0
 
 
-def state_of(flags: Map, design: Design, reference: Design | None = None) -> State:
-    """Return the state of the explorer that shows what the flags ask for.
+def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) -> MapData:
+    """Return the maps of a design, or of its difference from a reference."""
+    z = home_pose(design.geometry)[3] if flags.z is None else flags.z / MM
+    pose = (flags.at[0] / MM, flags.at[1] / MM, math.radians(flags.theta), z)
+    centers = cell_centers(half_width(design.geometry), affordable_cells(flags.quantities, cells))
+    grid = xy_grid(centers, centers, *pose[2:])
 
-    Raises:
-        InvalidDesign: If a number of a design is too large to work with.
-    """
-    for each in filter(None, (design, reference)):
-        validate_limits(each)
-    start = initial_state(design)
-    z = start.document.pose[3] if flags.z is None else 1e-3 * flags.z
-    x, y = (1e-3 * value for value in flags.at)
-    document = replace(
-        start.document, pose=(x, y, math.radians(flags.theta), z), reference=reference
-    )
-    quantity = flags.quantities[0]
-    view = MapView(
-        quantity=quantity,
+    def maps(shown: Design) -> MapData:
+        return map_data(solve_field(shown.geometry, grid), shown, pose, flags.quantities)
+
+    return maps(design) if reference is None else difference(maps(design), maps(reference))
+
+
+def scales_of(flags: Map, data: MapData, sample: MapData) -> tuple[Scale, ...]:
+    """Return the color scales that the flags ask for, as the explorer chooses them."""
+    choice = ScaleChoice(
         shared=not flags.own_ranges,
-        logarithmic=flags.log,
-        difference=reference is not None,
-        range_mode=RangeMode.FULL if flags.full_range else RangeMode.AUTO,
+        kind="symlog" if flags.log else "linear",
+        full=flags.full_range,
     )
-    if flags.range is not None:
-        factor = QUANTITIES[quantity].display.factor
-        low, high = (value / factor for value in flags.range)
-        view = replace(view, range_mode=RangeMode.MANUAL, low=low, high=high)
-    return replace(start, document=document, map_view=view)
-
-
-def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: str) -> bytes:
-    if ending in table_endings():
-        return table_bytes(map_table(data), ending[1:])
-    from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second to load
-
-    scales = store.scales(state, data, flags.quantities)
-    return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
+    unit = QUANTITIES[flags.quantities[0]].display
+    ends = flags.range and usable_range(*map(unit.to_si, flags.range))
+    if ends:
+        choice = replace(choice, low=ends[0], high=ends[1])
+    return choose_scales(data, choice, sample)
 
 
 def report(flags: Map, data: MapData) -> dict[str, Any]:

@@ -11,12 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.leg import mechanism
 
 LEAST_MARGIN = backend.Formula(measures.least_margin, 2)
 """The least margin of all legs and limits [m], and which one it is."""
+
+
+HOME_DROP = 0.5
+"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
 
 
 class Limit(IntEnum):
@@ -201,6 +205,15 @@ def workspace_height(geometry: Geometry) -> float:
     """Return the largest |z_5| that the platform reaches at the center [m]."""
     bars = geometry.crank_length + geometry.coupler_length
     return float(np.sqrt(max(bars**2 - geometry.home_span**2, 0.0)))
+
+
+def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
+    """Return a pose (x, y, theta, z) at the center, far from all limits [m, m, rad, m]."""
+    reach = geometry.crank_length + geometry.coupler_length
+    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
+    drop = min(HOME_DROP * reach, 0.75 * float(height))
+    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
+    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
 def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:

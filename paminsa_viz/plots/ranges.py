@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,6 +79,9 @@ def choose_scales(
             at every resolution.
     """
     asked = choice or ScaleChoice()
+    spans_zero = asked.low is not None and asked.high is not None and asked.low < 0 < asked.high
+    if spans_zero and not data.signed and not (data.values < 0).any():
+        asked = replace(asked, low=0.0)  # colors of impossible values would dull the others
     found = (data if asked.full else sample or data).values
     if asked.shared or data.panels == 1:
         return (_scale(found, data.signed, asked),) * data.panels

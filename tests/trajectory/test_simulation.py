@@ -131,7 +131,7 @@ def test_drift_falls_with_the_tolerance() -> None:
     assert drift[1] < 0.1 * drift[0] or drift[1] < 1e-9
 
 
-def test_feedback_holds_a_wrong_payload_where_the_gains_say() -> None:
+def test_payload_mismatch_settles_where_the_gains_predict() -> None:
     """At rest the PD torques make up for the unknown weight: error = weight's torque / gain."""
     samples = point_to_point(ASIDE, near(ASIDE), 2.0).sample(50)
     controller = Controller(proportional=(200, 200, 200, 2e4), derivative=(20, 20, 20, 800))
@@ -148,7 +148,7 @@ def test_feedback_holds_a_wrong_payload_where_the_gains_say() -> None:
     assert wanted[3] - actual[3] == pytest.approx(3 * 9.81 * 1.0 / 2e4, rel=0.02)
 
 
-def test_computed_torque_brings_an_error_back_as_designed() -> None:
+def test_computed_torque_error_follows_its_bandwidth() -> None:
     """With an exact model every coordinate is a damped oscillator of the chosen bandwidth."""
     offset = np.array([2e-3, -1e-3, 4e-3, 3e-3])
     controller = Controller(ControlMode.COMPUTED_TORQUE, bandwidth=2.0, damping=1.0)
@@ -167,7 +167,7 @@ def test_pd_gains_follow_the_inertia() -> None:
     np.testing.assert_allclose([k.d1, k.d2, k.d3, k.d4], 2 * 0.7 * 6 * np.pi * inertia)
 
 
-def test_without_feedback_an_error_grows_as_the_equations_say() -> None:
+def test_open_loop_error_grows_as_linearized() -> None:
     """Held by constant torques the robot is unstable in theta; feedback makes it stable."""
     holding = static_torques(APPENDIX_4, HOME)
     h, turn = 1e-5, np.array([0, 0, 1.0, 0])
@@ -183,7 +183,7 @@ def test_without_feedback_an_error_grows_as_the_equations_say() -> None:
     assert abs(held.error[-1, 2]) < 1e-8
 
 
-def test_it_stops_where_the_workspace_ends_and_says_why() -> None:
+def test_simulation_stops_at_the_workspace_limit_with_its_reason() -> None:
     heavy = APPENDIX_4.vary({"payload.mass": 3.0})
     found = run(heavy, control=ControlMode.FEED_FORWARD, model=APPENDIX_4, trajectory=STAY)
     assert found.stopped is not None
@@ -197,7 +197,7 @@ def test_it_stops_where_the_workspace_ends_and_says_why() -> None:
         assert np.isfinite(rows).all()
 
 
-def test_it_stops_at_the_end_of_a_guide() -> None:
+def test_simulation_stops_at_the_end_of_a_guide() -> None:
     short = APPENDIX_4.vary({"geometry.guide_stroke": 0.14})
     stay = point_to_point(HOME, near(HOME), 2.0).sample(50)
     found = run(short, trajectory=stay, control=ControlMode.FEED_FORWARD, offset=(0, 0, 0.1, 0))
@@ -208,7 +208,7 @@ def test_it_stops_at_the_end_of_a_guide() -> None:
     assert f"leg {found.stopped.leg + 1}" in found.stopped.explanation
 
 
-def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
+def test_excessive_gains_fail_early(monkeypatch) -> None:
     monkeypatch.setattr("paminsa_viz.trajectory.simulation._MOST_EVALUATIONS", 2000)
     monkeypatch.setattr("paminsa_viz.trajectory.simulation._MOST_A_SECOND", 0)
     controller = Controller(proportional=(1e9,) * 4, derivative=(1e7,) * 4)
@@ -217,7 +217,7 @@ def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
     assert 0 <= caught.value.t < SHORT.duration
 
 
-def test_what_can_not_be_simulated() -> None:
+def test_impossible_simulations_are_rejected() -> None:
     with pytest.raises(ImpossibleTrajectory):
         run(trajectory=point_to_point(HOME, [0.3, 0, 0, -0.5]).sample(50))
     with pytest.raises(InvalidInput, match="geometry"):
@@ -233,3 +233,25 @@ def test_what_can_not_be_simulated() -> None:
         Controller(proportional=(1, 1, 1, 1))
     with pytest.raises(InvalidInput, match="four"):
         Controller(proportional=(1, 1, 1, 1), derivative=(1, 1, -1, 1))
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_payload_mismatch_agrees_with_mujoco(knee: KneeBranch) -> None:
+    """MuJoCo's loops are springs, its steps finite and its torques linear between samples."""
+    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    from paminsa_viz.engines.simulation import play
+
+    height = np.array([0, 0, 0, 0.0 if knee is KneeBranch.LOWER else 0.945])
+    samples = point_to_point(A + height, B + height, 0.6).sample(400)
+    loaded = APPENDIX_4.vary({"payload.mass": 0.5})
+    blind = Controller(ControlMode.FEED_FORWARD)
+    model = with_knee(APPENDIX_4, knee)
+    ours = simulate(with_knee(loaded, knee), samples, model=model, controller=blind)
+    part = slice(0, 101)  # a quarter of a second
+    played = play(
+        with_knee(loaded, knee), samples.t[part], samples.pose[part], samples.velocity[part],
+        ours.torque[part],
+    )  # fmt: skip
+    drift = np.abs(ours.error[part]).max()
+    assert drift > 0.01
+    np.testing.assert_allclose(played.poses, ours.pose[part], atol=0.005 * drift)

@@ -9,6 +9,8 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.server.limits import Limits
+from paminsa_viz.explorer.server.message_filter import MessageFilter
+from paminsa_viz.explorer.server.messages import page_decoder
 
 from ..raw_page import RawPage, eventually, pack, update
 from .guarded import GuardedServer
@@ -44,6 +46,7 @@ POINTER = {
     ],
 )
 def test_what_no_page_sends_is_dropped(guarded: GuardedServer, raw: bytes) -> None:
+    assert MessageFilter(page_decoder(), Limits(), lambda _: None).passed(raw) is None
     page, inputs = guarded.page()
     page.send(raw)
     page.socket.send("text instead of bytes")

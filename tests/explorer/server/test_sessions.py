@@ -10,6 +10,7 @@ from contextlib import suppress
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from paminsa_viz.explorer.server.connection import GuardedConnection
 from paminsa_viz.explorer.server.listening import Limits
 
 from ..raw_page import PATIENCE, dial, eventually, update
@@ -73,7 +74,7 @@ def test_a_flood_is_slowed_down_and_loses_nothing(guarded: GuardedServer) -> Non
 def test_a_flood_that_goes_on_is_cut_off(
     start_guarded: Callable[[Limits], GuardedServer], opcode: int
 ) -> None:
-    guarded = start_guarded(Limits(patience=0.5))
+    guarded = start_guarded(Limits(flood_timeout=0.5))
     (flooder, _), (other, theirs) = guarded.page(), guarded.page()
     empty_frames = bytes([opcode, 0x80, 0, 0, 0, 0]) * 1_000_000
 
@@ -96,6 +97,24 @@ def test_a_message_in_endless_pieces_is_cut_off(
         # Pings in between must not hide the pieces.
         page.socket.socket.sendall(bytes([0, 0x80, 0, 0, 0, 0, 0x89, 0x80, 0, 0, 0, 0]) * 5000)
     eventually(lambda: page.client.client_id not in guarded.server.get_clients())
+
+
+def test_no_read_takes_the_event_loop_for_long(
+    guarded: GuardedServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes: list[int] = []
+    received = GuardedConnection.data_received
+
+    def record(self: GuardedConnection, data: bytes) -> None:
+        sizes.append(len(data))
+        received(self, data)
+
+    monkeypatch.setattr(GuardedConnection, "data_received", record)
+    page, inputs = guarded.page()
+    page.send(bytes(1_000_000))  # in frames of the smallest size, this were 160,000
+    guarded.still_answers(page, inputs)
+    assert sum(sizes) > 1_000_000
+    assert max(sizes) <= 4096
 
 
 def test_a_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
