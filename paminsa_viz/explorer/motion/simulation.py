@@ -13,6 +13,9 @@ DAMPINGS = (0.0, 5.0)
 PAYLOAD_MISMATCHES = (-10.0, 50.0)
 """How much lighter or heavier the carried payload may be than the controller takes it for [kg]."""
 
+INITIAL_ERRORS = (-0.1, 0.1)
+"""Error of x at the start [m]."""
+
 LONGEST = 60.0
 """Longest motion that is simulated on the page [s]."""
 
