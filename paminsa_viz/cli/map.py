@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
@@ -14,18 +14,25 @@ import tyro
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.output import print_json, print_table
-from paminsa_viz.explorer.maps import FULL, MapStore
-from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.bounds import validate_limits
-from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.plots.formats import figure_endings
-from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_data import (
+    COARSE,
+    FULL,
+    MapData,
+    difference,
+    half_width,
+    map_data,
+    workspace_field,
+)
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.quantities import QUANTITIES, selections
-from paminsa_viz.units import format_ascii
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.quantities import QUANTITIES, affordable_cells, selections
+from paminsa_viz.units import MM, format_ascii
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -133,11 +140,11 @@ def main(words: list[str]) -> int:
     reference = None
     if flags.reference is not None:
         reference = design_of(flags.reference).with_knee(design.geometry.knee)
-    state = state_of(flags, design, reference)
-    store = MapStore()
-    data = store.data(state, flags.cells, flags.quantities)
+    for each in filter(None, (design, reference)):
+        validate_limits(each)
+    data = maps_of(flags, design, reference, flags.cells)
     for path in flags.out:
-        write_bytes(path, _content(flags, state, store, data, path.suffix.lower()))
+        write_bytes(path, _content(flags, design, reference, data, path.suffix.lower()))
     told = report(flags, data)
     if flags.json:
         print_json(told)
@@ -150,41 +157,39 @@ def main(words: list[str]) -> int:
     return 0
 
 
-def state_of(flags: Map, design: Design, reference: Design | None = None) -> State:
-    """Return the state of the explorer that shows what the flags ask for.
+def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) -> MapData:
+    """Return the maps that the flags ask for, with some cells along each side."""
+    z = home_pose(design.geometry)[3] if flags.z is None else flags.z / MM
+    pose = (*(value / MM for value in flags.at), math.radians(flags.theta), z)
+    half = half_width(design.geometry)
 
-    Raises:
-        InvalidDesign: If a number of a design is too large to work with.
-    """
-    for each in filter(None, (design, reference)):
-        validate_limits(each)
-    start = initial_state(design)
-    z = start.document.pose[3] if flags.z is None else 1e-3 * flags.z
-    x, y = (1e-3 * value for value in flags.at)
-    document = replace(
-        start.document, pose=(x, y, math.radians(flags.theta), z), reference=reference
-    )
-    quantity = flags.quantities[0]
-    view = MapView(
-        quantity=quantity,
-        shared=not flags.own_ranges,
-        logarithmic=flags.log,
-        difference=reference is not None,
-        range_mode=RangeMode.FULL if flags.full_range else RangeMode.AUTO,
-    )
-    if flags.range is not None:
-        factor = QUANTITIES[quantity].display.factor
-        low, high = (value / factor for value in flags.range)
-        view = replace(view, range_mode=RangeMode.MANUAL, low=low, high=high)
-    return replace(start, document=document, map_view=view)
+    def maps(one: Design) -> MapData:
+        count = affordable_cells(flags.quantities, cells)
+        field = workspace_field(one.geometry, pose[2], z, count, half)
+        return map_data(field, one, pose, flags.quantities)
+
+    return maps(design) if reference is None else difference(maps(design), maps(reference))
 
 
-def _content(flags: Map, state: State, store: MapStore, data: MapData, ending: str) -> bytes:
+def choice_of(flags: Map) -> ScaleChoice:
+    """Return the colors that the flags ask for."""
+    factor = QUANTITIES[flags.quantities[0]].display.factor
+    low, high = (None, None) if flags.range is None else (end / factor for end in flags.range)
+    return ScaleChoice(
+        low, high, flags.full_range,
+        shared=not flags.own_ranges, kind="symlog" if flags.log else "linear",
+    )  # fmt: skip
+
+
+def _content(
+    flags: Map, design: Design, reference: Design | None, data: MapData, ending: str
+) -> bytes:
     if ending in table_endings():
         return table_bytes(map_table(data), ending[1:])
     from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second to load
 
-    scales = store.scales(state, data, flags.quantities)
+    sample = data if flags.cells == COARSE else maps_of(flags, design, reference, COARSE)
+    scales = choose_scales(data, choice_of(flags), sample)
     return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
 
 

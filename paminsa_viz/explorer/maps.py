@@ -20,25 +20,19 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
-    solve_field,
-    xy_grid,
 )
 from paminsa_viz.plots.map_data import (
+    COARSE,
+    FULL,
     MapData,
-    cell_centers,
     difference,
     half_width,
     map_data,
+    workspace_field,
 )
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells
-
-COARSE = 72
-"""Cells along each side while the hand moves; also what the color range is found from, so that it
-stays when the fine map follows."""
-FULL = 200
-"""Cells along each side at rest and in files."""
 
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
@@ -78,8 +72,7 @@ class MapStore:
                 self._fields.move_to_end(key)
         if found is not None:
             return found
-        centers = cell_centers(half, cells)
-        made = solve_field(geometry, xy_grid(centers, centers, theta, z))
+        made = workspace_field(geometry, theta, z, cells, half)
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)
@@ -193,8 +186,5 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
     ends = usable_range(view.low, view.high)
     manual = view.range_mode is RangeMode.MANUAL and QUANTITIES[view.quantity].unit == data.unit
     if manual and ends is not None:
-        low, high = ends
-        if low < 0 < high and not data.signed and not (data.values < 0).any():
-            low = 0.0  # colors for values that cannot be would only dull the others
-        choice = replace(choice, low=low, high=high)
+        choice = replace(choice, low=ends[0], high=ends[1])
     return choose_scales(data, choice, sample)

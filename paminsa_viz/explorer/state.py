@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from enum import Enum
 
-import numpy as np
-
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.motion.description import Motion, Pose
 from paminsa_viz.explorer.motion.engine_check import Answer
@@ -17,11 +15,8 @@ from paminsa_viz.model import (
     APPENDIX_4,
     Design,
     Geometry,
-    KneeBranch,
 )
-
-HOME_DROP = 0.5
-"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
+from paminsa_viz.model.reach import home_pose
 
 
 @dataclass(frozen=True)
@@ -125,15 +120,6 @@ class State:
     balancing: Balancing = field(default_factory=Balancing)
     engine_answer: Answer | None = None
     export: ExportSettings = field(default_factory=ExportSettings)
-
-
-def home_pose(geometry: Geometry) -> Pose:
-    """Return a pose at the center, far from all limits."""
-    reach = geometry.crank_length + geometry.coupler_length
-    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
-    drop = min(HOME_DROP * reach, 0.75 * float(height))
-    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
-    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
 def initial_state(design: Design = APPENDIX_4) -> State:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.leg import mechanism
 
@@ -182,6 +182,19 @@ def reach_status(geometry: Geometry, pose: Array) -> tuple[NDArray[np.uint8], ND
     """Return status and leg alone for a list of poses (n, 4): the fast way for batches."""
     worst, which = backend.over_list(LEAST_MARGIN, mechanism(geometry), pose).T
     return decode(worst, which)
+
+
+HOME_DROP = 0.5
+"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
+
+
+def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
+    """Return a pose at the center, far from all limits, to the millimeter (4,) [m, m, rad, m]."""
+    reach = geometry.crank_length + geometry.coupler_length
+    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
+    drop = min(HOME_DROP * reach, 0.75 * float(height))
+    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
+    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
 def workspace_radius(geometry: Geometry) -> float:

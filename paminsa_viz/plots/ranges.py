@@ -79,7 +79,8 @@ def choose_scales(
             at every resolution.
     """
     asked = choice or ScaleChoice()
-    found = (data if asked.full else sample or data).values
+    robust = asked.low is None and not asked.full
+    found = (sample if sample is not None and robust else data).values
     if asked.shared or data.panels == 1:
         return (_scale(found, data.signed, asked),) * data.panels
     return tuple(_scale(values, data.signed, asked) for values in found)
@@ -187,6 +188,8 @@ def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Sc
     full = full_range(values, signed) if choice.full else None
     if choice.low is not None and choice.high is not None:
         low, high = choice.low, choice.high
+        if low < 0 < high and not signed and not (values < 0).any():
+            low = 0.0  # colors for values that cannot be would only dull the others
     elif full is not None:
         low, high = full
     else:

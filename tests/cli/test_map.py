@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 
 from paminsa_viz.cli import COMMANDS
-from paminsa_viz.cli.map import Map, state_of
+from paminsa_viz.cli.map import Map, choice_of
+from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch, backend, static_torques
 from paminsa_viz.quantities import QUANTITIES
@@ -43,7 +45,7 @@ def test_files_are_those_of_the_explorer(capsys, folder) -> None:
     words = ("--z", "-500", "--at", "50", "-30", "--out", "a.svg", "--out", "a.csv", "--width",
              "120", "--dpi", "60")  # fmt: skip
     told(capsys, *words)
-    state = state_of(Map(z=-500.0, at=(50.0, -30.0)), APPENDIX_4)
+    state = actions.move(initial_state(), x=0.05, y=-0.03, theta=math.radians(60), z=-0.5)
     store = MapStore()
     assert (folder / "a.svg").read_bytes() == figure(state, store, "svg", False, 120, 60).content
     assert (folder / "a.csv").read_bytes() == table(state, store, "csv", False).content
@@ -54,11 +56,14 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     words = ("--quantity", "max-torque", "--log", "--range", "-2", "3", "--reference", "light.toml",
              "--out", "a.svg", "--dpi", "60")  # fmt: skip
     told(capsys, *words)
-    flags = Map(quantity="max-torque", log=True, range=(-2.0, 3.0))
-    state = state_of(flags, APPENDIX_4, LIGHT)
-    assert (folder / "a.svg").read_bytes() == figure(
-        state, MapStore(), "svg", True, 170, 60
-    ).content
+    state = actions.move(initial_state(), theta=math.radians(60))
+    state = actions.set_map_view(
+        replace(state, document=replace(state.document, reference=LIGHT)),
+        quantity="max_torque", logarithmic=True, difference=True,
+        range_mode=RangeMode.MANUAL, low=-2.0, high=3.0,
+    )  # fmt: skip
+    expected = figure(state, MapStore(), "svg", True, 170, 60)
+    assert (folder / "a.svg").read_bytes() == expected.content
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
@@ -78,8 +83,8 @@ def test_numbers_are_static_torques(capsys, folder, knee) -> None:
 
 
 def test_ranges_are_in_shown_units() -> None:
-    view = state_of(Map(quantity="reach-margin", range=(0.0, 200.0)), APPENDIX_4).map_view
-    assert (view.low, view.high) == (0.0, 0.2)
+    choice = choice_of(Map(quantity="reach-margin", range=(0.0, 200.0)))
+    assert (choice.low, choice.high) == (0.0, 0.2)
 
 
 def test_the_summary_is_for_people(capsys) -> None:
