@@ -17,8 +17,8 @@ from paminsa_viz.files.trajectory_table import analysis_table, parse_trajectory
 from paminsa_viz.model import APPENDIX_4, backend, inverse_dynamics, torque_regressor
 from paminsa_viz.trajectory import (
     PRESET,
-    Control,
     Controller,
+    ControlMode,
     MotionLimits,
     analyze,
     check_path,
@@ -104,7 +104,7 @@ def simulations() -> None:
     loaded = DESIGN.vary({"payload.mass": 0.5})
     rough = loaded.vary({"friction.coulomb_rotary": 0.3, "friction.viscous_rotary": 0.5})
     rows = []
-    for control in Control:
+    for control in ControlMode:
         for name, robot in (("exact", DESIGN), ("0.5 kg", loaded), ("0.5 kg, friction", rough)):
             controller = Controller(control)
             found = simulate(robot, samples, model=DESIGN, controller=controller)

@@ -28,13 +28,13 @@ if TYPE_CHECKING:  # loaded when the server starts, and in the background
 log = logging.getLogger(__name__)
 
 
-SWITCH = 0.001
-"""Longest time one thread keeps the others waiting [s]: what is drawn is to be sent at once, while
-the next thing is computed. Python's own 5 ms would be felt."""
+SWITCH_INTERVAL = 0.001
+"""Longest time one thread keeps the others waiting [s]: what is drawn is sent at once while the
+next frame is computed. Python's own 5 ms would be felt."""
 
 
-PATIENCE = 2.0
-"""How long the program waits for a first tab before it makes ready what that would need [s]."""
+FIRST_TAB_TIMEOUT = 2.0
+"""How long the program waits for a first tab before it prepares what that needs [s]."""
 
 
 DESCRIPTION = f"""\
@@ -95,11 +95,11 @@ class App:
 
         self.design = design
         self.sessions: dict[int, Session] = {}
-        self._met = threading.Event()
+        self._first_tab = threading.Event()
         self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
-        threading.Thread(target=_warm_up, args=(design, self._met), daemon=True).start()
+        threading.Thread(target=_warm_up, args=(design, self._first_tab), daemon=True).start()
 
     @property
     def url(self) -> str:
@@ -112,7 +112,7 @@ class App:
         from paminsa_viz.explorer.page import build
 
         self.sessions[client.client_id] = build(client, self.design)
-        self._met.set()
+        self._first_tab.set()
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
         session = self.sessions.pop(client.client_id, None)
@@ -126,16 +126,16 @@ class App:
         self.server.stop()
 
 
-def _warm_up(design: Design, met: threading.Event) -> None:
+def _warm_up(design: Design, first_tab: threading.Event) -> None:
     """Load what a page needs while the browser starts, make its bodies, then load the kernels.
 
     Args:
         design: What the pages start with.
-        met: Set when the first tab has connected. Until then the server is to hand out the page,
-            with nothing else in its way that can wait.
+        first_tab: Set when the first tab has connected. Until then the server sends the page, and
+            nothing that can wait is in its way.
     """
     importlib.import_module("paminsa_viz.explorer.page")
-    met.wait(PATIENCE)
+    first_tab.wait(FIRST_TAB_TIMEOUT)
     importlib.import_module("paminsa_viz.explorer.scene.bodies")
     from paminsa_viz.meshes import prepare
     from paminsa_viz.model.backend import compile_in_background
@@ -160,7 +160,7 @@ def run(options: AppOptions) -> None:
 
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
-    sys.setswitchinterval(SWITCH)
+    sys.setswitchinterval(SWITCH_INTERVAL)
     design = APPENDIX_4 if options.design is None else validate_limits(load_design(options.design))
     app = App(options, design)
     notice = exposure_notice(options.host)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any, TypeVar
 
 import numpy as np
+import pytest
 
 from paminsa_viz.model.design import (
     APPENDIX_4,
@@ -150,6 +152,20 @@ def random_states(
     rates = rng.uniform(-1, 1, (n, 4)) * [size, size, 2.0, size]
     seconds = rng.uniform(-1, 1, (n, 4)) * [5.0 * size, 5.0 * size, 10.0, 5.0 * size]
     return poses, rates, seconds
+
+
+def each_robot(seeds: Iterable[int]) -> pytest.MarkDecorator:
+    """Run a test with Appendix 4's robot and random ones, each on both branches of the knee."""
+    robots = [("appendix4", APPENDIX_4)]
+    robots += [(f"random{seed}", random_design(np.random.default_rng(seed))) for seed in seeds]
+    return pytest.mark.parametrize(
+        "design",
+        [
+            pytest.param(robot.with_knee(knee), id=f"{name}-{knee.value}")
+            for name, robot in robots
+            for knee in KneeBranch
+        ],
+    )
 
 
 Robot = TypeVar("Robot", Design, Geometry)

@@ -12,9 +12,9 @@ from tests import oracle, samples
 from tests.model.cases import PROTOTYPES
 from tests.samples import with_knee
 
-DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in range(4))]
+RANDOM = samples.random_design(np.random.default_rng(0))
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
-EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
+EACH = samples.each_robot(range(4))
 
 
 def joints(design: Design, pose: Any) -> list[dict[int, Any]]:
@@ -35,10 +35,8 @@ def length(a: Any, b: Any) -> Any:
     return np.linalg.norm(a - b, axis=-1)
 
 
-@BOTH
 @EACH
-def test_every_leg_is_the_mechanism_of_the_paper(design: Design, knee: KneeBranch) -> None:
-    design = with_knee(design, knee)
+def test_every_leg_is_the_mechanism_of_the_paper(design: Design) -> None:
     g, k = design.geometry, design.geometry.magnification
     pose = samples.random_poses(np.random.default_rng(1), design, 50, natural=False)
     for index, p in enumerate(joints(design, pose)):
@@ -61,7 +59,7 @@ def test_every_leg_is_the_mechanism_of_the_paper(design: Design, knee: KneeBranc
         # The knee is the lower or the upper one of the two, seen from the line 8-5.
         line = np.cross(p[5] - p[8], p[9] - p[8])
         plane = np.cross([0.0, 0.0, 1.0], p[5] - p[8])
-        assert np.all(np.einsum("ni,ni->n", line, plane) * knee.sign > 0)
+        assert np.all(np.einsum("ni,ni->n", line, plane) * design.geometry.knee.sign > 0)
         # One plane through the leg axis holds the whole leg.
         heading = (p[5] - p[3])[:, :2] / near[:, None]
         for point in p.values():
@@ -71,10 +69,8 @@ def test_every_leg_is_the_mechanism_of_the_paper(design: Design, knee: KneeBranc
             np.testing.assert_allclose(aside, 0.0, **tight)
 
 
-@BOTH
 @EACH
-def test_static_forces_are_the_slope_of_the_potential(design: Design, knee: KneeBranch) -> None:
-    design = with_knee(design, knee)
+def test_static_forces_are_the_slope_of_the_potential(design: Design) -> None:
     pose = samples.random_poses(np.random.default_rng(2), design, 30)
     forces = oracle.pose_forces(design, pose, np.zeros(4), np.zeros(4))
     step = 1e-30
@@ -85,10 +81,8 @@ def test_static_forces_are_the_slope_of_the_potential(design: Design, knee: Knee
     np.testing.assert_allclose(forces, slope, rtol=0, atol=1e-12 * np.abs(slope).max())
 
 
-@BOTH
 @EACH
-def test_actuator_rates_follow_the_actuators(design: Design, knee: KneeBranch) -> None:
-    design = with_knee(design, knee)
+def test_actuator_rates_follow_the_actuators(design: Design) -> None:
     pose, velocity, _ = samples.random_states(np.random.default_rng(3), design, 30)
     h = 1e-4
     ahead, behind, ahead2, behind2 = (
@@ -99,11 +93,9 @@ def test_actuator_rates_follow_the_actuators(design: Design, knee: KneeBranch) -
     np.testing.assert_allclose(rates, measured, rtol=0, atol=1e-8 * np.abs(rates).max())
 
 
-@BOTH
 @EACH
-def test_kinetic_energy_from_measured_speeds(design: Design, knee: KneeBranch) -> None:
+def test_kinetic_energy_from_measured_speeds(design: Design) -> None:
     """Speeds of points from differences of places; turning from differences of the axes."""
-    design = with_knee(design, knee)
     pose, velocity, _ = samples.random_states(np.random.default_rng(4), design, 10)
     h = 1e-3
     runs = {
@@ -132,19 +124,15 @@ def test_kinetic_energy_from_measured_speeds(design: Design, knee: KneeBranch) -
     np.testing.assert_allclose(oracle.kinetic(design, pose, velocity), total, rtol=1e-7)
 
 
-@BOTH
 @EACH
-def test_power_of_the_actuators_is_the_growth_of_energy(design: Design, knee: KneeBranch) -> None:
-    design = with_knee(design, knee)
+def test_power_of_the_actuators_is_the_growth_of_energy(design: Design) -> None:
     pose, velocity, acceleration = samples.random_states(np.random.default_rng(5), design, 30)
     torque = oracle.inverse_dynamics(design, pose, velocity, acceleration)
     power = np.sum(torque * oracle.actuator_rates(design, pose, velocity), axis=-1)
 
     def energy(t: float) -> Any:
         q, v = pose + velocity * t + acceleration * t * t / 2, velocity + acceleration * t
-        return oracle.kinetic(with_knee(design, knee), q, v) + oracle.potential(
-            with_knee(design, knee), q
-        )
+        return oracle.kinetic(design, q, v) + oracle.potential(design, q)
 
     h = 2e-4
     growth = (
@@ -158,9 +146,8 @@ def test_power_of_the_actuators_is_the_growth_of_energy(design: Design, knee: Kn
 @BOTH
 def test_lagrange_from_the_energies_gives_the_same_forces(knee: KneeBranch) -> None:
     """d/dt dT/dv - dT/dq + dV/dq, differentiated numerically from T and V alone."""
-    pose, velocity, acceleration = samples.random_states(
-        np.random.default_rng(6), with_knee(DESIGNS[1], knee), 10
-    )
+    design = RANDOM.with_knee(knee)
+    pose, velocity, acceleration = samples.random_states(np.random.default_rng(6), design, 10)
     h = 2e-4
 
     def slope(f: Any) -> Any:
@@ -174,19 +161,15 @@ def test_lagrange_from_the_energies_gives_the_same_forces(knee: KneeBranch) -> N
         def momentum(t: float, e: Any = e) -> Any:
             # T is quadratic in the rates, so one central difference of any size is exact.
             q, v = pose + velocity * t + acceleration * t * t / 2, velocity + acceleration * t
-            up, down = (
-                oracle.kinetic(with_knee(DESIGNS[1], knee), q, v + s * e) for s in (1.0, -1.0)
-            )
+            up, down = (oracle.kinetic(design, q, v + s * e) for s in (1.0, -1.0))
             return 0.5 * (up - down)
 
         def action(t: float, e: Any = e) -> Any:
             q = pose + t * e
-            return oracle.kinetic(with_knee(DESIGNS[1], knee), q, velocity) - oracle.potential(
-                with_knee(DESIGNS[1], knee), q
-            )
+            return oracle.kinetic(design, q, velocity) - oracle.potential(design, q)
 
         columns.append(slope(momentum) - slope(action))
-    forces = oracle.pose_forces(with_knee(DESIGNS[1], knee), pose, velocity, acceleration)
+    forces = oracle.pose_forces(design, pose, velocity, acceleration)
     np.testing.assert_allclose(
         forces, np.stack(columns, axis=-1), rtol=0, atol=1e-8 * np.abs(forces).max()
     )

@@ -1,9 +1,9 @@
 """Optimal redistribution of masses, and what goes with it.
 
-`balance` is the paper's own (Eqs. 7-8). `optimize` makes any weighted sum of terms least within the
-bounds of `Changes`, with a certificate; `pareto_front` shows what two terms cost each other.
-`fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance` say
-how much each value matters, and `search_geometry` looks for better lengths.
+`balance` is the paper's own (Eqs. 7-8). `optimize` minimizes any weighted sum of terms within the
+bounds of `Changes`, with a certificate; `pareto_front` trades two terms off.
+`fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance`
+measure sensitivity, and `search_geometry` optimizes lengths.
 """
 
 from __future__ import annotations

@@ -122,7 +122,7 @@ class Changes:
         paths = [mass.path for mass in self.masses]
         for path in paths:
             if paths.count(path) > 1:
-                raise InvalidInput(path, "this mass stands in the list of changes twice")
+                raise InvalidInput(path, "this mass is in the list of changes twice")
 
 
 @dataclass(frozen=True, eq=False)

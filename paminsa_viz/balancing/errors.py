@@ -14,7 +14,7 @@ class Shortfall:
     Attributes:
         label: What is limited.
         unit: Its SI unit.
-        limit: The limit asked for.
+        limit: The requested limit.
         attainable: The least value within the bounds, the other limits met; with the other limits
             left out where they cannot be met either.
     """
@@ -55,19 +55,19 @@ class SolverFailed(PaminsaError):
 
 
 class InfeasibleBounds(PaminsaError):
-    """No masses within the bounds meet what is asked for.
+    """No masses within the bounds meet all limits.
 
     Attributes:
-        limits: What cannot be met, and what can instead.
+        limits: What cannot be met, and the least values instead.
         relax: The bounds whose least movement, added up over the robot, makes it possible; empty if
-            no masses at all would do.
+            none does.
     """
 
     def __init__(self, limits: tuple[Shortfall, ...], relax: tuple[Relaxation, ...]) -> None:
         self.limits = limits
         self.relax = relax
-        asked = "; ".join(
-            f"{item.label} of at most {item.limit:.6g} {item.unit} is asked for and "
+        shortfalls = "; ".join(
+            f"{item.label} of at most {item.limit:.6g} {item.unit} is requested and "
             f"{item.attainable:.6g} {item.unit} is the least"
             for item in limits
         )
@@ -76,6 +76,5 @@ class InfeasibleBounds(PaminsaError):
             f"{item.name} from {item.bound:.6g} kg to {item.needed:.6g} kg"
             for item in relax
         )
-        super().__init__(
-            f"the bounds do not allow it: {asked}; {remedy or 'no other bounds would help either'}"
-        )
+        remedy = remedy or "no other bounds would help either"
+        super().__init__(f"the bounds do not allow it: {shortfalls}; {remedy}")

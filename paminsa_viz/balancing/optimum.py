@@ -1,4 +1,4 @@
-"""The best distribution of masses within bounds, with the proof that it is the best."""
+"""Optimal masses within bounds, with a certificate."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.model.errors import InvalidInput
 
 WIDER = 100.0
-"""How far bounds are opened to see which would have to move [kg]."""
+"""How far bounds are widened to see which would have to move [kg]."""
 
 ACTIVE = 1e-6
 """A bound counts as reached within this part of the range between the bounds."""
@@ -100,12 +100,12 @@ def optimize(
     limits: Sequence[tuple[Term, float]] = (),
     tolerance: float = 1e-9,
 ) -> Optimum:
-    """Find the distribution of masses that makes a term, or a weighted sum of terms, least.
+    """Find the distribution of masses that minimizes a term, or a weighted sum of terms.
 
     Args:
         design: The design to change.
         changes: What may change, within which bounds.
-        goals: What is to be small; one term, or terms with weights [1/unit of the term].
+        goals: What to minimize: one term, or terms with weights [1/unit of the term].
         limits: Terms with their largest allowed values.
         tolerance: Gap to close, relative to the objective before or after.
 
@@ -215,7 +215,7 @@ def infeasible(
 
 
 def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]:
-    """Return the bounds whose least movement makes a program's limits possible, if any does."""
+    """Return the bounds whose least movement makes the limits of a program feasible, if any."""
     low = np.array([variable.low for variable in space.variables])
     high = np.array([variable.high for variable in space.variables])
     outside = deviations(space, low, high)

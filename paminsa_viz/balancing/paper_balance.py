@@ -2,8 +2,8 @@
 
 The static torques of M1..M3 are M_p2 times a map of the geometry, so that the whole workspace is
 balanced, on both branches of the knee, by the one equation M_p2 = 0. It leaves a choice, which the
-paper does not settle. Here it is the least added mass, or the least mass moved, as asked for: a
-linear program with one equation.
+paper does not settle. Here it is the least added mass or the least mass moved: a linear program
+with one equation.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ PANTOGRAPH = (
 """Masses that stand in M_p2 (Appendix 2)."""
 
 MOST_ADDED = 20.0
-"""By how much each of them may grow unless said otherwise [kg]."""
+"""By how much each of them may grow by default [kg]."""
 
 
 def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
@@ -71,10 +71,10 @@ def balance(
         design: The design to change.
         changes: What may change; default `paper_changes`.
         criterion: What is least among the balanced ones; default `AddedMass`.
-        exact: Whether nothing but M_p2 = 0 will do.
+        exact: Whether M_p2 = 0 is required.
 
     Raises:
-        InfeasibleBounds: If M_p2 = 0 is asked for and out of the bounds; says what to relax.
+        InfeasibleBounds: If M_p2 = 0 is required and the bounds do not allow it.
     """
     began = time.perf_counter()
     chosen = criterion or AddedMass()

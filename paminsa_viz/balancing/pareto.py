@@ -1,4 +1,4 @@
-"""Fronts between two terms: how much of one has to be given up for the other.
+"""Pareto fronts between two terms.
 
 The terms are convex, so the least value of the first, as a function of what the second is held
 below, is convex, and falls strictly between the two ends of the front. There the limit is always
@@ -83,7 +83,7 @@ def pareto_front(
 
     Raises:
         InfeasibleBounds: If no distribution meets the limits.
-        InvalidInput: If fewer than two points are asked for.
+        InvalidInput: If there are fewer than two points.
     """
     if points < 2:
         raise InvalidInput("points", f"a front has at least two points, not {points}")

@@ -1,4 +1,4 @@
-"""What a robot has to reach, and how it does over that box of poses."""
+"""Requirements on a box of poses, and a robot's measures over it."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Requirements:
         margin: Least distance to every limit of reach over the box [m].
         radius_clearance: Least distance from the box to the singular circle [m].
         turn_clearance: Least turn from the box to the singular rotation [rad].
-        counts: Poses along each axis at which torque, condition and reach are looked at.
+        counts: Sample poses along each axis for torque, condition and reach.
     """
 
     low: Pose
@@ -53,7 +53,7 @@ class Requirements:
             raise InvalidInput("counts", "at least one pose along each of the four axes is needed")
 
     def poses(self) -> Array:
-        """Return the poses that are looked at, (n, 4); the corners are among them."""
+        """Return the sample poses, (n, 4); the corners are among them."""
         axes = [
             np.linspace(a, b, n if b > a else 1)
             for a, b, n in zip(self.low, self.high, self.counts, strict=True)
@@ -68,7 +68,7 @@ class Requirements:
 
 @dataclass(frozen=True)
 class Measures:
-    """How a robot does over a box.
+    """Measures of a robot over a box.
 
     Attributes:
         torque: Peak static torque of M1..M3 [N m]; infinite if a pose cannot be taken.
@@ -99,7 +99,7 @@ class Measures:
 def measure(design: Design, needs: Requirements) -> Measures:
     """Measure a robot over a box of poses.
 
-    Reach, torque and condition are those of the poses that are looked at; clearances from
+    Reach, torque and condition are those of the sample poses; clearances from
     singularities are those of the whole box, in closed form.
     """
     pose = needs.poses()

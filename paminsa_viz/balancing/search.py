@@ -24,7 +24,7 @@ DEFAULT_PATHS = (
     "geometry.base_radius", "geometry.platform_radius", "geometry.magnification",
     "geometry.crank_length", "geometry.coupler_length",
 )  # fmt: skip
-"""Lengths searched unless said otherwise: R_b, R_pl, k, and the bars B3 and B8, B4."""
+"""Lengths searched by default: R_b, R_pl, k, and the bars B3 and B8, B4."""
 
 REFUSED = 1e9
 """Cost from which a trial breaks a requirement; below it, all are met."""
@@ -35,7 +35,7 @@ PART = 8
 
 @dataclass(frozen=True)
 class Weights:
-    """What the search makes small: the weighted sum of these.
+    """Weights of the sum that the search minimizes.
 
     Attributes:
         torque: Of the peak static torque of M1..M3 over the box [1/(N m)].
@@ -143,12 +143,12 @@ def search_geometry(
     executor: Any = None,
     progress: Callable[[SearchProgress], bool | None] | None = None,
 ) -> SearchResult:
-    """Search for the lengths that make a weighted sum small and meet requirements over a box.
+    """Search for the lengths that minimize a weighted sum and meet requirements over a box.
 
     Args:
         design: Where the other numbers come from.
         needs: The box, and what has to hold over it.
-        weights: What to make small; default the peak static torque.
+        weights: What to minimize; default the peak static torque.
         ranges: Least and largest value of each path searched; default half to twice the design's
             own for `DEFAULT_PATHS` (k from 1.5).
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
@@ -171,8 +171,8 @@ def search_geometry(
         nonlocal canceled
         best = float(intermediate_result.fun)
         history.append(best)
-        told = SearchProgress(len(history), int(intermediate_result.nfev), best, best < REFUSED)
-        if progress is not None and progress(told):
+        state = SearchProgress(len(history), int(intermediate_result.nfev), best, best < REFUSED)
+        if progress is not None and progress(state):
             canceled = True
             raise StopIteration
 

@@ -1,4 +1,4 @@
-"""How each mass and each length changes torques: the data of a tornado chart."""
+"""Sensitivity of torques to each mass and each length: the data of a tornado chart."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ OUTPUTS = (
     ("peak torque on the trajectory", "N m"),
     ("RMS torque on the trajectory", "N m"),
 )
-"""What is looked at, with units, in the order of a bar's values; torques are those of M1..M3."""
+"""Outputs with units, in the order of a bar's values; torques are those of M1..M3."""
 
 STEP = 1e-5
 """Relative step of the difference quotients for lengths."""
@@ -54,7 +54,7 @@ LENGTHS: tuple[str, ...] = tuple(
 
 @dataclass(frozen=True, eq=False)
 class TornadoBar:
-    """What one value of the design does to `OUTPUTS`; NaN where an output has no value.
+    """Effect of one value of the design on `OUTPUTS`; NaN where an output has no value.
 
     Attributes:
         path, symbol, unit: The value.
@@ -85,7 +85,7 @@ class TornadoBar:
 
 @dataclass(frozen=True, eq=False)
 class Tornado:
-    """How much each value of a design matters.
+    """Sensitivity to each value of a design.
 
     Attributes:
         design: The design.
@@ -113,7 +113,7 @@ def tornado(
     change: float = 0.05,
     paths: Sequence[str] = MASSES + LENGTHS,
 ) -> Tornado:
-    """Change each mass and each length by itself and see what follows.
+    """Change each mass and each length by itself.
 
     Args:
         design: The design.
@@ -143,7 +143,7 @@ def tornado(
 
 @dataclass(frozen=True, eq=False)
 class _Bench:
-    """What designs are tried on."""
+    """Workspace and motion on which designs are evaluated."""
 
     grid: Grid
     trajectory: Trajectory | None
@@ -172,7 +172,7 @@ class _Bench:
 def _mass_bars(
     design: Design, bench: _Bench, field: Field, change: float, paths: list[str]
 ) -> list[TornadoBar]:
-    """Masses: one state and its columns tell everything, for torques are linear in them."""
+    """Masses: torques are linear in them, so one state and its columns suffice."""
     # the inertia of a thicker tube grows with its mass
     ranges = tuple(MassRange(path, 0.0, design.value(path)) for path in paths)
     space = mass_space(design, Changes(ranges))

@@ -36,7 +36,7 @@ from paminsa_viz.model.statics import static_torques, torques_of_legs
 
 @dataclass(frozen=True)
 class SpringPlace:
-    """Where a spring may be, and what it may be.
+    """Anchors of a spring and the ranges of its numbers.
 
     Attributes:
         first, second: Its two points.
@@ -82,7 +82,7 @@ class SpringFit:
 
     Attributes:
         springs: In the order of the places; a stiffness of zero means that it is not needed.
-        before, after: What was made small, without springs and with them [N m].
+        before, after: Peak or RMS torque without springs and with them [N m].
         lower_bound: No other stiffnesses and free lengths give less [N m].
         reach: For each spring its shortest and longest length over the poses [m].
         seconds: Time it took.

@@ -1,4 +1,4 @@
-"""What can be made small, or held below a limit: torques, energy, mass, change.
+"""Terms of an optimization: torques, energy, added mass, change of masses.
 
 Each term is convex in the masses. Torques are linear in the state (c, mass) of a `MassSpace`; their
 peak is a maximum of linear functions, their RMS a norm, the energy that drives a sum of hinges.
@@ -35,7 +35,7 @@ MP1, MP2, MP3, PLATFORM = (COEFFICIENTS.index(name) for name in ("Mp1", "Mp2", "
 
 
 class Term(Protocol):
-    """Something to make small.
+    """Something to minimize or to limit.
 
     Attributes:
         label: What it is, in words.
@@ -84,7 +84,7 @@ def _reached(field: Field) -> Array:
 class StaticPeak:
     """Largest static torque of M1..M3 over the poses of a field that can be taken [N m].
 
-    All of them are M_p2 times a map that no mass changes, so that this is one number times |M_p2|.
+    All of them are M_p2 times a map that no mass changes, so this is a constant times |M_p2|.
     """
 
     field: Field
@@ -159,7 +159,9 @@ def trajectory_rows(
     """
     _same_geometry(space, solved.geometry, "trajectory")
     if solved.misprints != Misprint.NONE:
-        raise InvalidInput("trajectory", "the formulae as printed are no machine's; solve it again")
+        raise InvalidInput(
+            "trajectory", "published misprints describe no machine; solve it without them"
+        )
     if not solved.check.ok or len(solved.y) == 0:
         raise InvalidInput("trajectory", "the robot cannot run the whole trajectory")
     matrix = np.zeros((len(solved.y), len(actuators), len(space.start)))

@@ -1,7 +1,7 @@
-"""What tolerances leave of a balance: the spread of the static torques of M1..M3.
+"""Spread of the static torques of M1..M3 under tolerances.
 
-Each value lies within plus or minus its tolerance of what it should be, all values of that range
-alike probable and independent of each other; its standard deviation is the tolerance over sqrt(3).
+Each value lies within plus or minus its tolerance of its nominal value, evenly distributed and
+independent of the others; its standard deviation is the tolerance over sqrt(3).
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.meshes.weights import room_words
+from paminsa_viz.meshes.weights import clearance_text
 from paminsa_viz.model.bounds import LARGEST
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import MASS_PATHS
@@ -199,7 +199,7 @@ def _report(found: Optimum) -> dict[str, Any]:
         "values": [vars(value) for value in found.values],
         "changes": {path: {"before": a, "after": b} for path, a, b in _changed(found)},
         "counterweights": [
-            vars(weight) | {"room": room_words(after.geometry, weight)}
+            vars(weight) | {"room": clearance_text(after.geometry, weight)}
             for weight in after.counterweights
         ],
         "active_bounds": [vars(item) for item in found.active],
@@ -235,7 +235,7 @@ def _print(found: Optimum) -> None:
             indent=2,
         )
     for weight in found.after.counterweights:
-        print(f"\n{weight.place}: {room_words(found.after.geometry, weight)}")
+        print(f"\n{weight.place}: {clearance_text(found.after.geometry, weight)}")
     print(
         f"\nNo masses within the bounds do better than {found.lower_bound:.10g}; "
         f"these reach {found.objective:.10g}."

@@ -13,7 +13,7 @@ import tyro
 
 from paminsa_viz.cli.arguments import parse
 from paminsa_viz.cli.designs import Assembly, design_of
-from paminsa_viz.files.atomic import written_whole
+from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
@@ -108,7 +108,7 @@ def evaluate_table(
     tally = Summary()
     with open_table(source) as lines:
         table = TableReader(lines, POSES, os.fspath(source))
-        with written_whole(target) as file:
+        with open_atomically(target) as file:
             file.write(header_lines({}, (*table.header, *ACTUATORS, *TORQUES, STATUS)))
             for block in table.blocks():
                 results, words = evaluate_block(block, design)

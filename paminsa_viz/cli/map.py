@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
@@ -17,7 +17,6 @@ from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.map_data import (
@@ -30,7 +29,8 @@ from paminsa_viz.plots.map_data import (
     workspace_field,
 )
 from paminsa_viz.plots.map_table import map_table
-from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
+from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, affordable_cells, selections
 from paminsa_viz.units import MM, format_ascii
 
@@ -140,11 +140,17 @@ def main(words: list[str]) -> int:
     reference = None
     if flags.reference is not None:
         reference = design_of(flags.reference).with_knee(design.geometry.knee)
-    for each in filter(None, (design, reference)):
-        validate_limits(each)
     data = maps_of(flags, design, reference, flags.cells)
     for path in flags.out:
-        write_bytes(path, _content(flags, design, reference, data, path.suffix.lower()))
+        ending = path.suffix.lower()
+        if ending in table_endings():
+            content = table_bytes(map_table(data), ending[1:])
+        else:
+            from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second
+
+            scales = scales_of(flags, data, maps_of(flags, design, reference, COARSE))
+            content = render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
+        write_bytes(path, content)
     told = report(flags, data)
     if flags.json:
         print_json(told)
@@ -158,39 +164,31 @@ def main(words: list[str]) -> int:
 
 
 def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) -> MapData:
-    """Return the maps that the flags ask for, with some cells along each side."""
+    """Return the maps of a design, or of its difference from a reference."""
     z = home_pose(design.geometry)[3] if flags.z is None else flags.z / MM
-    pose = (*(value / MM for value in flags.at), math.radians(flags.theta), z)
+    pose = (flags.at[0] / MM, flags.at[1] / MM, math.radians(flags.theta), z)
+    count = affordable_cells(flags.quantities, cells)
     half = half_width(design.geometry)
 
-    def maps(one: Design) -> MapData:
-        count = affordable_cells(flags.quantities, cells)
-        field = workspace_field(one.geometry, pose[2], z, count, half)
-        return map_data(field, one, pose, flags.quantities)
+    def maps(shown: Design) -> MapData:
+        field = workspace_field(shown.geometry, *pose[2:], count, half)
+        return map_data(field, shown, pose, flags.quantities)
 
     return maps(design) if reference is None else difference(maps(design), maps(reference))
 
 
-def choice_of(flags: Map) -> ScaleChoice:
-    """Return the colors that the flags ask for."""
-    factor = QUANTITIES[flags.quantities[0]].display.factor
-    low, high = (None, None) if flags.range is None else (end / factor for end in flags.range)
-    return ScaleChoice(
-        low, high, flags.full_range,
-        shared=not flags.own_ranges, kind="symlog" if flags.log else "linear",
-    )  # fmt: skip
-
-
-def _content(
-    flags: Map, design: Design, reference: Design | None, data: MapData, ending: str
-) -> bytes:
-    if ending in table_endings():
-        return table_bytes(map_table(data), ending[1:])
-    from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second to load
-
-    sample = data if flags.cells == COARSE else maps_of(flags, design, reference, COARSE)
-    scales = choose_scales(data, choice_of(flags), sample)
-    return render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
+def scales_of(flags: Map, data: MapData, sample: MapData) -> tuple[Scale, ...]:
+    """Return the color scales that the flags ask for, as the explorer chooses them."""
+    choice = ScaleChoice(
+        shared=not flags.own_ranges,
+        kind="symlog" if flags.log else "linear",
+        full=flags.full_range,
+    )
+    unit = QUANTITIES[flags.quantities[0]].display
+    ends = flags.range and usable_range(*map(unit.to_si, flags.range))
+    if ends:
+        choice = replace(choice, low=ends[0], high=ends[1])
+    return choose_scales(data, choice, sample)
 
 
 def report(flags: Map, data: MapData) -> dict[str, Any]:

@@ -15,7 +15,7 @@ import tyro
 from paminsa_viz.cli.arguments import PROGRAM, parse
 from paminsa_viz.cli.designs import Assembly, design_of
 from paminsa_viz.cli.motions import PresetName, motion_of
-from paminsa_viz.files.atomic import written_whole
+from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.trajectory import home
 
 DESCRIPTION = """\
@@ -79,7 +79,7 @@ def main(words: list[str]) -> int:
         seed=flags.seed,
     )
     # Opened first, so that a place which cannot be written to is known before the work.
-    with written_whole(flags.out) as file:
+    with open_atomically(flags.out) as file:
         file.write(report_html(request, _say))
     print(f"{flags.out}: written")
     return 0

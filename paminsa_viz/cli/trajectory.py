@@ -23,8 +23,8 @@ from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.series import FigureKind
 from paminsa_viz.trajectory import (
     PRESET,
-    Control,
     Controller,
+    ControlMode,
     ImpossibleTrajectory,
     InfeasibleMotion,
     MinimumTime,
@@ -296,7 +296,7 @@ def _simulated(flags: Flags, design: Design, trajectory: Trajectory) -> Simulati
 
 
 _CONTROLS = {
-    "computed-torque": Control.COMPUTED_TORQUE,
-    "pd": Control.PD,
-    "feed-forward": Control.FEED_FORWARD,
+    "computed-torque": ControlMode.COMPUTED_TORQUE,
+    "pd": ControlMode.PD,
+    "feed-forward": ControlMode.FEED_FORWARD,
 }

@@ -1,84 +1,84 @@
-"""What a person does often: in the command palette, and on keys."""
+"""Frequent actions: in the command palette, and on keys."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.bindings import perform
+from paminsa_viz.explorer.entries import Effect, Run
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
 
 
-class Command(NamedTuple):
-    """A line of the command palette."""
+@dataclass(frozen=True)
+class Command:
+    """A line of the command palette.
 
+    Attributes:
+        key: Name of its action; see `paminsa_viz.explorer.entries.Entry`.
+        label: What the palette shows.
+        effect: What it does.
+        hotkey, modifier: Its keys, if it has any.
+        undo: Whether it can be undone.
+    """
+
+    key: str
     label: str
-    key: str | None
-    modifier: str | None
-    run: Callable[[], None]
+    effect: Effect
+    hotkey: str | None = None
+    modifier: str | None = None
+    undo: bool = True
 
 
-def _toggle(session: Session, name: str) -> Callable[[], None]:
-    return lambda: session.dispatch(
-        f"layers.{name}",
-        lambda s: actions.set_layers(s, **{name: name not in s.layers}),
-    )
+def _toggle(layer: str, state: State) -> State:
+    return actions.set_layers(state, **{layer: layer not in state.layers})
 
 
-def commands(session: Session) -> list[Command]:
-    """Return every command of a session."""
+def _camera(name: str) -> Run:
+    return Run(lambda session: session.submit(lambda: look(session, name)))
 
-    def camera(name: str) -> Callable[[], None]:
-        return lambda: session.submit(lambda: look(session, name))
 
-    return [
-        Command("Home pose", "H", None, lambda: session.dispatch("home", actions.go_home)),
-        Command("Undo", "Z", "cmd/ctrl", session.undo),
-        Command("Redo", "Z", "cmd/ctrl+shift", session.redo),
+def commands() -> tuple[Command, ...]:
+    """Return every command; those of the layers follow their registry."""
+    return (
+        Command("home", "Home pose", actions.go_home, "H"),
+        Command("undo", "Undo", Run(lambda session: session.undo()), "Z", "cmd/ctrl"),
+        Command("redo", "Redo", Run(lambda session: session.redo()), "Z", "cmd/ctrl+shift"),
+        Command("reference", "Pin the design as reference", actions.pin_reference, "P"),
+        Command("reference", "Unpin the reference", actions.unpin_reference, "P", "shift"),
+        Command("balance", "Balance as in the paper", balancing.balance_now, "B"),
         Command(
-            "Pin the design as reference",
-            "P",
-            None,
-            lambda: session.dispatch("reference", actions.pin_reference),
-        ),
-        Command(
-            "Unpin the reference",
-            "P",
-            "shift",
-            lambda: session.dispatch("reference", actions.unpin_reference),
-        ),
-        Command(
-            "Balance as in the paper",
-            "B",
-            None,
-            lambda: session.dispatch("balance", balancing.balance_now),
-        ),
-        Command(
-            "Play or pause the motion",
-            "M",
-            None,
-            lambda: session.dispatch("playback.play", motions.play_or_pause, step=False),
+            "playback.play", "Play or pause the motion", motions.play_or_pause, "M", undo=False
         ),
         *(
-            Command(f"Camera: {name}", str(number), None, camera(name))
+            Command(f"camera.{name}", f"Camera: {name}", _camera(name), str(number))
             for number, name in enumerate(CAMERAS, start=1)
         ),
         *(
             Command(
-                f"Show or hide: {layer.label.lower()}", layer.shortcut, None, _toggle(session, key)
+                f"layers.{key}", f"Show or hide: {layer.label.lower()}", partial(_toggle, key),
+                layer.shortcut,
             )
             for key, layer in LAYERS.items()
         ),
-    ]
+    )  # fmt: skip
 
 
 def register(session: Session) -> None:
     """Put the commands on the page."""
-    for command in commands(session):
-        keys: dict[str, Any] = {"hotkey": command.key, "modifier": command.modifier}
+    for command in commands():
+        keys: dict[str, Any] = {"hotkey": command.hotkey, "modifier": command.modifier}
         handle = session.client.gui.add_command(command.label, **keys)
-        handle.on_trigger(lambda _, run=command.run: run())
+        handle.on_trigger(partial(_trigger, session, command))
+
+
+def _trigger(session: Session, command: Command, event: Any) -> None:
+    del event
+    perform(session, command.key, command.effect, undo=command.undo)

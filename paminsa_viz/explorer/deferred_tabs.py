@@ -24,15 +24,15 @@ from paminsa_viz.explorer.session import Session
 
 
 class TabStore:
-    """Keeps the document in the tab's own store, once the hand rests."""
+    """Keeps the document in the tab's own store, whenever the page is idle."""
 
     def __init__(self, bridge: Bridge) -> None:
         self._bridge = bridge
         self._kept = ""
 
-    def draw(self, frame: Frame, moving: bool) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
         """Save what has changed."""
-        if moving:
+        if dragging:
             return
         text = persistence.dump(frame.state.document)
         if text != self._kept:

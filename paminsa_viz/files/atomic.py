@@ -14,12 +14,13 @@ from paminsa_viz.files.errors import FileError
 
 
 @contextmanager
-def written_whole(path: str | os.PathLike[str]) -> Iterator[TextIO]:
+def open_atomically(path: str | os.PathLike[str]) -> Iterator[TextIO]:
     """Open a text file (UTF-8, no newline translation) that appears only when it is complete.
 
-    The text goes into a new file beside ``path`` that takes its place when the block ends well.
-    When the block ends with an error, also by Ctrl-C, ``path`` stays as it was and the new file is
-    removed. A symbolic link keeps pointing at the file it names; an existing file keeps its mode.
+    The text goes into a temporary file next to ``path``, which replaces it when the block ends
+    well. When the block ends with an error, also by Ctrl-C, ``path`` stays as it was and the
+    temporary file is removed. A symbolic link keeps pointing at the file it names; an existing
+    file keeps its mode.
 
     Raises:
         FileError: If the file cannot be created, written or put in place.
@@ -29,7 +30,7 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[TextIO]:
 
 
 def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
-    """Write a file of any kind completely or not at all, as `written_whole` does with a text.
+    """Write a file of any kind completely or not at all, as `open_atomically` does with a text.
 
     Raises:
         FileError: If the file cannot be created, written or put in place.
@@ -44,14 +45,14 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     mode = None
     try:
         target = Path(os.path.realpath(path))
-        beside = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
+        temporary = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
         with suppress(FileNotFoundError):
             found = target.stat().st_mode
             if not stat.S_ISREG(found):
                 kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
                 raise FileError(name, f"cannot be written: it is {kind}")
             mode = stat.S_IMODE(found)
-        descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
     except (OSError, ValueError) as error:
         raise as_file_error(name, error, "written") from error
     try:
@@ -60,13 +61,13 @@ def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
             file.flush()
             os.fsync(file.fileno())
         if mode is not None:
-            os.chmod(beside, mode)
-        os.replace(beside, target)
+            os.chmod(temporary, mode)
+        os.replace(temporary, target)
     except OSError as error:
         raise as_file_error(name, error, "written") from error
     finally:
         with suppress(FileNotFoundError):
-            beside.unlink()
+            temporary.unlink()
 
 
 def as_file_error(

@@ -25,7 +25,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
 
-from paminsa_viz.files.atomic import as_file_error, written_whole
+from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
@@ -72,7 +72,7 @@ def save_design(design: Design, path: str | os.PathLike[str], *, comment: str = 
         FileError: If the file cannot be written.
     """
     text = write_design(design, comment=comment)
-    with written_whole(path) as file:
+    with open_atomically(path) as file:
         file.write(text)
     return Path(path)
 
@@ -125,7 +125,7 @@ def _parsed(text: str, source: str) -> dict[str, Any]:
         if "at end of document" in message:
             line = text.rstrip().count("\n") + 1
         if "Cannot overwrite" in message or "Cannot declare" in message:
-            problem = "this key or table stands in the file twice"
+            problem = "this key or table is in the file twice"
         elif isinstance(error, tomllib.TOMLDecodeError):
             reason = re.sub(r" \(at .*\)$", "", message)
             problem = f"is not valid TOML: {reason[:1].lower()}{reason[1:]}"

@@ -1,8 +1,7 @@
-"""A CSV table that grows for hours, may be killed at any moment, and then goes on.
+"""A resumable CSV table: a run that writes it for hours may be killed at any moment and continued.
 
-Every row begins with its number. Rows are written in their order, at the end of the file, so that
-all a kill can leave behind is a last line without its end. That line is cut off, and the next row
-written in its place.
+Every row begins with its number. Rows are appended in order, so that all a kill can leave behind is
+a last line without its end. That line is cut off, and the next row written in its place.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ class ResumableCsv:
         identity: str,
         restart: bool = False,
     ) -> None:
-        """Open a table, or begin one where there is none.
+        """Open a table, or start one where there is none.
 
         Args:
             path: The file.
@@ -113,11 +112,10 @@ class ResumableCsv:
         self._file.seek(end)
 
     def append(self, rows: Iterable[Sequence[str]]) -> None:
-        """Write rows, whose numbers go on from those that are there, and hand them to the system.
+        """Append rows, numbered on from those that are there, and hand them to the system.
 
         Raises:
-            TableFileError: If they cannot be written; what is in the file can still be gone on
-                from.
+            TableFileError: If they cannot be written; the file can still be continued.
         """
         lines = []
         for cells in rows:
@@ -192,7 +190,7 @@ def _difference(found: Sequence[str], head: Mapping[str, str], identity: str) ->
     if identity not in theirs:
         return "something else"
     for key in (*_below(head, identity), *_below(theirs, identity)):
-        there, here = (printable(said.get(key, "none")[:80]) for said in (theirs, head))
+        there, here = (printable(each.get(key, "none")[:80]) for each in (theirs, head))
         if there != here:
             return f'another {identity}, whose {key} is "{there}", not "{here}"'
     return "something else" if theirs[identity] == head[identity] else f"another {identity}"

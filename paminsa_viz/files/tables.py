@@ -52,8 +52,8 @@ class DataTable:
 
 def provenance(layout: str, facts: Mapping[str, str]) -> dict[str, str]:
     """Return a header: name and version of the layout, the program, and facts, each on one line."""
-    said = {"format": layout, "made by": f"paminsa_viz {__version__}", **facts}
-    return {printable(key): printable(value) for key, value in said.items()}
+    head = {"format": layout, "made by": f"paminsa_viz {__version__}", **facts}
+    return {printable(key): printable(value) for key, value in head.items()}
 
 
 def header_lines(head: Mapping[str, str], columns: Iterable[str]) -> str:

@@ -70,28 +70,28 @@ def counterweight_glb(geometry: Geometry, weight: Counterweight, color: str) -> 
     return counterweight(geometry, weight).glb(color)
 
 
-def room_words(geometry: Geometry, weight: Counterweight) -> str:
-    """Say what room a counterweight needs as a disc of steel, and what it may run into.
+def clearance_text(geometry: Geometry, weight: Counterweight) -> str:
+    """Return a text on the clearance of a counterweight as a disc of steel.
 
-    See `counterweight_clearance`: what is said to be free is so in every pose.
+    See `counterweight_clearance`; the text holds in every pose.
     """
     radius = disc_radius(weight.mass)
     room = counterweight_clearance(geometry, weight, radius)
     if room is None:
         return "The robot can take no pose."
-    said = (
+    extent = (
         f"A steel disc of {_mm(radius)} radius there reaches at most {_mm(room.inward)} inward and "
         f"{_mm(room.outward)} outward of its leg axis, {_mm(-room.low)} below and "
         f"{_mm(room.high)} above the guides."
     )
     meet = "can meet neither the platform nor the robot's axis, where M4 stands"
     if room.clear_depth == 0:
-        return f"{said} It {meet}."
+        return f"{extent} It {meet}."
     if not np.isfinite(room.clear_depth):
-        return f"{said} It may run into the platform, or M4, at any height."
+        return f"{extent} It may run into the platform, or M4, at any height."
     z = -geometry.knee.sign * room.clear_depth - geometry.platform_joint_height
     side, bound = ("below", np.floor) if geometry.knee is KneeBranch.LOWER else ("above", np.ceil)
-    return f"{said} It {meet}, while the platform is {side} z = {_mm(z, bound)}."
+    return f"{extent} It {meet}, while the platform is {side} z = {_mm(z, bound)}."
 
 
 def _mm(length: float, rounded: Callable[[float], float] = np.ceil) -> str:

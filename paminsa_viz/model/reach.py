@@ -19,6 +19,10 @@ LEAST_MARGIN = backend.Formula(measures.least_margin, 2)
 """The least margin of all legs and limits [m], and which one it is."""
 
 
+HOME_DROP = 0.5
+"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
+
+
 class Limit(IntEnum):
     """Why a pose cannot be taken, or a torque not be given."""
 
@@ -184,19 +188,6 @@ def reach_status(geometry: Geometry, pose: Array) -> tuple[NDArray[np.uint8], ND
     return decode(worst, which)
 
 
-HOME_DROP = 0.5
-"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
-
-
-def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
-    """Return a pose at the center, far from all limits, to the millimeter (4,) [m, m, rad, m]."""
-    reach = geometry.crank_length + geometry.coupler_length
-    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
-    drop = min(HOME_DROP * reach, 0.75 * float(height))
-    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
-    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
-
-
 def workspace_radius(geometry: Geometry) -> float:
     """Return the radius of the smallest circle about the origin that holds every position [m].
 
@@ -214,6 +205,15 @@ def workspace_height(geometry: Geometry) -> float:
     """Return the largest |z_5| that the platform reaches at the center [m]."""
     bars = geometry.crank_length + geometry.coupler_length
     return float(np.sqrt(max(bars**2 - geometry.home_span**2, 0.0)))
+
+
+def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
+    """Return a pose (x, y, theta, z) at the center, far from all limits [m, m, rad, m]."""
+    reach = geometry.crank_length + geometry.coupler_length
+    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
+    drop = min(HOME_DROP * reach, 0.75 * float(height))
+    z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
+    return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 
 
 def require_reachable(geometry: Geometry, pose: ArrayLike) -> None:

@@ -25,6 +25,12 @@ from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.quantities import TORQUES, find
 from paminsa_viz.units import DisplayUnit, display_unit
 
+COARSE = 72
+"""Cells along each side while something is dragged; the color range is found from them as well, so
+that it stays when the fine map follows."""
+FULL = 200
+"""Cells along each side when idle, and in files."""
+
 
 @dataclass(frozen=True)
 class Provenance:
@@ -223,12 +229,6 @@ def difference(current: MapData, reference: MapData) -> MapData:
         margin=margin,
     )
 
-
-COARSE = 72
-"""Cells along each side while dragging; also what the color range is found from, so that it stays
-when the fine map follows."""
-FULL = 200
-"""Cells along each side when idle and in files."""
 
 LEAST_HALF_WIDTH = 0.1
 """Half width of a map of a robot that reaches next to nothing [m]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -79,8 +79,10 @@ def choose_scales(
             at every resolution.
     """
     asked = choice or ScaleChoice()
-    robust = asked.low is None and not asked.full
-    found = (sample if sample is not None and robust else data).values
+    spans_zero = asked.low is not None and asked.high is not None and asked.low < 0 < asked.high
+    if spans_zero and not data.signed and not (data.values < 0).any():
+        asked = replace(asked, low=0.0)  # colors of impossible values would dull the others
+    found = (data if asked.full else sample or data).values
     if asked.shared or data.panels == 1:
         return (_scale(found, data.signed, asked),) * data.panels
     return tuple(_scale(values, data.signed, asked) for values in found)
@@ -188,8 +190,6 @@ def _scale(values: NDArray[np.float64], signed: bool, choice: ScaleChoice) -> Sc
     full = full_range(values, signed) if choice.full else None
     if choice.low is not None and choice.high is not None:
         low, high = choice.low, choice.high
-        if low < 0 < high and not signed and not (values < 0).any():
-            low = 0.0  # colors for values that cannot be would only dull the others
     elif full is not None:
         low, high = full
     else:

@@ -15,7 +15,7 @@ from paminsa_viz.plots.caption import equals, robot, shown
 from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.plots.series import SeriesData, SeriesSources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
-from paminsa_viz.trajectory.control import Control
+from paminsa_viz.trajectory.control import ControlMode
 from paminsa_viz.units import format_value, number
 
 NAMED_FAILURES = 4
@@ -149,7 +149,7 @@ def _compared_sentences(sources: SeriesSources) -> list[str]:
 def _tracking_sentences(sources: SeriesSources) -> list[str]:
     simulation = sources.simulated
     controller = simulation.controller
-    by_rate = controller.control is not Control.FEED_FORWARD and controller.proportional is None
+    by_rate = controller.control is not ControlMode.FEED_FORWARD and controller.proportional is None
     gains = f", {controller.bandwidth:g} Hz, damping {controller.damping:g}" if by_rate else ""
     farthest = float(np.max(simulation.distance))
     drift = float(np.max(np.abs(simulation.energy_drift)))

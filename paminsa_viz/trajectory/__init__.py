@@ -1,8 +1,8 @@
 """Trajectories: planned, timed within limits, checked, analyzed, and simulated with a controller.
 
-The way through it: a planner (or a preset) makes a `Plan`; `minimum_time` may give it its shortest
-duration within limits; `Plan.sample` makes a `Trajectory`, as `from_samples` does of a file's rows;
-`analyze` says what it asks of a design, and where it fails; `simulate` lets a controller drive it.
+A planner (or a preset) makes a `Plan`; `minimum_time` may give it its shortest duration within
+limits; `Plan.sample` makes a `Trajectory`, as `from_samples` does of a file's rows;
+`analyze` returns the required torques, and where it fails; `simulate` drives it by a controller.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from paminsa_viz.trajectory.check import (
     PathEvent,
     check_path,
 )
-from paminsa_viz.trajectory.control import Control, Controller, actuator_inertia
+from paminsa_viz.trajectory.control import Controller, ControlMode, actuator_inertia
 from paminsa_viz.trajectory.equations import load_kernel
 from paminsa_viz.trajectory.imported import from_samples
 from paminsa_viz.trajectory.limits import MotionLimits
@@ -52,7 +52,7 @@ __all__ = [
     "SINGULAR_CLEARANCE",
     "ActuatorChange",
     "ActuatorSummary",
-    "Control",
+    "ControlMode",
     "Controller",
     "ImpossibleTrajectory",
     "InfeasibleMotion",

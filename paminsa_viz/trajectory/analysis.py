@@ -1,4 +1,4 @@
-"""What a trajectory asks of a robot: torques, their causes, power, energy, and where it fails."""
+"""Loads of a robot on a trajectory: required torques, their parts, power, energy, failures."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
 
 @dataclass(frozen=True)
 class ActuatorSummary:
-    """What an actuator has to give before the motion ends or first fails.
+    """Load of an actuator before the motion ends or first fails.
 
     Attributes:
         peak: Torque or force that is largest in size, with its sign [N m or N].
@@ -56,7 +56,7 @@ class TrajectoryAnalysis:
 
     Attributes:
         design: The robot.
-        solved: What the motion asks of its geometry.
+        solved: The motion, solved for its geometry.
         torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction included.
     """
 
@@ -132,8 +132,8 @@ class TrajectoryAnalysis:
     def energy_residual(self) -> Array:
         """Work of all actuators minus growth of energy and friction losses, (n,) [J].
 
-        Zero but for the integration over samples: the energy balance of the formulae. Printed
-        formulae with `misprints` do not balance.
+        Zero but for the integration over samples: the energy balance of the formulae. With
+        `misprints` it does not balance.
         """
         until = self.check.until
         residual = np.full(self.trajectory.size, np.nan)
@@ -157,7 +157,7 @@ def analyze(
     clearance: float = SINGULAR_CLEARANCE,
     keep: SolvedTrajectory | None = None,
 ) -> TrajectoryAnalysis:
-    """Return what a trajectory asks of a robot.
+    """Return the required actuator torques and what follows from them.
 
     A path that the robot cannot run raises nothing: the result says where it fails and why, and
     is NaN there.
@@ -165,7 +165,7 @@ def analyze(
     Args:
         design: The robot.
         trajectory: The motion.
-        misprints: Formulae to take as printed.
+        misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
         keep: The ``solved`` of an earlier result, which is used again if geometry, trajectory,
             misprints are the same: then only one product is computed.

@@ -16,11 +16,11 @@ from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.trajectory.plant import Gains
 
 
-class Control(Enum):
+class ControlMode(Enum):
     """How the simulated actuators are commanded."""
 
     FEED_FORWARD = "feed-forward"
-    """The torques of the wanted motion, worked out beforehand, and nothing else."""
+    """The torques of the wanted motion, computed beforehand, without feedback."""
     PD = "feed-forward + PD"
     """The same, and torques in proportion to the actuators' position and speed errors."""
     COMPUTED_TORQUE = "computed torque"
@@ -29,7 +29,7 @@ class Control(Enum):
     @property
     def mode(self) -> float:
         """Number of the mode for `plant.Gains`."""
-        return float(list(Control).index(self))
+        return float(list(ControlMode).index(self))
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Controller:
         InvalidInput: If a number is negative or not finite, or only one set of gains is given.
     """
 
-    control: Control = Control.PD
+    control: ControlMode = ControlMode.PD
     bandwidth: float = 8.0
     damping: float = 1.0
     proportional: tuple[float, float, float, float] | None = None

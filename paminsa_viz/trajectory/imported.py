@@ -32,7 +32,7 @@ def from_samples(
     Without a velocity, velocity and acceleration are those of the spline of fifth degree through
     the poses (of a lower one through fewer than six); with it, the acceleration is that of the
     spline through the velocities. Times are shifted to start at zero, and turns by a full circle
-    between neighbors are taken out of theta; notes say so.
+    between neighbors are removed from theta, with a note.
 
     Args:
         t: (n,) increasing, at least two [s].
@@ -63,7 +63,7 @@ def from_samples(
     if not np.array_equal(straight, poses[:, 2]):
         turned = np.abs(straight - poses[:, 2]) > 1.0
         if turned.any():
-            notes.append("Jumps of theta by a full turn between samples are taken out.")
+            notes.append("Jumps of theta by a full turn between samples are removed.")
             poses[turned, 2] = straight[turned]
     if velocity is None:
         spline = _spline(times, poses, rest)
@@ -99,13 +99,13 @@ def _spline(t: Array, values: Array, rest: bool) -> BSpline:
 
 
 def _rounding(t: Array, pose: Array) -> list[str]:
-    """Say by how much the last digit of the poses may move the acceleration, if that matters."""
+    """Note by how much the last digit of the poses may move the acceleration, if that matters."""
     if len(t) < 3:
         return []
     step = np.median(np.diff(t))
     for column, (word, unit) in enumerate(zip(COORDINATES, UNITS, strict=True)):
         if np.ptp(pose[:, column]) == 0:
-            continue  # a coordinate that rests says nothing of how it is written
+            continue  # a constant coordinate does not show how it is rounded
         digit = _last_digit(pose[:, column])
         # Second differences of numbers that are wrong by up to half a digit each.
         noise = 2.0 * digit / step**2
@@ -126,7 +126,7 @@ def _last_digit(values: Array) -> float:
 
 
 def _mismatch(what: str, t: Array, values: Array, rate: Array) -> list[str]:
-    """Say if a given rate is not that of the values.
+    """Note if a given rate is not that of the values.
 
     Over a step, the change of a value is compared with the mean of its given rates.
     """

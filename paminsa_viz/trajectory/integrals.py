@@ -53,7 +53,7 @@ def time_weights(t: Array) -> Array:
     weights[:-1] += 0.5 * step
     weights[1:] += 0.5 * step
     if len(t) > 2:
-        # a step's parabolas reach four samples, so that samples six apart can be asked at once
+        # a step's parabolas reach four samples, so samples six apart can share a run
         fine = np.zeros(len(t))
         for first in range(6):
             comb = np.zeros(len(t))

@@ -29,7 +29,7 @@ PLACE = [0, 1, 3]
 """Columns of a pose that are lengths."""
 
 TURN_LENGTH = 0.1
-"""Lever by which turns count beside lengths where waypoints share out the time [m/rad]."""
+"""Lever by which rotations count as lengths where time is shared between waypoints [m/rad]."""
 
 PLANES = {"xy": (0, 1), "xz": (0, 3), "yz": (1, 3)}
 """Columns of a pose along which a circle may lie."""

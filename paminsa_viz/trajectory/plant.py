@@ -39,7 +39,7 @@ Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
 
 
 class Gains(NamedTuple):
-    """What the controller makes of errors; ``mode`` is the index in `control.Control`.
+    """Gains of the controller; ``mode`` is the index in `control.ControlMode`.
 
     With computed torque ``rate`` and ``damping`` turn errors of the pose into an acceleration
     [1/s^2, 1/s]; with PD the others turn errors of the actuators into torques.
@@ -88,7 +88,7 @@ def speeds(m: Mechanism, a: Any, b: Any, d: Any, velocity: Any) -> Any:
 def _leg_load(
     m: Mechanism, e: EnergyTerms, g: LegPosition, velocity: Any, acceleration: Any
 ) -> Any:
-    """Return what a leg asks of the platform: forces along x, y, z and the moment about z."""
+    """Return the load of a leg on the platform: forces along x, y, z and the moment about z."""
     vx, vy, vt, vz = velocity
     ax, ay, at, az = acceleration
     f = leg_forces(m, e, g, leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az))
@@ -209,7 +209,7 @@ def command(
     m: Mechanism, e: EnergyTerms, o: Losses, k: Gains,
     wanted: Any, wanted_velocity: Any, wanted_acceleration: Any, pose: Any, velocity: Any,
 ) -> Any:  # fmt: skip
-    """Return the torques that the controller commands; m, e and o are what it believes."""
+    """Return the torques that the controller commands; m, e and o are its model."""
     if k.mode == 2:  # computed torque
         growth = (
             _toward(k, 0, wanted, wanted_velocity, wanted_acceleration, pose, velocity),

@@ -1,4 +1,4 @@
-"""The formulae of `plant.py` compiled; nothing of the mechanics stands here."""
+"""The formulae of `plant.py` compiled; no mechanics of its own."""
 
 from __future__ import annotations
 

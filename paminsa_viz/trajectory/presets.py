@@ -37,8 +37,8 @@ def home(geometry: Geometry) -> Array:
     return np.array([0.0, 0.0, 0.0, -geometry.knee.sign * height - geometry.platform_joint_height])
 
 
-class Room:
-    """Poses of a preset, given beside `home` as they are for Appendix 4's robot."""
+class PresetFrame:
+    """Poses of a preset, given relative to `home` as they are for Appendix 4's robot."""
 
     def __init__(self, geometry: Geometry) -> None:
         across = geometry.base_radius / Geometry().base_radius
@@ -71,8 +71,8 @@ def paper_like(geometry: Geometry) -> Plan:
 
     The acceleration is that of the platform's position; its duration follows from that.
     """
-    room = Room(geometry)
-    start, goal = room.pose(*_FROM), room.pose(*_TO)
+    frame = PresetFrame(geometry)
+    start, goal = frame.pose(*_FROM), frame.pose(*_TO)
     length = np.linalg.norm((goal - start)[PLACE])
     duration = np.sqrt(QUINTIC_PEAK * length / PAPER_ACCELERATION)
     plan = point_to_point(start, goal, float(duration), name="four coordinates, 1 m/s²")
@@ -86,33 +86,37 @@ def paper_like(geometry: Geometry) -> Plan:
 
 def _move(profile: Profile) -> Callable[[Geometry], Plan]:
     def build(geometry: Geometry) -> Plan:
-        room = Room(geometry)
+        frame = PresetFrame(geometry)
         return point_to_point(
-            room.pose(*_FROM), room.pose(*_TO), 1.5, TimeLaw(profile), name=f"{profile.value} move"
+            frame.pose(*_FROM),
+            frame.pose(*_TO),
+            1.5,
+            TimeLaw(profile),
+            name=f"{profile.value} move",
         )
 
     return build
 
 
 def _line(geometry: Geometry) -> Plan:
-    room = Room(geometry)
-    start, goal = room.pose(-0.12, -0.04, 0.2, 0.0), room.pose(0.12, 0.04, 0.2, 0.0)
+    frame = PresetFrame(geometry)
+    start, goal = frame.pose(-0.12, -0.04, 0.2, 0.0), frame.pose(0.12, 0.04, 0.2, 0.0)
     return line(start, goal[PLACE], 1.5)
 
 
 def _circle(geometry: Geometry) -> Plan:
-    room = Room(geometry)
-    return circle(room.home, 0.1 * room.scale[0], 3.0)
+    frame = PresetFrame(geometry)
+    return circle(frame.home, 0.1 * frame.scale[0], 3.0)
 
 
 def _arch(geometry: Geometry) -> Plan:
-    room = Room(geometry)
-    start, goal = room.pose(-0.12, 0.02, -0.3, -0.06), room.pose(0.12, -0.02, 0.3, -0.06)
-    return arch(start, goal, 0.12 * room.scale[3], 1.2, name="pick-and-place arch")
+    frame = PresetFrame(geometry)
+    start, goal = frame.pose(-0.12, 0.02, -0.3, -0.06), frame.pose(0.12, -0.02, 0.3, -0.06)
+    return arch(start, goal, 0.12 * frame.scale[3], 1.2, name="pick-and-place arch")
 
 
 def _waypoints(geometry: Geometry) -> Plan:
-    room = Room(geometry)
+    frame = PresetFrame(geometry)
     corners = [
         (0.0, 0.0, 0.0, 0.0),
         (0.1, 0.02, 0.3, -0.05),
@@ -121,7 +125,7 @@ def _waypoints(geometry: Geometry) -> Plan:
         (-0.03, -0.09, -0.1, -0.04),
         (0.0, 0.0, 0.0, 0.0),
     ]
-    return via_points([room.pose(*corner) for corner in corners], 4.0)
+    return via_points([frame.pose(*corner) for corner in corners], 4.0)
 
 
 PRESETS: tuple[Preset, ...] = (

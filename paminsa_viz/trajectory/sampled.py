@@ -13,7 +13,7 @@ from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory.plant import hermite
 
 RATE = 1000.0
-"""Samples a second unless said otherwise [1/s]."""
+"""Default samples a second [1/s]."""
 
 MOST_SAMPLES = 1_000_000
 """Longest list of samples; with all that is computed along it some 2 GB."""

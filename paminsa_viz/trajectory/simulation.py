@@ -1,8 +1,8 @@
-"""Forward simulation: what the robot does when a controller drives it along a trajectory.
+"""Forward simulation of the robot with a controller that follows a trajectory.
 
 The controller works with a model of the robot that may differ from the robot in masses, payload,
 gravity and friction. The equations of motion are solved by SciPy; the balance of energy along the
-solution tells how well.
+solution measures the error.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _MOST_EVALUATIONS = 100_000
 _MOST_A_SECOND = 20_000
 """How often the equations may be evaluated, and how often more for a second of the motion.
 
-Ten times what the default gains need; much higher gains would have a person wait for ever.
+Ten times what the default gains need; much higher gains would take too long.
 """
 
 _LONGEST_STEP = 0.02
@@ -57,7 +57,7 @@ _LONGEST_STEP = 0.02
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """What the robot did, at n instants: the samples of the trajectory until it stopped.
+    """The simulated motion at n instants: the samples of the trajectory until it stopped.
 
     Attributes:
         design: The robot.
@@ -141,7 +141,7 @@ def simulate(
     Args:
         design: The robot itself, with its friction and its payload.
         trajectory: The wanted motion.
-        model: What the controller takes the robot for; by default the robot itself. It may differ
+        model: The controller's model of the robot; by default the robot itself. It may differ
             in masses, payload, gravity and friction, not in geometry.
         controller: By default feed-forward with PD at the actuators.
         offset: (4,) pose error at the start [m, m, rad, m].

@@ -1,4 +1,4 @@
-"""What depends on geometry and motion alone: the path's check, the actuators' speeds, Y.
+"""Results of geometry and motion alone: the path's check, the actuators' speeds, Y.
 
 It is solved once. A change of masses, of gravity or of friction is then one product Q = Y c.
 """
@@ -33,12 +33,12 @@ _WEIGHTS = slice(0, 3)
 
 @dataclass(frozen=True, eq=False)
 class SolvedTrajectory:
-    """What a motion of n samples asks of a geometry, whatever its masses.
+    """A motion of n samples solved for a geometry, for any masses.
 
     Attributes:
         geometry: The lengths.
         trajectory: The motion.
-        misprints: Formulae taken as printed.
+        misprints: Misprints of the paper to reproduce.
         gravity: Gravitational acceleration that Y was made with [m/s^2].
         check: Where and why it fails, if it does.
         y: (n, 4, 18) regressor; NaN at samples whose status is not OK.
@@ -102,7 +102,7 @@ class SolvedTrajectory:
         """Return the torques' parts for a design of this geometry, each (n, 4) [N m, N].
 
         The weights M_p have columns of Y to themselves, so gravity's part needs no other Y, and
-        what is left beside it and the inertial part is the velocity's.
+        what remains after it and the inertial part is the velocity's.
         """
         c = lumped_coefficients(design, self.misprints)
         gravity = np.einsum("nji,i->nj", self.y[..., _WEIGHTS], c[_WEIGHTS])
@@ -145,7 +145,7 @@ def solve_trajectory(
         geometry: Lengths and limits.
         trajectory: The motion.
         gravity: Gravitational acceleration [m/s^2].
-        misprints: Formulae to take as printed.
+        misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
     """
     check = check_path(geometry, trajectory, clearance)

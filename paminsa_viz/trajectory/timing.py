@@ -30,7 +30,7 @@ from paminsa_viz.trajectory.supremum import supremum
 from paminsa_viz.trajectory.time_laws import fit_law
 
 _ROUNDING = 1e-12
-"""Share by which a duration is longer than its limit asks, against rounding."""
+"""Share by which a duration is longer than required, against rounding."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class InfeasibleMotion(PaminsaError):
         actuator: Index of the actuator, 0 to 3.
         share: Where along the motion, 0 at its start and 1 at its end, in time.
         pose: The pose there (4,) [m, m, rad, m].
-        needed: What gravity, with Coulomb friction, asks there [N m or N].
+        needed: Required by gravity, with Coulomb friction, there [N m or N].
         limit: What the actuator may give [N m or N].
     """
 
@@ -108,7 +108,7 @@ def minimum_time(
         design: The robot. Needed for torque limits; where it is given, the path is checked.
         reshape: Whether a straight trapezoid or S-curve may change its ramps to use the limits of
             speed, acceleration and jerk fully. Otherwise it is only stretched.
-        misprints: Formulae to take as printed.
+        misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
 
     Raises:
@@ -165,7 +165,7 @@ def _reshaped(plan: Plan, limits: MotionLimits) -> Plan:
 
 
 def _rate_durations(curve: UnitCurve, limits: Array) -> Callable[[Array], Array]:
-    """Return the durations that limits (3, 2) ask for, as a function (n,) -> (n, 6) [s]."""
+    """Return the durations that limits (3, 2) require, as a function (n,) -> (n, 6) [s]."""
 
     def durations(u: Array) -> Array:
         found = []
@@ -201,7 +201,7 @@ def _parts(
 def _torque_durations(
     curve: UnitCurve, limits: Array, design: Design, misprints: Misprint
 ) -> Callable[[Array], Array]:
-    """Return the durations that limits (4,) ask for, as a function (n,) -> (n, 4) [s].
+    """Return the durations that limits (4,) require, as a function (n,) -> (n, 4) [s].
 
     With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
     and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.

@@ -85,7 +85,7 @@ def test_torques_are_those_of_the_engines(engine, library: str, knee: KneeBranch
 
 
 @given(case=cases())
-def test_points_of_the_leg_stand_where_the_posture_has_them(case: Case) -> None:
+def test_leg_points_agree_with_the_configuration(case: Case) -> None:
     g, pose = case.geometry, case.poses()
     configuration = inverse_kinematics(g, pose)
 
@@ -141,7 +141,7 @@ def test_values_by_path() -> None:
         (lambda: APPENDIX_4.vary({"counterweights": 1.0}), "counterweights"),
     ],
 )
-def test_impossible_counterweights_are_refused(make, field: str) -> None:
+def test_impossible_counterweights_are_rejected(make, field: str) -> None:
     with pytest.raises(InvalidDesign) as caught:
         make()
     assert caught.value.field == field

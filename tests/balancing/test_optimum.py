@@ -34,7 +34,7 @@ from tests.model.cases import Case, cases
 
 
 @pytest.mark.parametrize("term", terms(), ids=lambda term: term.label)
-def test_an_optimum_meets_its_dual_bound_and_no_random_design_is_better(term: Term) -> None:
+def test_optimum_meets_its_dual_bound_and_beats_random_designs(term: Term) -> None:
     what = changes()
     result = optimize(APPENDIX_4, what, term)
     scale = max(abs(result.values[0].before), abs(result.objective))

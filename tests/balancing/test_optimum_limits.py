@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from paminsa_viz.balancing import (
     ActiveConstraint,
     AddedMass,
     Changes,
+    CounterweightRange,
     Imbalance,
     InfeasibleBounds,
     MassChange,
@@ -18,15 +20,24 @@ from paminsa_viz.balancing import (
     Term,
     TrajectoryPeak,
     TrajectoryRms,
+    beyond,
     optimize,
 )
-from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidDesign,
+    InvalidInput,
+    Misprint,
+    solve_field,
+    static_imbalance,
+)
+from paminsa_viz.trajectory import solve_trajectory
 from tests.balancing.measuring import measured
-from tests.balancing.robots import changes, field, solved
+from tests.balancing.robots import changes, field, solved, trajectory, workspace
 
 
 @pytest.mark.parametrize("term", [TrajectoryPeak(solved()), TrajectoryRms(solved())])
-def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
+def test_multipliers_equal_the_gain_of_relaxed_bounds(term: Term) -> None:
     # no two of the same place, or what is taken away from the one could be had from the other
     masses = tuple(mass for mass in changes().masses if mass.path != "joints.j7")
     what = Changes(masses, changes().counterweights[:2])
@@ -66,7 +77,7 @@ def test_multipliers_are_what_relaxed_bounds_buy(term: Term) -> None:
     assert {"low", "limit"} <= seen
 
 
-def test_price_of_an_upper_bound_is_what_a_kilogram_more_saves() -> None:
+def test_price_of_an_upper_bound_is_the_gain_per_kilogram() -> None:
     """With joint 7 alone |M_p2| is linear in its mass, until it vanishes at 3.063 kg."""
     fixed = Changes((MassRange("joints.j7", 1.0, 1.0),))
     slope = static_imbalance(APPENDIX_4.vary({"joints.j7": 0.0})) - static_imbalance(
@@ -81,7 +92,7 @@ def test_price_of_an_upper_bound_is_what_a_kilogram_more_saves() -> None:
         assert {item.side: item.price for item in result.active} == pytest.approx(sides, rel=1e-9)
 
 
-def test_limits_that_cannot_be_met_say_what_can() -> None:
+def test_infeasible_limits_report_attainable_values_and_relaxations() -> None:
     what = changes(0.2)
     with pytest.raises(InfeasibleBounds) as caught:
         optimize(APPENDIX_4, what, AddedMass(), limits=[(TrajectoryRms(solved()), 0.5)])
@@ -115,9 +126,60 @@ def test_limits_that_cannot_be_met_say_what_can() -> None:
     assert measured(result.after)["RMS torque of M1-M3 on the trajectory"] < 0.5 + 1e-6
 
 
-def test_several_limits_at_odds() -> None:
+def test_every_infeasible_limit_is_reported() -> None:
     limits = [(AddedMass(), -4.0), (StaticPeak(field()), 0.0)]
     with pytest.raises(InfeasibleBounds) as caught:
         optimize(APPENDIX_4, changes(0.2), MassChange(), limits=limits)
     assert len(caught.value.limits) == 2
     assert all(item.attainable >= item.limit for item in caught.value.limits)
+
+
+@pytest.mark.parametrize(
+    ("make", "named"),
+    [
+        (lambda: MassRange("joints.j7", 2.0, 1.0), "joints.j7"),
+        (lambda: MassRange("joints.j7", -1.0, 1.0), "joints.j7"),
+        (lambda: MassRange("joints.j7", 0.0, np.inf), "joints.j7"),
+        (lambda: beyond("b8", 8, -0.1, 1.0), "B8"),
+        (lambda: CounterweightRange("b8", 8, 0.0, 0.1, 1.0, 2.0), "B8"),
+        (lambda: Changes((MassRange("joints.j7", 0, 1), MassRange("joints.j7", 0, 2))), "j7"),
+        (
+            lambda: optimize(APPENDIX_4, Changes((MassRange("inertias.b3_axial", 0, 1),)),
+                             AddedMass()),
+            "inertias.b3_axial",
+        ),
+        (
+            lambda: optimize(APPENDIX_4, Changes((MassRange("counterweights.0.mass", 0, 1),)),
+                             AddedMass()),
+            "counterweights.0.mass",
+        ),
+        (lambda: optimize(APPENDIX_4, Changes(), [(-1.0, AddedMass())]), "added mass"),
+        (
+            lambda: optimize(APPENDIX_4.vary({"geometry.base_radius": 0.36}), Changes(),
+                             StaticPeak(field())),
+            "field",
+        ),
+        (
+            lambda: optimize(APPENDIX_4, Changes(), TrajectoryPeak(solve_trajectory(
+                APPENDIX_4.geometry, trajectory(), misprints=Misprint.APP3_MC4))),
+            "trajectory",
+        ),
+        (
+            lambda: optimize(
+                APPENDIX_4.vary({"geometry.guide_stroke": 0.05}), Changes(),
+                StaticPeak(solve_field(APPENDIX_4.vary(
+                    {"geometry.guide_stroke": 0.05}).geometry, workspace())),
+            ),
+            "field",
+        ),
+    ],
+)  # fmt: skip
+def test_impossible_requests_are_rejected(make, named: str) -> None:
+    with pytest.raises((InvalidInput, InvalidDesign), match=named):
+        make()
+
+
+def test_failing_trajectory_is_rejected() -> None:
+    short = APPENDIX_4.vary({"geometry.guide_stroke": 0.1})
+    with pytest.raises(InvalidInput, match="whole trajectory"):
+        optimize(short, Changes(), TrajectoryPeak(solve_trajectory(short.geometry, trajectory())))

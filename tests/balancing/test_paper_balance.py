@@ -49,7 +49,7 @@ def balanced() -> list[Design]:
 
 
 @BOTH
-def test_nothing_is_left_over_a_hundred_thousand_poses(knee: KneeBranch) -> None:
+def test_balanced_designs_need_no_static_torque_at_100000_poses(knee: KneeBranch) -> None:
     poses = np.random.default_rng(0).uniform(
         (-0.3, -0.3, -1.2, -0.9), (0.3, 0.3, 1.2, 0.9), (250_000, 4)
     )
@@ -65,7 +65,7 @@ def test_nothing_is_left_over_a_hundred_thousand_poses(knee: KneeBranch) -> None
 
 
 @BOTH
-def test_first_principles_find_it_balanced_too(knee: KneeBranch) -> None:
+def test_balance_agrees_with_first_principles(knee: KneeBranch) -> None:
     poses = samples.random_poses(np.random.default_rng(1), with_knee(APPENDIX_4, knee), 50)
     before = np.abs(oracle.static_torques(with_knee(APPENDIX_4, knee), poses)[:, :3]).max()
     with on_the_bars():
@@ -80,7 +80,7 @@ def test_first_principles_find_it_balanced_too(knee: KneeBranch) -> None:
 @pytest.mark.parametrize(
     ("engine", "library"), [(MujocoRobot, "mujoco"), (PinocchioRobot, "pinocchio")]
 )
-def test_independent_engines_hold_it_without_torque(engine, library, knee) -> None:
+def test_balance_agrees_with_independent_engines(engine, library, knee) -> None:
     pytest.importorskip(library, reason=f"{library} comes with the extra 'verify'")
     poses = samples.random_poses(np.random.default_rng(2), with_knee(APPENDIX_4, knee), 40)
     before = np.abs(engine(with_knee(APPENDIX_4, knee)).static_torques(poses)[:, :3]).max()
@@ -103,7 +103,7 @@ def test_any_robot_can_be_balanced(case: Case, moved: bool) -> None:
     assert result.objective == pytest.approx(added, abs=1e-9)
 
 
-def test_appendix_4_gets_it_from_joint_7() -> None:
+def test_appendix_4_is_balanced_by_joint_7() -> None:
     """m_7 has the largest share of those that pull the other way, -g/k for a kg."""
     result = balance(APPENDIX_4)
     assert result.after == APPENDIX_4.vary({"joints.j7": result.after.joints.j7})
@@ -113,7 +113,7 @@ def test_appendix_4_gets_it_from_joint_7() -> None:
     }  # fmt: skip
 
 
-def test_a_multiplier_is_what_a_relaxed_bound_buys() -> None:
+def test_multiplier_equals_the_gain_of_a_relaxed_bound() -> None:
     what = changes()
     result = balance(APPENDIX_4, what)
     priced = {item.name: item.price for item in result.active if item.side == "low"}
@@ -125,7 +125,7 @@ def test_a_multiplier_is_what_a_relaxed_bound_buys() -> None:
     assert gain > 0
 
 
-def test_the_nearest_where_the_bounds_do_not_allow_it() -> None:
+def test_nearest_imbalance_within_tight_bounds() -> None:
     result = balance(APPENDIX_4, TIGHT)
     assert result.after.joints.j7 == 1.5
     assert result.after.joints.j9 == 0.2
@@ -140,7 +140,7 @@ def test_the_nearest_where_the_bounds_do_not_allow_it() -> None:
         assert nearest - static_imbalance(other) == pytest.approx(1e-3 * item.price)
 
 
-def test_bounds_that_forbid_it_are_reported_with_what_to_relax() -> None:
+def test_exact_balance_out_of_bounds_reports_relaxations() -> None:
     with pytest.raises(InfeasibleBounds) as caught:
         balance(APPENDIX_4, TIGHT, exact=True)
     (short,) = caught.value.limits
@@ -168,14 +168,14 @@ def test_bounds_that_forbid_it_are_reported_with_what_to_relax() -> None:
                 balance(APPENDIX_4, wider, exact=True)
 
 
-def test_no_bounds_would_help() -> None:
+def test_no_relaxation_where_none_helps() -> None:
     """Every mass that may change pulls the same way, and all of them are gone already."""
     with pytest.raises(InfeasibleBounds, match="no other bounds would help") as caught:
         balance(APPENDIX_4, Changes((MassRange("joints.j9", 0.0, 1.0),)), exact=True)
     assert caught.value.relax == ()
 
 
-def test_a_counterweight_that_is_there_already_may_be_changed() -> None:
+def test_existing_counterweight_can_change() -> None:
     design = replace(APPENDIX_4, counterweights=(Counterweight("b8", 8, 0.1, 1.0),))
     result = balance(design, Changes((MassRange("counterweights.0.mass", 0.0, 10.0),)))
     (weight,) = result.after.counterweights

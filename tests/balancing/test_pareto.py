@@ -49,7 +49,7 @@ def test_the_front_of_dynamic_and_static_peaks(budget: float | None) -> None:
         assert point.optimum.gap <= 1e-7 * max(point.first, 1.0)
 
 
-def test_each_point_is_a_design_with_the_values_told() -> None:
+def test_pareto_points_are_designs_with_their_values() -> None:
     front = pareto_front(APPENDIX_4, changes(), *TERMS, points=3)
     for point in front.points:
         held = static_torques(point.design, workspace().poses())[..., :3]

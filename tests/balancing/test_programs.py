@@ -45,7 +45,7 @@ def test_least_squares_within_bounds(seed: int, size: int) -> None:
 
 
 @given(seed=SEEDS)
-def test_a_lever_splits_no_worse_than_a_fine_grid_of_levers(seed: int) -> None:
+def test_free_lever_is_no_worse_than_a_fine_grid_of_levers(seed: int) -> None:
     rng = np.random.default_rng(seed)
     effect = rng.normal(size=(3, 4))
     rail = Variable("rail", 0.2, 1.0, effect, (-1.0, 1.0))
@@ -74,7 +74,7 @@ def solve_pair(columns: Any, offset: Any) -> float:
 
 
 @given(seed=SEEDS)
-def test_hinges_and_largest_against_many_random_points(seed: int) -> None:
+def test_piecewise_linear_optima_beat_random_points(seed: int) -> None:
     rng = np.random.default_rng(seed)
     matrix, offset = rng.normal(size=(40, 3)), rng.normal(size=40)
     pieces = (MaxAbs(matrix, offset), PositivePartSum(matrix, offset, np.array([0, 10, 20, 30])))
@@ -91,7 +91,7 @@ def test_hinges_and_largest_against_many_random_points(seed: int) -> None:
         assert found.value == pytest.approx(piece.value(found.state), rel=1e-12)
 
 
-def test_a_limit_that_only_a_lever_in_between_meets_is_found() -> None:
+def test_limit_met_by_an_inner_lever_alone() -> None:
     """The first levers tried, the ends and the middle, all break it."""
     effect = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
     effect[:, 0] = [(0.31) ** 2, -0.62, 1.0]  # (lever - 0.31)^2
@@ -119,7 +119,7 @@ def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
 
 
 @given(seed=SEEDS, free=st.booleans())
-def test_levers_have_the_moments_they_were_made_of(seed: int, free: bool) -> None:
+def test_levers_reproduce_their_moments(seed: int, free: bool) -> None:
     rng = np.random.default_rng(seed)
     span = (-0.3, 0.5) if free else (0.2, 0.2)
     rail = Variable("rail", 0.0, 3.0, rng.normal(size=(3, 5)), span)

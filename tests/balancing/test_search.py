@@ -35,7 +35,7 @@ def same(a: SearchResult, b: SearchResult) -> bool:
     return (a.design, a.cost, a.history, a.trials) == (b.design, b.cost, b.history, b.trials)
 
 
-def test_a_search_finds_better_lengths_that_meet_what_is_required() -> None:
+def test_search_finds_better_lengths_that_meet_requirements() -> None:
     result = search_geometry(APPENDIX_4, NEEDS, Weights(1.0, 0.1, 1.0), **SHORT)
     assert result.feasible
     weights = Weights(1.0, 0.1, 1.0)
@@ -52,7 +52,7 @@ def test_a_search_finds_better_lengths_that_meet_what_is_required() -> None:
     assert (np.diff(result.history) <= 0).all()
 
 
-def test_it_comes_out_the_same_whatever_it_runs_on() -> None:
+def test_result_does_not_depend_on_the_executor() -> None:
     here = search_geometry(APPENDIX_4, NEEDS, **SHORT)
     by_map = search_geometry(APPENDIX_4, NEEDS, executor=lambda f, x: [f(i) for i in x], **SHORT)
     with ProcessPoolExecutor(2) as pool:
@@ -62,7 +62,7 @@ def test_it_comes_out_the_same_whatever_it_runs_on() -> None:
     assert not same(here, search_geometry(APPENDIX_4, NEEDS, **(SHORT | {"seed": 4})))
 
 
-def test_it_comes_out_the_same_on_dask() -> None:
+def test_result_is_the_same_on_dask() -> None:
     distributed = pytest.importorskip("distributed", reason="Dask is an extra")
     here = search_geometry(APPENDIX_4, NEEDS, **SHORT)
     with distributed.Client(
@@ -87,7 +87,7 @@ def test_progress_and_canceling() -> None:
     assert not search_geometry(APPENDIX_4, NEEDS, progress=lambda p: None, **SHORT).canceled
 
 
-def test_a_box_that_nothing_reaches() -> None:
+def test_unreachable_box_is_infeasible() -> None:
     deep = Requirements((0, 0, 0, -9.0), (0, 0, 0, -9.0))
     result = search_geometry(APPENDIX_4, deep, **SHORT)
     assert not result.feasible
@@ -115,7 +115,7 @@ def test_measures_of_appendix_4() -> None:
     assert other.torque == pytest.approx(found.torque, rel=1e-10)
 
 
-def test_what_is_broken_adds_up() -> None:
+def test_violations_add_up() -> None:
     found = Measures(1.0, 2.0, 1.0, 0.005, 0.01, 0.2)
     needs = Requirements((0, 0, 0, -1), (0, 0, 0, -1), 0.01, 0.03, 0.15)
     assert found.broken(needs) == pytest.approx(0.005 + 0.02)
@@ -145,6 +145,6 @@ def test_bars_grow_with_their_length() -> None:
         lambda: search_geometry(APPENDIX_4, NEEDS, executor=5),
     ],
 )
-def test_impossible_requests_are_refused(make) -> None:
+def test_impossible_requests_are_rejected(make) -> None:
     with pytest.raises(InvalidInput):
         make()

@@ -59,7 +59,7 @@ def changed(design: Design, path: str, factor: float) -> Design:
         "geometry.platform_joint_height",
     ],
 )  # fmt: skip
-def test_bars_are_what_a_change_really_does(path: str) -> None:
+def test_bars_agree_with_changed_designs(path: str) -> None:
     paths = (path,) if path in MASSES + LENGTHS else ()
     result = tornado(WEIGHTED, workspace(), trajectory(), change=0.04, paths=paths)
     bar = next(bar for bar in result.bars if bar.path == path)
@@ -95,7 +95,7 @@ def test_without_a_motion_its_outputs_are_empty() -> None:
     assert result.ranked(3) == []
 
 
-def test_variants_that_lose_poses_or_fail_say_so() -> None:
+def test_lost_poses_and_failing_variants_are_reported() -> None:
     """A workspace up to where the bars are stretched: shorter bars lose some of it."""
     deep = Grid.over((0.05, 0.02, 0.2, -0.9), z=np.linspace(-0.98, -0.5, 49))
     result = tornado(APPENDIX_4, deep, paths=["geometry.coupler_length", "joints.j9"])
@@ -115,6 +115,6 @@ def test_variants_that_lose_poses_or_fail_say_so() -> None:
 @pytest.mark.parametrize(
     ("kwargs", "named"), [({"change": 0.0}, "change"), ({"paths": ["gravity"]}, "gravity")]
 )
-def test_impossible_requests_are_refused(kwargs, named) -> None:
+def test_impossible_requests_are_rejected(kwargs, named) -> None:
     with pytest.raises(InvalidInput, match=named):
         tornado(APPENDIX_4, workspace(), **kwargs)

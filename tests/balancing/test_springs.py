@@ -91,7 +91,7 @@ def test_a_mast_on_the_slider_balances_exactly(knee: KneeBranch) -> None:
 
 
 @pytest.mark.parametrize("measure", ["peak", "rms"])
-def test_a_fit_is_as_good_as_its_bound_and_no_random_springs_are_better(measure: str) -> None:
+def test_fit_meets_its_bound_and_beats_random_springs(measure: str) -> None:
     poses = workspace().poses()
     places = [
         SpringPlace(on_guide(0.0, 0.3), at_joint(9), 200.0, 0.1, 0.5),
@@ -131,7 +131,7 @@ def test_a_fit_is_as_good_as_its_bound_and_no_random_springs_are_better(measure:
         assert (low, high) == (lengths.min(), lengths.max())
 
 
-def test_a_free_length_is_found_that_no_fixed_one_betters() -> None:
+def test_free_length_is_no_worse_than_any_fixed_one() -> None:
     poses = workspace().poses()
     ends = (on_guide(0.0, 0.3), at_joint(9))
     free = fit_springs(APPENDIX_4, [SpringPlace(*ends, 1e4, 0.0, 0.6)], poses, measure="rms")
@@ -143,7 +143,7 @@ def test_a_free_length_is_found_that_no_fixed_one_betters() -> None:
     assert min(fixed) < fixed[0]
 
 
-def test_springs_beside_counterweights_on_the_same_poses() -> None:
+def test_springs_agree_with_counterweights_on_the_same_poses() -> None:
     """Both balance; only the counterweights make the robot heavier."""
     poses = workspace().poses()
     weights = balance(APPENDIX_4)
@@ -172,7 +172,7 @@ def test_springs_beside_counterweights_on_the_same_poses() -> None:
         lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -5.0]]),
     ],
 )
-def test_impossible_springs_are_refused(make) -> None:
+def test_impossible_springs_are_rejected(make) -> None:
     with pytest.raises((InvalidInput, InvalidDesign)):
         make()
 

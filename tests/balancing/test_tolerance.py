@@ -45,7 +45,7 @@ def per_leg(designs: list, pose: np.ndarray) -> np.ndarray:
     return np.linalg.solve(matrix.T, np.array(slope))
 
 
-def test_the_spread_of_masses_is_that_of_robots_with_three_different_legs() -> None:
+def test_mass_spread_agrees_with_robots_of_three_different_legs() -> None:
     """Each leg drawn by itself, torques from first principles; worst case by its own signs."""
     pose = np.array([0.05, -0.04, 0.3, -0.5])
     found = mass_tolerance(BALANCED, 0.02, pose)
@@ -98,7 +98,7 @@ def test_shares_add_up_and_name_the_counterweight() -> None:
     assert found.torque.shape == (*POSES.shape[:-1], 3)
 
 
-def test_exact_masses_leave_nothing() -> None:
+def test_exact_masses_have_no_spread() -> None:
     found = mass_tolerance(BALANCED, 0.0, POSES)
     assert found.worst == found.deviation == 0.0
     assert found.shares == {}
@@ -116,7 +116,7 @@ def test_lengths_are_sampled_with_a_seed() -> None:
     assert first.lost.max() == 0
 
 
-def test_of_the_lengths_only_the_magnification_unbalances_masses_at_joints() -> None:
+def test_only_the_magnification_unbalances_masses_at_joints() -> None:
     lengths = {path: 0.01 for path in LENGTH_PATHS if path != "geometry.magnification"}
     still = length_tolerance(BALANCED, lengths, POSES, samples=20)
     assert still.peaks.max() < 1e-12
@@ -139,6 +139,6 @@ def test_of_the_lengths_only_the_magnification_unbalances_masses_at_joints() -> 
         lambda: length_tolerance(BALANCED, 0.1, [[0.0, 0.0, 0.0, -9.0]]),
     ],
 )
-def test_impossible_requests_are_refused(make) -> None:
+def test_impossible_requests_are_rejected(make) -> None:
     with pytest.raises(InvalidInput):
         make()

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from paminsa_viz.cli import COMMANDS
-from paminsa_viz.cli.map import Map, choice_of
-from paminsa_viz.explorer import actions
+from paminsa_viz.cli.map import Map, maps_of, scales_of
 from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.state import RangeMode, initial_state
+from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import APPENDIX_4, KneeBranch, backend, static_torques
+from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, backend, static_torques
+from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities import QUANTITIES
 from tests.cli import running
 from tests.samples import with_knee
@@ -41,11 +41,18 @@ def test_every_quantity_can_be_mapped() -> None:
     assert {name.replace("-", "_") for name in names} == {"torques", *QUANTITIES}
 
 
+def state_of(pose: tuple[float, ...], view: MapView, reference: Design | None = None) -> State:
+    """Return the explorer's state that shows the same maps."""
+    state = initial_state(APPENDIX_4)
+    document = replace(state.document, pose=pose, reference=reference)
+    return replace(state, document=document, map_view=view)
+
+
 def test_files_are_those_of_the_explorer(capsys, folder) -> None:
     words = ("--z", "-500", "--at", "50", "-30", "--out", "a.svg", "--out", "a.csv", "--width",
              "120", "--dpi", "60")  # fmt: skip
     told(capsys, *words)
-    state = actions.move(initial_state(), x=0.05, y=-0.03, theta=math.radians(60), z=-0.5)
+    state = state_of((0.05, -0.03, math.pi / 3, -0.5), MapView())
     store = MapStore()
     assert (folder / "a.svg").read_bytes() == figure(state, store, "svg", False, 120, 60).content
     assert (folder / "a.csv").read_bytes() == table(state, store, "csv", False).content
@@ -56,14 +63,11 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     words = ("--quantity", "max-torque", "--log", "--range", "-2", "3", "--reference", "light.toml",
              "--out", "a.svg", "--dpi", "60")  # fmt: skip
     told(capsys, *words)
-    state = actions.move(initial_state(), theta=math.radians(60))
-    state = actions.set_map_view(
-        replace(state, document=replace(state.document, reference=LIGHT)),
-        quantity="max_torque", logarithmic=True, difference=True,
-        range_mode=RangeMode.MANUAL, low=-2.0, high=3.0,
-    )  # fmt: skip
-    expected = figure(state, MapStore(), "svg", True, 170, 60)
-    assert (folder / "a.svg").read_bytes() == expected.content
+    view = MapView("max_torque", RangeMode.MANUAL, -2.0, 3.0, logarithmic=True, difference=True)
+    state = state_of((0.0, 0.0, math.pi / 3, home_pose(APPENDIX_4.geometry)[3]), view, LIGHT)
+    assert (folder / "a.svg").read_bytes() == figure(
+        state, MapStore(), "svg", True, 170, 60
+    ).content
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
@@ -83,8 +87,10 @@ def test_numbers_are_static_torques(capsys, folder, knee) -> None:
 
 
 def test_ranges_are_in_shown_units() -> None:
-    choice = choice_of(Map(quantity="reach-margin", range=(0.0, 200.0)))
-    assert (choice.low, choice.high) == (0.0, 0.2)
+    flags = Map(quantity="reach-margin", range=(0.0, 200.0))
+    data = maps_of(flags, APPENDIX_4, None, 20)
+    (scale,) = scales_of(flags, data, data)
+    assert (scale.low, scale.high) == (0.0, 0.2)
 
 
 def test_the_summary_is_for_people(capsys) -> None:

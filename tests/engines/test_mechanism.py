@@ -16,8 +16,7 @@ from paminsa_viz.model.kinematics import inverse_kinematics
 from tests import oracle, samples
 from tests.samples import with_knee
 
-DESIGNS = [APPENDIX_4, *(samples.random_design(np.random.default_rng(seed)) for seed in (20, 21))]
-EACH = pytest.mark.parametrize("design", DESIGNS, ids=range(len(DESIGNS)))
+EACH = samples.each_robot((20, 21))
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 
 
@@ -39,10 +38,8 @@ def frames(design: Design, pose: Any) -> dict[str, tuple[Any, Rotation]]:
     return {name: frame for name, frame in found.items() if name is not None}
 
 
-@BOTH
 @EACH
-def test_loops_close(design: Design, knee: KneeBranch) -> None:
-    design = with_knee(design, knee)
+def test_loops_close(design: Design) -> None:
     for pose in samples.random_poses(np.random.default_rng(0), design, 10, natural=False):
         at = frames(design, pose)
         for pin in build_mechanism(design).pins:
@@ -59,10 +56,8 @@ def part_name(body: oracle.Body) -> str:
     return (leg + "_" + name).replace(" ", "") if leg else name
 
 
-@BOTH
 @EACH
-def test_every_mass_is_where_first_principles_put_it(design: Design, knee: KneeBranch) -> None:
-    design = with_knee(design, knee)
+def test_every_mass_is_where_first_principles_put_it(design: Design) -> None:
     pose = samples.random_poses(np.random.default_rng(1), design, 1)[0]
     at = frames(design, pose)
     owners: dict[str, tuple[Link, Any]] = {

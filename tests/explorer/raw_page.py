@@ -95,7 +95,7 @@ class RawPage:
         """Send a message, or bytes as they are."""
         self.socket.send(message if isinstance(message, bytes) else pack(message))
 
-    def heard(self) -> list[dict[str, Any]]:
+    def received(self) -> list[dict[str, Any]]:
         """Return what the server has sent and sends within a moment."""
         found: list[dict[str, Any]] = []
         while True:

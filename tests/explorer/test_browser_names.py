@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import logging
+import re
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -12,6 +14,7 @@ from viser import _messages
 
 from paminsa_viz.explorer.browser import bridge as bridges
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.page import has_graphics_card
 from tests.explorer.chromium import PATIENCE, until
 
 HIDDEN = """(path) => {
@@ -32,6 +35,21 @@ HIDDEN = """(path) => {
     set: (value) => { real = value; },
   });
 }"""
+
+
+PACKAGE = Path(bridges.__file__).parents[2]
+NOT_PUBLIC = re.compile(r"\._impl\b|_websock|viser\._|__viser|[Mm]antine|_fullLayout|js-plotly")
+
+
+def test_only_two_folders_know_names_that_are_not_public() -> None:
+    allowed = [PACKAGE / "explorer" / name for name in ("browser", "server")]
+    found = {
+        str(path.relative_to(PACKAGE))
+        for path in PACKAGE.rglob("*.py")
+        if not any(folder in path.parents for folder in allowed)
+        and NOT_PUBLIC.search(path.read_text(encoding="utf-8"))
+    }
+    assert found == set()
 
 
 @pytest.fixture(autouse=True)
@@ -134,3 +152,18 @@ def test_reports_from_the_page_stay_few(names: Any, caplog: pytest.LogCaptureFix
     for _ in range(3):
         report(names)
     assert len(caplog.records) == (1 if isinstance(names, list) and names else 0)
+
+
+@pytest.mark.parametrize(
+    ("renderer", "card"),
+    [
+        ("ANGLE (NVIDIA, NVIDIA GeForce RTX 3060 Direct3D11 vs_5_0 ps_5_0, D3D11)", True),
+        ("Apple M2", True),
+        ("ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero)), SwiftShader driver)", False),
+        ("llvmpipe (LLVM 15.0.7, 256 bits)", False),
+        ("", False),
+        (None, False),
+    ],
+)
+def test_software_renderers_are_not_graphics_cards(renderer: object, card: bool) -> None:
+    assert has_graphics_card(renderer) is card

@@ -224,7 +224,7 @@ PANEL = export_entries(STORE)
 
 
 def started(desk: Desk) -> list[dict[str, Any]]:
-    return [m for m in desk.page.heard() if m["type"] == "FileTransferStartDownload"]
+    return [m for m in desk.page.received() if m["type"] == "FileTransferStartDownload"]
 
 
 class TestPanel:

@@ -102,9 +102,9 @@ def test_a_name_that_no_file_can_hold_is_told_and_set_back(desk: Desk) -> None:
 
 def test_a_downloaded_design_reads_back_as_it_was(desk: Desk) -> None:
     desk.dispatch(lambda s: actions.rename(actions.load_design(s, LIGHT), "light arms"))
-    desk.page.heard()
+    desk.page.received()
     desk.set(desk.handle("file.download"), True)
-    files = desk.until(lambda: downloads(desk.page.heard()))
+    files = desk.until(lambda: downloads(desk.page.received()))
     assert list(files) == ["light-arms.toml"]
     read = read_design(files["light-arms.toml"], "light-arms.toml")
     assert read == LIGHT

@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind, Timing
-from paminsa_viz.explorer.panels.motion_playback import TIME
+from paminsa_viz.explorer.panels.motion_panel import TIME
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze
 from tests.explorer.chromium import Tab, until
@@ -205,7 +205,7 @@ def test_a_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
         rows.write(f"{t:.3f},{50 * np.sin(t):.6f},{10 * t:.6f},{5 * t:.6f},-500\n")
     upload(motion, "swing.csv", rows.getvalue())
     until(lambda: motion.state.document.motion.table is not None, "the file is read")
-    until(lambda: "Fine" in motion.text("motion-status"), "it can be run")
+    until(lambda: "Reachable" in motion.text("motion-status"), "it can be run")
     assert planned(motion).name == "swing"
     np.testing.assert_allclose(planned(motion).pose[-1, 0], 0.05 * np.sin(1.0), atol=1e-8)
     kept = motion.state.document.motion.table

@@ -24,7 +24,7 @@ from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from .raw_page import PATIENCE, dial, get
 
 
-def test_it_listens_on_this_machine_only_unless_told_otherwise(server: viser.ViserServer) -> None:
+def test_it_listens_on_this_machine_only_by_default(server: viser.ViserServer) -> None:
     assert server.get_host() == "127.0.0.1"
     assert server_url(server) == f"http://127.0.0.1:{server.get_port()}"
     with pytest.raises(
@@ -52,6 +52,11 @@ def test_a_viser_of_another_shape_is_refused_before_anything_listens(
 ) -> None:
     monkeypatch.setattr(_messages, "GuiUpdateMessage", _messages.GuiButtonHoldMessage)
     with pytest.raises(ViserChanged, match="GuiUpdateMessage"):
+        open_server(port=0)
+    monkeypatch.undo()
+    # A field of a kind that no limit is known for.
+    monkeypatch.setitem(_messages.CommandTriggerMessage.__annotations__, "uuid", "Dict[str, Any]")
+    with pytest.raises(ViserChanged, match=r"CommandTriggerMessage\.uuid"):
         open_server(port=0)
     monkeypatch.undo()
     monkeypatch.setattr(viser, "__version__", "1.2.0")
@@ -100,7 +105,7 @@ def test_its_own_page_may_connect(server: viser.ViserServer, name: str) -> None:
     assert get(server.get_port(), headers=[("Host", f"{name}:{server.get_port()}")]).status == 200
 
 
-def test_the_page_can_not_be_framed_or_made_to_show_another_server(
+def test_the_page_cannot_be_framed_or_made_to_show_another_server(
     server: viser.ViserServer,
 ) -> None:
     assert "frame-ancestors 'none'" in str(
@@ -120,7 +125,7 @@ def test_the_page_can_not_be_framed_or_made_to_show_another_server(
         b"\xff\xfe\r\n\r\n",
     ],
 )
-def test_what_is_not_http_is_hung_up_on_without_a_word(
+def test_a_connection_that_is_not_http_is_closed_without_a_report(
     server: viser.ViserServer, garbage: bytes, caplog: pytest.LogCaptureFixture
 ) -> None:
     with socket.create_connection(("127.0.0.1", server.get_port()), timeout=PATIENCE) as raw:
@@ -155,7 +160,7 @@ def test_beyond_loopback_it_goes_by_its_addresses_names_and_those_allowed() -> N
         server.stop()
 
 
-def test_a_name_that_can_not_be_read_is_an_error_and_frees_the_port() -> None:
+def test_a_name_that_cannot_be_read_is_an_error_and_frees_the_port() -> None:
     with socket.create_server(("127.0.0.1", 0)) as probe:
         port = probe.getsockname()[1]
     with pytest.raises(InvalidInput):

@@ -6,13 +6,13 @@ import os
 
 import pytest
 
-from paminsa_viz.files.atomic import write_bytes, written_whole
+from paminsa_viz.files.atomic import open_atomically, write_bytes
 from paminsa_viz.files.errors import FileError
 
 
-def test_new_text_appears_when_the_block_ends(tmp_path) -> None:
+def test_text_appears_only_when_the_block_ends(tmp_path) -> None:
     path = tmp_path / "a.txt"
-    with written_whole(path) as file:
+    with open_atomically(path) as file:
         file.write("θ\r\n")
         assert not path.exists()
     assert path.read_bytes() == "θ\r\n".encode()
@@ -35,7 +35,7 @@ def test_an_error_leaves_the_old_text_and_nothing_else(tmp_path, error) -> None:
     path.write_text("old")
 
     def write() -> None:
-        with written_whole(path) as file:
+        with open_atomically(path) as file:
             file.write("new")
             raise error("stop")
 
@@ -50,26 +50,26 @@ def test_links_and_modes_are_kept(tmp_path) -> None:
     path.write_text("old")
     path.chmod(0o640)
     link.symlink_to(path)
-    with written_whole(link) as file:
+    with open_atomically(link) as file:
         file.write("new")
     assert link.is_symlink()
     assert path.read_text() == "new"
     assert path.stat().st_mode & 0o777 == 0o640
 
 
-def test_a_new_file_has_the_usual_mode(tmp_path) -> None:
+def test_a_new_file_has_the_default_mode(tmp_path) -> None:
     (tmp_path / "usual").touch()
-    with written_whole(tmp_path / "a.txt"):
+    with open_atomically(tmp_path / "a.txt"):
         pass
     assert (tmp_path / "a.txt").stat().st_mode == (tmp_path / "usual").stat().st_mode
 
 
-def test_what_is_no_file_is_refused(tmp_path) -> None:
+def test_paths_that_are_no_regular_file_are_refused(tmp_path) -> None:
     os.mkfifo(tmp_path / "pipe")
     for name, words in [("", "a folder"), ("pipe", "not a regular file"), ("no/a", "its folder")]:
-        with pytest.raises(FileError, match=words), written_whole(tmp_path / name):
+        with pytest.raises(FileError, match=words), open_atomically(tmp_path / name):
             pass
-    with pytest.raises(FileError), written_whole("nul\0byte"):
+    with pytest.raises(FileError), open_atomically("nul\0byte"):
         pass
-    with pytest.raises(FileError, match="too long"), written_whole(tmp_path / ("a" * 300)):
+    with pytest.raises(FileError, match="too long"), open_atomically(tmp_path / ("a" * 300)):
         pass

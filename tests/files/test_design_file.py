@@ -71,7 +71,7 @@ def test_every_number_can_be_set_alone(key) -> None:
     assert design.name == "robot"
 
 
-def test_every_number_stands_in_a_written_file_with_its_symbol() -> None:
+def test_every_number_is_written_with_its_symbol() -> None:
     lines = write_design(APPENDIX_4).splitlines()
     for parameter in PARAMETERS:
         key = KEY_OF[parameter.path]
@@ -80,7 +80,7 @@ def test_every_number_stands_in_a_written_file_with_its_symbol() -> None:
         assert any(parameter.symbol in line and parameter.label in line for line in found)
 
 
-def test_changed_values_say_what_appendix_4_has() -> None:
+def test_changed_values_carry_the_default_as_comment() -> None:
     text = write_design(APPENDIX_4.vary({"links.b3": 0.5}))
     line = next(line for line in text.splitlines() if line.startswith("b3_kg"))
     assert line.endswith("(Appendix 4: 0.406)")
@@ -159,14 +159,14 @@ def test_save_and_load(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("name", ["two\nlines", "\ud800", "a" * 201, "\u202e", 5, None])
-def test_a_name_that_no_file_can_hold_is_refused_before_anything_is_written(tmp_path, name) -> None:
+def test_an_unprintable_or_long_name_is_refused_before_writing(tmp_path, name) -> None:
     path = tmp_path / "robot.toml"
     with pytest.raises(DesignFileError, match="a name is one line"):
         save_design(replace(APPENDIX_4, name=name), path)
     assert not list(tmp_path.iterdir())
 
 
-def test_files_that_can_not_be_reached(tmp_path) -> None:
+def test_inaccessible_files_are_one_line_errors(tmp_path) -> None:
     with pytest.raises(DesignFileError, match=r"none\.toml: cannot be read: no such file"):
         load_design(tmp_path / "none.toml")
     with pytest.raises(DesignFileError, match="cannot be read: is a directory"):
@@ -177,7 +177,7 @@ def test_files_that_can_not_be_reached(tmp_path) -> None:
         save_design(APPENDIX_4, tmp_path / "no" / "robot.toml")
 
 
-def test_differences_names_exactly_what_differs() -> None:
+def test_differences_are_exactly_the_values_that_differ() -> None:
     other = APPENDIX_4.vary({"links.b3": 0.5, "gravity": 1.62})
     found = {key.path: (first, second) for key, first, second in differences(APPENDIX_4, other)}
     assert found == {"links.b3_kg": (0.406, 0.5), "gravity_m_per_s2": (9.81, 1.62)}

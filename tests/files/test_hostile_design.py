@@ -136,7 +136,7 @@ def test_lengths_that_contradict_each_other_are_named_where_the_file_sets_them()
     assert (error.line, error.key) == (4, "geometry.coupler_length_m")
 
 
-def test_text_from_the_file_is_shown_harmless_and_short() -> None:
+def test_messages_show_hostile_text_printable_and_short() -> None:
     key = '"\\u001b[31m\\n' + "k" * 300 + '"'
     assert "\x1b" not in str(refusal(f"{VERSION}[links]\n{key} = 1"))
     refusal(f"{VERSION}[links]\nb3_kg = '{'v' * 800}'")
@@ -152,7 +152,7 @@ def test_any_bytes_are_refused_in_one_line(content: bytes) -> None:
 
 
 @given(st.text(max_size=200))
-def test_any_text_below_a_good_head_is_read_or_refused(text: str) -> None:
+def test_any_text_after_a_valid_version_is_read_or_refused(text: str) -> None:
     result = attempt(VERSION + text)
     assert isinstance(result, DesignFileError) or result == APPENDIX_4 or "=" in text
 
@@ -211,7 +211,7 @@ def _toml(value: object) -> str:
     return repr(value)
 
 
-def test_a_file_that_never_ends_is_not_read_to_its_end(tmp_path) -> None:
+def test_a_huge_file_is_read_only_up_to_the_limit(tmp_path) -> None:
     path = tmp_path / "huge.toml"
     with open(path, "wb") as file:
         file.truncate(1 << 40)  # a sparse terabyte

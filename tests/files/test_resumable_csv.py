@@ -27,13 +27,13 @@ def whole(tmp_path) -> bytes:
     return (tmp_path / "whole.csv").read_bytes()
 
 
-def test_a_table_is_its_head_its_columns_and_its_rows(whole) -> None:
+def test_a_table_has_provenance_header_and_rows(whole) -> None:
     lines = whole.decode().splitlines()
     assert lines[:4] == ["# format: test 1", "# command: one", "# study: abc", "row,value"]
     assert lines[4:] == [",".join(row) for row in ROWS]
 
 
-def test_cut_off_anywhere_it_is_finished_to_the_same_bytes(whole, tmp_path) -> None:
+def test_resuming_after_a_cut_anywhere_gives_the_same_bytes(whole, tmp_path) -> None:
     path = tmp_path / "cut.csv"
     start = whole.index(b"0,0.0")
     for size in range(len(whole) + 1):
@@ -43,14 +43,14 @@ def test_cut_off_anywhere_it_is_finished_to_the_same_bytes(whole, tmp_path) -> N
         assert found == whole[start : max(size, start)].count(b"\n")
 
 
-def test_rows_may_come_in_any_pieces(whole, tmp_path) -> None:
+def test_rows_may_be_appended_in_any_batches(whole, tmp_path) -> None:
     path = tmp_path / "pieces.csv"
     for end in (0, 1, 3, 3, 5):
         grow(path, rows=ROWS[:end])
     assert path.read_bytes() == whole
 
 
-def test_the_command_of_a_table_is_that_of_its_beginning(whole, tmp_path) -> None:
+def test_resuming_keeps_the_first_command(whole, tmp_path) -> None:
     path = tmp_path / "whole.csv"
     assert grow(path, head=HEAD | {"command": "two"}) == len(ROWS)
     assert path.read_bytes() == whole
@@ -69,9 +69,7 @@ def test_the_command_of_a_table_is_that_of_its_beginning(whole, tmp_path) -> Non
         b"\x00" * 100,
     ],
 )
-def test_something_else_is_refused_and_kept_unless_it_is_to_be_replaced(
-    content, whole, tmp_path
-) -> None:
+def test_another_file_is_refused_and_kept_unless_restarted(content, whole, tmp_path) -> None:
     path = tmp_path / "other.csv"
     path.write_bytes(content)
     with pytest.raises(TableFileError, match=r"other\.csv: holds something else"):
@@ -93,7 +91,7 @@ def test_something_else_is_refused_and_kept_unless_it_is_to_be_replaced(
         (b"# w: 2\n# study: abcd\n# motion: line\n# z: 0\n", "; take"),
     ],
 )
-def test_another_table_is_told_by_what_it_follows_from(content, said, tmp_path) -> None:
+def test_another_study_is_named_by_its_first_difference(content, said, tmp_path) -> None:
     path = tmp_path / "other.csv"
     path.write_bytes(b"# format: test 1\n# command: two\n" + content + b"row,value\n")
     head = HEAD if content.count(b"\n") == 1 else HEAD | {"motion": "line", "z": "0"}
@@ -111,7 +109,7 @@ def test_a_damaged_row_is_named(line, whole, tmp_path) -> None:
     assert caught.value.row == 7
 
 
-def test_two_do_not_write_one_file(tmp_path) -> None:
+def test_a_second_writer_is_refused(tmp_path) -> None:
     pytest.importorskip("fcntl")
     path = tmp_path / "shared.csv"
     with (
@@ -122,14 +120,14 @@ def test_two_do_not_write_one_file(tmp_path) -> None:
     assert grow(path) == 0
 
 
-def test_a_row_out_of_turn_is_a_mistake_of_the_caller(tmp_path) -> None:
+def test_appending_a_row_out_of_order_raises(tmp_path) -> None:
     with ResumableCsv(tmp_path / "a.csv", HEAD, COLUMNS, identity="study") as table:
         list(table.read())
         with pytest.raises(ValueError, match="row 1 is not the next one"):
             table.append([("1", "x")])
 
 
-def test_a_place_that_can_not_be_written_is_one_line(tmp_path) -> None:
+def test_an_unwritable_path_is_a_one_line_error(tmp_path) -> None:
     with pytest.raises(TableFileError, match="its folder does not exist"):
         grow(tmp_path / "no" / "a.csv")
     with pytest.raises(TableFileError, match="is a directory"):

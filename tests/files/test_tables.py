@@ -145,7 +145,7 @@ def test_a_header_alone_has_no_rows() -> None:
         (b"\x7fELF\0\0", 1, "there is no such column"),
     ],
 )
-def test_bytes_that_are_no_text(tmp_path, data, row, words) -> None:
+def test_bytes_that_are_no_utf8_are_refused(tmp_path, data, row, words) -> None:
     path = tmp_path / "in.csv"
     path.write_bytes(data)
     with pytest.raises(TableFileError, match=words) as caught, open_table(path) as lines:
@@ -161,7 +161,7 @@ def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path) -> None:
         assert TableReader(lines, POSES, "in.csv").header == POSE
 
 
-def test_files_that_can_not_be_opened(tmp_path) -> None:
+def test_files_that_cannot_be_opened_are_refused(tmp_path) -> None:
     with pytest.raises(TableFileError, match="no such file"):
         open_table(tmp_path / "none.csv")
     with pytest.raises(TableFileError, match="is a directory"):

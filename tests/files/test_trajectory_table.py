@@ -30,8 +30,8 @@ from paminsa_viz.files.trajectory_table import (
 )
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Misprint
 from paminsa_viz.trajectory import (
-    Control,
     Controller,
+    ControlMode,
     Trajectory,
     analyze,
     point_to_point,
@@ -154,7 +154,7 @@ def test_too_many_rows(monkeypatch) -> None:
     assert "more than 2 rows" in str(refusal(f"{HEAD}\n{ROWS}1,0,0,0,0\n"))
 
 
-def test_names_rest_and_files(tmp_path) -> None:
+def test_name_and_rest_of_a_file_that_is_read(tmp_path) -> None:
     path = tmp_path / "my run.csv"
     path.write_text(f"{HEAD}\n{ROWS}1,0.02,0.01,0.1,-0.45\n")
     free, rest = read_trajectory(path), read_trajectory(path, rest=True, name="other")
@@ -177,7 +177,7 @@ def test_a_written_trajectory_comes_back(samples, knee, tmp_path) -> None:
     assert back.notes == ()
 
 
-def test_what_a_written_table_holds() -> None:
+def test_columns_and_provenance_of_a_written_table() -> None:
     found = analyze(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
     table = analysis_table(found)
     assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS}
@@ -200,7 +200,7 @@ def test_what_a_written_table_holds() -> None:
     assert match_columns(tuple(head), TRAJECTORY, "out.csv")[0].name == "t_s"
 
 
-def test_npz_holds_the_same() -> None:
+def test_npz_holds_the_same_numbers_as_csv() -> None:
     found = analyze(APPENDIX_4, SAMPLES)
     table = analysis_table(found)
     data = np.load(io.BytesIO(table_npz(table)))
@@ -215,7 +215,7 @@ def test_npz_holds_the_same() -> None:
 
 
 def test_a_simulation_as_a_table() -> None:
-    found = simulate(APPENDIX_4, SAMPLES, controller=Controller(Control.FEED_FORWARD))
+    found = simulate(APPENDIX_4, SAMPLES, controller=Controller(ControlMode.FEED_FORWARD))
     table = simulation_table(found)
     np.testing.assert_array_equal(table.columns["wanted_x_m"], SAMPLES.pose[:, 0])
     np.testing.assert_array_equal(table.columns["f4_N"], found.torque[:, 3])

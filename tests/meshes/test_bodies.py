@@ -162,7 +162,7 @@ def test_the_ground_shows_its_colors_unlit(fine: bool) -> None:
         assert tree.get("extensionsUsed", []) == ["KHR_materials_unlit"] * unlit
 
 
-def test_what_is_plain_does_not_stay_so() -> None:
+def test_plain_shapes_do_not_leak_into_fine_ones() -> None:
     geometry = APPENDIX_4.geometry
     before = body_glb("leg1/b4", geometry)
     plain = body_glb("leg1/b4", geometry, fine=False)

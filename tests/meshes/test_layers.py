@@ -39,7 +39,7 @@ def test_bars_that_cross_are_in_layers_of_their_own(pair: tuple[str, str]) -> No
 
 
 @pytest.mark.parametrize("bar", ["b3", "b4", "b7", "b8"])
-def test_no_bar_is_in_the_middle_where_shaft_guide_and_slider_are(bar: str) -> None:
+def test_no_bar_shares_the_layer_of_shaft_guide_and_slider(bar: str) -> None:
     low, high = at.span(bar)
     assert max(low - at.CORE, -at.CORE - high) > 0.001
 
@@ -61,7 +61,7 @@ def test_the_mesh_of_a_bar_keeps_to_its_layer(bar: str) -> None:
 
 
 @pytest.mark.parametrize("body", ["shaft", "guide", "slider"])
-def test_what_is_in_the_middle_stays_there_but_for_its_pin(body: str) -> None:
+def test_bodies_of_the_middle_layer_stay_in_it_but_for_pins(body: str) -> None:
     part = make_body(f"leg1/{body}", GEOMETRY)
     solid = [p.mesh for p in part.solids if p.material in ("body", "accent")]
     # The quill's collar turns above the base plate, out of the bars' reach.
@@ -142,7 +142,7 @@ def test_no_body_passes_through_another(knee: KneeBranch) -> None:
 
 
 @pytest.mark.usefixtures("solid_parts")
-def test_the_test_of_clearance_sees_a_collision(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_clearance_check_detects_a_collision(monkeypatch: pytest.MonkeyPatch) -> None:
     """B4 in the middle would pass through the shaft with the upper knee."""
     monkeypatch.setitem(at.LAYER, "b4", 0.0)
     configuration = inverse_kinematics(with_knee(GEOMETRY, KneeBranch.UPPER), (0.0, 0.0, 0.0, 0.45))

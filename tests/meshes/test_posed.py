@@ -61,7 +61,7 @@ def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
     assert scene.bounds[0, 1] == pytest.approx(layout(LOADED.geometry).ground - 0.02, abs=1e-6)
 
 
-def test_the_file_tells_its_pose_and_design(posed: bytes) -> None:
+def test_the_file_carries_pose_and_design(posed: bytes) -> None:
     extras = tree(posed)["scenes"][0]["extras"]
     assert extras["design"] == "Appendix 4"
     assert extras["assembly"] == "printed"
@@ -109,7 +109,7 @@ def test_the_upper_knee_carries_its_payload_on_top() -> None:
 @pytest.mark.parametrize(
     "pose", [(0.0, 0.0, 0.0, -1.5), (np.nan, 0.0, 0.0, -0.5), [(0.0, 0.0, 0.0, -0.5)]]
 )
-def test_what_can_not_be_drawn_is_refused(pose) -> None:
+def test_an_unreachable_or_batched_pose_is_refused(pose) -> None:
     with pytest.raises(InvalidInput):
         assemble_glb(APPENDIX_4, inverse_kinematics(APPENDIX_4.geometry, pose))
 

@@ -146,7 +146,7 @@ def test_every_shape_is_where_the_robot_has_it_in_another_pose(
         assert np.linalg.norm(head - joint, axis=1).max() == pytest.approx(reach, abs=1e-5)
 
 
-def test_counterweights_stay_to_be_seen() -> None:
+def test_counterweights_stay_visible() -> None:
     weight = Counterweight("b8", 8, 0.1, 0.5)
     root = ET.fromstring(files_of(replace(APPENDIX_4, counterweights=(weight,)))["robot.xml"])
     found = [b for b in root.iter("body") if "counterweight" in b.attrib["name"]]
@@ -154,7 +154,7 @@ def test_counterweights_stay_to_be_seen() -> None:
     assert all(g.get("group") is None for b in found for g in b.iter("geom"))
 
 
-def test_colors_are_the_legs() -> None:
+def test_bars_have_the_colors_of_their_legs() -> None:
     root = ET.fromstring(files_of()["robot.xml"])
     color = {m.attrib["name"]: m.attrib["rgba"] for m in root.iterfind("asset/material")}
     bars = root.findall(".//geom[@mesh='b4.accent']")

@@ -17,10 +17,10 @@ from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.meshes.posed import transform
 from paminsa_viz.meshes.weights import (
     DENSITY,
+    clearance_text,
     counterweight,
     disc_radius,
     place_along,
-    room_words,
 )
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
@@ -31,7 +31,9 @@ ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
 
 
 @given(st.integers(0, 1000), st.sampled_from(ENDS), st.floats(-0.3, 0.3))
-def test_it_is_where_the_joints_say(seed: int, end: tuple[str, int], beyond: float) -> None:
+def test_a_counterweight_is_placed_from_its_joint(
+    seed: int, end: tuple[str, int], beyond: float
+) -> None:
     rng = np.random.default_rng(seed)
     design = random_design(rng)
     configuration = inverse_kinematics(design.geometry, random_poses(rng, design)[0])
@@ -46,7 +48,7 @@ def test_it_is_where_the_joints_say(seed: int, end: tuple[str, int], beyond: flo
 
 
 @given(st.floats(0.02, 50), st.floats(0.02, 50))
-def test_volumes_are_as_masses(one: float, other: float) -> None:
+def test_disc_volumes_are_proportional_to_mass(one: float, other: float) -> None:
     volume = [np.pi * disc_radius(m) ** 2 * at.BARREL for m in (one, other)]
     assert volume[0] * DENSITY == pytest.approx(one)
     assert volume[0] / volume[1] == pytest.approx(one / other)
@@ -70,15 +72,16 @@ def test_the_file_holds_those_with_mass() -> None:
     assert names == {f"leg{leg}_b8_weight1" for leg in (1, 2, 3)}
 
 
-def test_the_room_is_told_with_the_disc_s_own_radius() -> None:
+def test_the_clearance_is_that_of_a_disc_of_the_mass() -> None:
     light, heavy = (
-        room_words(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass)) for mass in (1.0, 5.0)
+        clearance_text(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass))
+        for mass in (1.0, 5.0)
     )
     assert light.startswith("A steel disc of 40 mm radius")
     assert heavy.startswith("A steel disc of 89 mm radius")
     assert "while the platform is below z = \N{MINUS SIGN}" in light
     past_knee = Counterweight("b8", 8, 0.05, 0.1)
-    standing = room_words(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER), past_knee)
+    standing = clearance_text(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER), past_knee)
     assert "above z = " in standing or "It can meet neither" in standing
     on_5 = Counterweight("b4", 5, 0.1, 1.0)
-    assert room_words(APPENDIX_4.geometry, on_5).endswith("at any height.")
+    assert clearance_text(APPENDIX_4.geometry, on_5).endswith("at any height.")

@@ -232,7 +232,7 @@ def test_other_input_that_can_not_be_used() -> None:
         Grid.over(np.zeros((2, 4)))
     with pytest.raises(InvalidInput, match="fixed: the last axis"):
         Grid.over([0.0, 0.0])
-    with pytest.raises(InvalidInput, match=r"quantity: max_torque, .* not 'weight'"):
+    with pytest.raises(InvalidInput, match=r"quantity: tau_1, .* not 'weight'"):
         find(("tau_1", "weight"))
 
 

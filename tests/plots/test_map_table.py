@@ -65,12 +65,12 @@ def test_numbers_come_back_bit_by_bit(seed: int, size: float) -> None:
     check(made_up(values=values))
 
 
-def test_the_real_maps_come_back() -> None:
+def test_computed_maps_come_back() -> None:
     check(real(15))
     check(real(15, quantities=("condition",)))
 
 
-def test_columns_carry_units_and_rows_carry_reasons() -> None:
+def test_columns_have_units_and_rows_have_a_status() -> None:
     data = real(15)
     _, names, rows = read(table_csv(map_table(data)))
     assert names == COLUMNS
@@ -95,7 +95,7 @@ def test_names_are_plain(quantity: str, name: str) -> None:
     assert value_columns(real(5, quantities=(quantity,))) == (name,)
 
 
-def test_equal_names_are_told_apart() -> None:
+def test_equal_names_are_numbered() -> None:
     assert value_columns(made_up(names=("a", "a", "!"), unit="")) == ("a_1", "a_2", "value")
 
 

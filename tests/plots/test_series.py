@@ -21,8 +21,8 @@ from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import draw_series, figure_bytes, value_range
 from paminsa_viz.trajectory import (
     PRESET,
-    Control,
     Controller,
+    ControlMode,
     analyze,
     home,
     point_to_point,
@@ -121,7 +121,7 @@ def test_differences_are_against_the_engine_first(analysis, everything) -> None:
 
 def test_a_stopped_simulation_ends_where_it_stopped() -> None:
     circle = PRESET["circle"].build(APPENDIX_4.geometry).sample(100)
-    blind = Controller(Control.FEED_FORWARD)
+    blind = Controller(ControlMode.FEED_FORWARD)
     run = simulate(APPENDIX_4, circle, controller=blind, offset=(0.01, 0.0, 0.02, 0.0))
     assert run.stopped is not None
     data = _series("tracking", analyze(APPENDIX_4, circle), simulation=run)

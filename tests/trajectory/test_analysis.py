@@ -99,7 +99,7 @@ CHANGES = {
 
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("misprints", [Misprint.NONE, Misprint.ALL])
-def test_a_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> None:
+def test_kept_solution_serves_other_masses(change: str, misprints: Misprint) -> None:
     samples = round_trip(point_to_point(A, B, 0.5)).sample(RATE)
     before = analyze(APPENDIX_4, samples, misprints=misprints)
     design = APPENDIX_4.vary(CHANGES[change])
@@ -156,7 +156,7 @@ def test_energy_over_a_closed_path(plan, knee) -> None:
     assert np.abs(rough.energy_residual).max() <= 1e-7 * turnover
 
 
-def test_printed_formulae_do_not_balance() -> None:
+def test_misprinted_formulae_do_not_conserve_energy() -> None:
     """The misprints spoil the balance of energy, which is how they show."""
     samples = circle(C, 0.07, 1.0).sample(1000)
     corrected, printed = (
@@ -192,7 +192,7 @@ def test_summary() -> None:
         ((0, 0, 0, -1.2), Limit.STRETCHED),
     ],
 )
-def test_a_failing_path_is_nan_exactly_where_it_says(goal, limit) -> None:
+def test_failing_path_is_nan_exactly_where_status_fails(goal, limit) -> None:
     samples = point_to_point(HOME, goal, 1.0).sample(400)
     found = analyze(ROUGH, samples)
     bad = ~found.check.good
@@ -219,7 +219,7 @@ def test_a_path_that_fails_at_its_start_has_no_summary() -> None:
     assert np.isnan(found.torque[0]).all()
 
 
-def test_actuators_are_followed_without_jumps() -> None:
+def test_actuator_positions_are_unwrapped() -> None:
     samples = circle(HOME, 0.2, 1.0).sample(300)
     found = analyze(APPENDIX_4, samples)
     exact = inverse_kinematics(APPENDIX_4.geometry, samples.pose).actuators

@@ -101,7 +101,7 @@ def test_a_short_dip_between_many_samples_is_found() -> None:
 
 
 @pytest.mark.parametrize("after", [True, False])
-def test_steps_on_both_sides_of_a_sample_near_a_limit_are_looked_into(after: bool) -> None:
+def test_steps_on_both_sides_of_a_sample_near_a_limit_are_checked(after: bool) -> None:
     """Of 401 samples one is near: the motion leaves it, or comes to it, by way of the limit."""
     limit = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
     margin = np.full(401, 0.003)
@@ -119,7 +119,7 @@ def test_steps_on_both_sides_of_a_sample_near_a_limit_are_looked_into(after: boo
     assert (2.0 if after else 1.99) < check.first.t < (2.01 if after else 2.0)
 
 
-def test_what_lies_beyond_a_singularity_stays_marked() -> None:
+def test_samples_beyond_a_singularity_stay_singular() -> None:
     plan = to(0.3, 0.0, 0.0, -0.5)
     samples = plan.sample(100)
     check = check_path(GEOMETRY, samples)

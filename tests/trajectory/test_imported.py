@@ -57,7 +57,7 @@ def test_times_start_at_zero_and_turns_are_unwrapped() -> None:
     assert "full turn" in made.notes[1]
 
 
-def test_coarse_digits_are_pointed_out() -> None:
+def test_coarse_digits_are_noted() -> None:
     notes = from_samples(EXACT.t, np.round(EXACT.pose, 4)).notes
     assert any("steps of 0.0001" in note for note in notes)
     assert not any("steps of" in note for note in from_samples(EXACT.t, EXACT.pose).notes)
@@ -70,7 +70,7 @@ def test_coarse_digits_are_pointed_out() -> None:
         (1.0, 180 / np.pi, "acceleration of theta"),
     ],
 )
-def test_rates_in_another_unit_are_pointed_out(velocity, acceleration, word) -> None:
+def test_rates_in_another_unit_are_noted(velocity, acceleration, word) -> None:
     scale = np.array([1.0, 1.0, velocity, 1.0])
     growth = np.array([1.0, 1.0, acceleration, 1.0])
     made = from_samples(
@@ -79,19 +79,19 @@ def test_rates_in_another_unit_are_pointed_out(velocity, acceleration, word) -> 
     assert word in made.notes[0]
 
 
-def test_a_coordinate_that_rests_says_nothing_of_its_digits() -> None:
+def test_constant_coordinate_gives_no_note_on_digits() -> None:
     level = EXACT.pose * [1.0, 0.0, 1.0, 1.0]
     assert not any("steps of" in note for note in from_samples(EXACT.t, level).notes)
 
 
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize(("times", "lengths"), [(1e-300, 1.0), (1.0, 1e308)])
-def test_units_that_can_not_be_are_told_as_such(times, lengths) -> None:
+def test_impossible_units_are_rejected(times, lengths) -> None:
     with pytest.raises(InvalidInput, match="check the units of t and pose"):
         from_samples(times * EXACT.t[::40], lengths * EXACT.pose[::40])
 
 
-def test_refusals() -> None:
+def test_bad_samples_are_rejected() -> None:
     with pytest.raises(InvalidInput, match="together with the velocity"):
         from_samples(EXACT.t, EXACT.pose, None, EXACT.acceleration)
     with pytest.raises(InvalidInput, match="increase"):

@@ -7,18 +7,23 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
 from paminsa_viz.trajectory import (
+    PRESET,
     Plan,
     arch,
     chain,
+    check_path,
     circle,
+    home,
     line,
+    paper_like,
     point_to_point,
     round_trip,
     via_points,
 )
-from tests.trajectory.plans import LAWS, PLANS, A, B, C, inside, place
+from tests.samples import with_knee
+from tests.trajectory.plans import ALL_PRESETS, LAWS, PLANS, A, B, C, inside, place, preset_plan
 
 lengths = st.floats(-0.3, 0.3)
 poses = st.tuples(lengths, lengths, st.floats(-2, 2), lengths).map(np.array)
@@ -199,7 +204,60 @@ NAN = [np.nan, 0, 0, 0]
         ("rate", lambda: point_to_point(A, B).sample(1e9)),
     ],
 )
-def test_refusals_name_the_argument(argument: str, make) -> None:
+def test_errors_name_the_argument(argument: str, make) -> None:
     with pytest.raises(InvalidInput) as caught:
         make()
     assert caught.value.argument == argument
+
+
+LENGTHS = (
+    "base_radius", "platform_radius", "arm_length", "shaft_length", "crank_length",
+    "coupler_length", "platform_joint_height", "guide_link_length",
+)  # fmt: skip
+
+
+@ALL_PRESETS
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("scale", [1.0, 2.5])
+def test_presets_run_on_robots_of_other_sizes(preset, knee, scale) -> None:
+    geometry = APPENDIX_4.vary(
+        {f"geometry.{name}": scale * APPENDIX_4.value(f"geometry.{name}") for name in LENGTHS}
+    ).geometry
+    plan = preset.build(with_knee(geometry, knee))
+    check = check_path(geometry, plan.sample())
+    assert check.ok
+    assert check.closest.margin > 0.05 * scale * APPENDIX_4.geometry.base_radius
+    np.testing.assert_allclose(
+        plan.curve(np.array([0.0, 1.0]))[:, [0, 1, 3]] / scale,
+        preset.build(with_knee(APPENDIX_4.geometry, knee)).curve(np.array([0.0, 1.0]))[
+            :, [0, 1, 3]
+        ],
+        atol=1e-12,
+    )
+
+
+def test_home() -> None:
+    np.testing.assert_allclose(home(APPENDIX_4.geometry), [0, 0, 0, -0.5], atol=1e-15)
+    height = APPENDIX_4.geometry.platform_joint_height
+    mirror = home(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER))
+    assert mirror[3] + height == pytest.approx(0.5 - height)
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_paper_like_accelerates_at_1_meter_per_second_squared(knee: KneeBranch) -> None:
+    plan = paper_like(with_knee(APPENDIX_4.geometry, knee))
+    peaks = plan.duration * np.array([0.5 - np.sqrt(3) / 6, 0.5 + np.sqrt(3) / 6])
+    np.testing.assert_allclose(place(plan.at(peaks).acceleration), 1.0, rtol=1e-14)
+    t = np.linspace(0, plan.duration, 20001)
+    assert place(plan.at(t).acceleration).max() <= 1 + 1e-14
+    moved = np.abs(plan.at(plan.duration).pose - plan.at(0.0).pose)
+    assert (moved > 0.05).all()  # all four coordinates
+
+
+def test_no_preset_claims_to_be_the_papers() -> None:
+    assert list(PRESET) == [preset.key for preset in PRESET.values()]
+    for preset in PRESET.values():
+        plan = preset_plan(preset)
+        assert "paper" not in f"{plan.name} {plan.kind} {preset.label}".lower()
+    (note,) = preset_plan(PRESET["paper-like"]).notes
+    assert "not the motion of the paper" in note

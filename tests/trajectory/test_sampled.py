@@ -50,7 +50,7 @@ def test_resampling_keeps_the_motion() -> None:
     np.testing.assert_allclose(made.acceleration, exact.acceleration, atol=1e-10)
 
 
-def test_arrays_are_copies_that_can_not_be_written() -> None:
+def test_arrays_are_read_only_copies() -> None:
     pose = ROWS.copy()
     made = Trajectory(T, pose, ROWS, ROWS)
     pose[:] = 9.0
@@ -71,7 +71,7 @@ def test_arrays_are_copies_that_can_not_be_written() -> None:
         ("acceleration", {"acceleration": np.full((3, 4), np.inf)}),
     ],
 )
-def test_refusals_name_the_argument(argument: str, change: dict) -> None:
+def test_errors_name_the_argument(argument: str, change: dict) -> None:
     parts = {"t": T, "pose": ROWS, "velocity": ROWS, "acceleration": ROWS} | change
     with pytest.raises(InvalidInput) as caught:
         Trajectory(**parts)

@@ -25,8 +25,8 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.trajectory import (
     PRESET,
-    Control,
     Controller,
+    ControlMode,
     ImpossibleTrajectory,
     Simulation,
     SimulationFailed,
@@ -52,10 +52,10 @@ def near(pose):
 
 
 STAY = point_to_point(HOME, near(HOME), 1.0).sample(50)
-controls = pytest.mark.parametrize("control", Control)
+controls = pytest.mark.parametrize("control", ControlMode)
 
 
-def run(design=APPENDIX_4, trajectory=SHORT, control=Control.PD, **options) -> Simulation:
+def run(design=APPENDIX_4, trajectory=SHORT, control=ControlMode.PD, **options) -> Simulation:
     return simulate(design, trajectory, controller=Controller(control), **options)
 
 
@@ -85,7 +85,7 @@ def test_solve(seed: int) -> None:
 
 @controls
 @pytest.mark.parametrize("knee", KneeBranch)
-def test_with_an_exact_model_the_robot_tracks(control: Control, knee: KneeBranch) -> None:
+def test_with_an_exact_model_the_robot_tracks(control: ControlMode, knee: KneeBranch) -> None:
     samples = preset_plan(PRESET["paper-like"], knee).sample(200)
     rough = APPENDIX_4.vary(FRICTION)
     for design in (APPENDIX_4, rough):
@@ -102,7 +102,7 @@ def test_with_an_exact_model_the_robot_tracks(control: Control, knee: KneeBranch
 
 
 @controls
-def test_compiled_and_python_equations_are_the_same(control: Control) -> None:
+def test_compiled_and_python_equations_are_the_same(control: ControlMode) -> None:
     samples = point_to_point(A, B, 0.6).lasting(0.15).sample(100)
     options = {"control": control, "offset": (1e-3, -2e-3, 5e-3, 1e-3), "model": LOADED}
     backend.compile_now()
@@ -114,7 +114,7 @@ def test_compiled_and_python_equations_are_the_same(control: Control) -> None:
 
 
 @controls
-def test_energy_balances_also_with_mismatch_and_friction(control: Control) -> None:
+def test_energy_balances_also_with_mismatch_and_friction(control: ControlMode) -> None:
     rough = LOADED.vary(FRICTION)
     found = run(rough, control=control, model=APPENDIX_4, offset=(2e-3, 0, 0.01, 0))
     turnover = np.abs(np.diff(found.energy)).sum()
@@ -125,13 +125,13 @@ def test_energy_balances_also_with_mismatch_and_friction(control: Control) -> No
 
 def test_drift_falls_with_the_tolerance() -> None:
     drift = [
-        np.abs(run(control=Control.FEED_FORWARD, tolerance=tolerance).energy_drift).max()
+        np.abs(run(control=ControlMode.FEED_FORWARD, tolerance=tolerance).energy_drift).max()
         for tolerance in (1e-3, 1e-9)
     ]
     assert drift[1] < 0.1 * drift[0] or drift[1] < 1e-9
 
 
-def test_feedback_holds_a_wrong_payload_where_the_gains_say() -> None:
+def test_payload_mismatch_settles_where_the_gains_predict() -> None:
     """At rest the PD torques make up for the unknown weight: error = weight's torque / gain."""
     samples = point_to_point(ASIDE, near(ASIDE), 2.0).sample(50)
     controller = Controller(proportional=(200, 200, 200, 2e4), derivative=(20, 20, 20, 800))
@@ -148,10 +148,10 @@ def test_feedback_holds_a_wrong_payload_where_the_gains_say() -> None:
     assert wanted[3] - actual[3] == pytest.approx(3 * 9.81 * 1.0 / 2e4, rel=0.02)
 
 
-def test_computed_torque_brings_an_error_back_as_designed() -> None:
+def test_computed_torque_error_follows_its_bandwidth() -> None:
     """With an exact model every coordinate is a damped oscillator of the chosen bandwidth."""
     offset = np.array([2e-3, -1e-3, 4e-3, 3e-3])
-    controller = Controller(Control.COMPUTED_TORQUE, bandwidth=2.0, damping=1.0)
+    controller = Controller(ControlMode.COMPUTED_TORQUE, bandwidth=2.0, damping=1.0)
     found = simulate(APPENDIX_4, SHORT, controller=controller, offset=offset)
     rate = 2 * np.pi * 2.0
     decay = (1 + rate * found.t) * np.exp(-rate * found.t)
@@ -167,7 +167,7 @@ def test_pd_gains_follow_the_inertia() -> None:
     np.testing.assert_allclose([k.d1, k.d2, k.d3, k.d4], 2 * 0.7 * 6 * np.pi * inertia)
 
 
-def test_without_feedback_an_error_grows_as_the_equations_say() -> None:
+def test_open_loop_error_grows_as_linearized() -> None:
     """Held by constant torques the robot is unstable in theta; feedback makes it stable."""
     holding = static_torques(APPENDIX_4, HOME)
     h, turn = 1e-5, np.array([0, 0, 1.0, 0])
@@ -177,15 +177,15 @@ def test_without_feedback_an_error_grows_as_the_equations_say() -> None:
     rate = np.sqrt((high - low)[2] / (2 * h))
     assert rate == pytest.approx(5.7, abs=0.1)
     offset = (0, 0, 1e-6, 0)
-    found = run(trajectory=STAY, control=Control.FEED_FORWARD, offset=offset)
+    found = run(trajectory=STAY, control=ControlMode.FEED_FORWARD, offset=offset)
     np.testing.assert_allclose(found.error[:, 2], 1e-6 * np.cosh(rate * found.t), rtol=1e-3)
-    held = run(trajectory=STAY, control=Control.PD, offset=offset)
+    held = run(trajectory=STAY, control=ControlMode.PD, offset=offset)
     assert abs(held.error[-1, 2]) < 1e-8
 
 
-def test_it_stops_where_the_workspace_ends_and_says_why() -> None:
+def test_simulation_stops_at_the_workspace_limit_with_its_reason() -> None:
     heavy = APPENDIX_4.vary({"payload.mass": 3.0})
-    found = run(heavy, control=Control.FEED_FORWARD, model=APPENDIX_4, trajectory=STAY)
+    found = run(heavy, control=ControlMode.FEED_FORWARD, model=APPENDIX_4, trajectory=STAY)
     assert found.stopped is not None
     assert found.t[-1] == found.stopped.t < 1.0
     assert found.t.size < STAY.size + 1
@@ -197,10 +197,10 @@ def test_it_stops_where_the_workspace_ends_and_says_why() -> None:
         assert np.isfinite(rows).all()
 
 
-def test_it_stops_at_the_end_of_a_guide() -> None:
+def test_simulation_stops_at_the_end_of_a_guide() -> None:
     short = APPENDIX_4.vary({"geometry.guide_stroke": 0.14})
     stay = point_to_point(HOME, near(HOME), 2.0).sample(50)
-    found = run(short, trajectory=stay, control=Control.FEED_FORWARD, offset=(0, 0, 0.1, 0))
+    found = run(short, trajectory=stay, control=ControlMode.FEED_FORWARD, offset=(0, 0, 0.1, 0))
     assert found.stopped is not None
     assert found.stopped.limit is Limit.GUIDE
     margin = check_reach(short.geometry, found.pose[-1]).margins[found.stopped.leg, 2]
@@ -208,7 +208,7 @@ def test_it_stops_at_the_end_of_a_guide() -> None:
     assert f"leg {found.stopped.leg + 1}" in found.stopped.explanation
 
 
-def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
+def test_excessive_gains_fail_early(monkeypatch) -> None:
     monkeypatch.setattr("paminsa_viz.trajectory.simulation._MOST_EVALUATIONS", 2000)
     monkeypatch.setattr("paminsa_viz.trajectory.simulation._MOST_A_SECOND", 0)
     controller = Controller(proportional=(1e9,) * 4, derivative=(1e7,) * 4)
@@ -217,7 +217,7 @@ def test_gains_that_are_far_too_high_are_not_waited_for(monkeypatch) -> None:
     assert 0 <= caught.value.t < SHORT.duration
 
 
-def test_what_can_not_be_simulated() -> None:
+def test_impossible_simulations_are_rejected() -> None:
     with pytest.raises(ImpossibleTrajectory):
         run(trajectory=point_to_point(HOME, [0.3, 0, 0, -0.5]).sample(50))
     with pytest.raises(InvalidInput, match="geometry"):
@@ -233,3 +233,25 @@ def test_what_can_not_be_simulated() -> None:
         Controller(proportional=(1, 1, 1, 1))
     with pytest.raises(InvalidInput, match="four"):
         Controller(proportional=(1, 1, 1, 1), derivative=(1, 1, -1, 1))
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_payload_mismatch_agrees_with_mujoco(knee: KneeBranch) -> None:
+    """MuJoCo's loops are springs, its steps finite and its torques linear between samples."""
+    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    from paminsa_viz.engines.simulation import play
+
+    height = np.array([0, 0, 0, 0.0 if knee is KneeBranch.LOWER else 0.945])
+    samples = point_to_point(A + height, B + height, 0.6).sample(400)
+    loaded = APPENDIX_4.vary({"payload.mass": 0.5})
+    blind = Controller(ControlMode.FEED_FORWARD)
+    model = with_knee(APPENDIX_4, knee)
+    ours = simulate(with_knee(loaded, knee), samples, model=model, controller=blind)
+    part = slice(0, 101)  # a quarter of a second
+    played = play(
+        with_knee(loaded, knee), samples.t[part], samples.pose[part], samples.velocity[part],
+        ours.torque[part],
+    )  # fmt: skip
+    drift = np.abs(ours.error[part]).max()
+    assert drift > 0.01
+    np.testing.assert_allclose(played.poses, ours.pose[part], atol=0.005 * drift)

@@ -39,7 +39,7 @@ def test_derivatives(law: TimeLaw) -> None:
 
 
 @given(laws)
-def test_it_is_as_smooth_as_it_says(law: TimeLaw) -> None:
+def test_smoothness_is_as_declared(law: TimeLaw) -> None:
     inner, gap = law.breaks[1:-1], 1e-9
     for order in (0, 1, 2) if law.bounded_jerk else (0, 1):
         jump = law(inner + gap, order) - law(inner - gap, order)
@@ -48,7 +48,7 @@ def test_it_is_as_smooth_as_it_says(law: TimeLaw) -> None:
 
 
 @given(laws)
-def test_it_rests_outside(law: TimeLaw) -> None:
+def test_law_is_at_rest_outside(law: TimeLaw) -> None:
     u = np.array([-0.5, -1e-9, 1 + 1e-9, 3.0])
     np.testing.assert_allclose(law(u), [0, 0, 1, 1], atol=1e-14)
     for order in (1, 2, 3):
@@ -109,7 +109,7 @@ def test_an_s_curve_without_a_jerk_limit_keeps_its_blend(speed, acceleration) ->
     assert np.abs(law(np.array([0.5]), 1))[0] / duration <= speed * (1 + 1e-9)
 
 
-def test_where_limits_make_no_shape() -> None:
+def test_limits_without_a_shape_give_none() -> None:
     assert fit_law(TimeLaw(), 1.0, 1.0, 1.0) is None
     assert fit_law(TimeLaw(Profile.TRAPEZOID), 1.0) is None
     assert fit_law(TimeLaw(Profile.S_CURVE), 1.0) is None

@@ -104,7 +104,7 @@ def test_limits_of_torque(plan: Plan, robot: str, knee: KneeBranch) -> None:
 
 
 @pytest.mark.parametrize("plan", [all_plans()[0], all_plans()[3]], ids=["move", "arch"])
-def test_coulomb_friction_is_never_underrated(plan: Plan) -> None:
+def test_coulomb_friction_is_never_underestimated(plan: Plan) -> None:
     design = APPENDIX_4.vary(FRICTION)
     limits = MotionLimits(torque=8.0, force=400.0)
     found = minimum_time(plan, limits, design)
@@ -162,7 +162,7 @@ def test_torques_are_a_quadratic_of_the_rate() -> None:
         np.testing.assert_allclose(predicted, torque(w), atol=1e-10 * np.abs(torque(w)).max())
 
 
-def test_a_motor_too_weak_to_hold_the_weight_is_reported() -> None:
+def test_actuator_too_weak_for_gravity_is_reported() -> None:
     with pytest.raises(InfeasibleMotion) as caught:
         minimum_time(point_to_point(A, B), MotionLimits(force=200.0), APPENDIX_4)
     error = caught.value
@@ -182,7 +182,7 @@ def test_a_motor_too_weak_to_hold_the_weight_is_reported() -> None:
         minimum_time(point_to_point(A, B), MotionLimits(force=260.0), sticky)
 
 
-def test_what_can_not_be_asked() -> None:
+def test_impossible_limits_are_rejected() -> None:
     with pytest.raises(InvalidInput, match="design"):
         minimum_time(point_to_point(A, B), MotionLimits(torque=5.0))
     with pytest.raises(InvalidInput, match="nothing that moves"):

@@ -15,6 +15,7 @@ from paminsa_viz.explorer.motion.playback import SIMULATED, SPEEDS, advanced, st
 from paminsa_viz.explorer.motion.simulation import (
     BANDWIDTHS,
     DAMPINGS,
+    INITIAL_ERRORS,
     PAYLOAD_MISMATCHES,
     SimulationJob,
     SimulationOutcome,
@@ -223,7 +224,7 @@ def set_simulation(state: State, **changes: Any) -> State:
         ("bandwidth", BANDWIDTHS),
         ("damping", DAMPINGS),
         ("payload_mismatch", PAYLOAD_MISMATCHES),
-        ("initial_error", (-0.1, 0.1)),
+        ("initial_error", INITIAL_ERRORS),
     ):
         value = getattr(settings, name)
         if not low <= value <= high:

@@ -28,7 +28,7 @@ from paminsa_viz.trajectory import (
     round_trip,
     via_points,
 )
-from paminsa_viz.trajectory.presets import Room
+from paminsa_viz.trajectory.presets import PresetFrame
 
 _KEPT = 12
 """Trajectories that are kept, of all tabs together; one has at most 2 MB."""
@@ -116,7 +116,7 @@ def make_plan(motion: Motion, geometry: Geometry) -> Plan:
 
 def ends(motion: Motion, geometry: Geometry) -> tuple[Pose, Pose]:
     """Return start and goal of a motion from pose to pose, also where they were not chosen."""
-    room = Room(geometry)
+    room = PresetFrame(geometry)
     start = motion.start or _pose(room.pose(-0.1, 0.0, 0.0, 0.0))
     goal = motion.goal or _pose(room.pose(0.1, 0.0, 0.0, 0.0))
     return start, goal
@@ -124,7 +124,7 @@ def ends(motion: Motion, geometry: Geometry) -> tuple[Pose, Pose]:
 
 def center(motion: Motion, geometry: Geometry) -> Pose:
     """Return the center of a circle, also where it was not chosen."""
-    return motion.center or _pose(Room(geometry).home)
+    return motion.center or _pose(PresetFrame(geometry).home)
 
 
 def _pose(values: np.ndarray) -> Pose:

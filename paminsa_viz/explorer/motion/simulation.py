@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 from paminsa_viz.model import Design, Friction, InvalidInput, PaminsaError
-from paminsa_viz.trajectory import Control, Controller, Simulation, Trajectory, simulate
+from paminsa_viz.trajectory import Controller, ControlMode, Simulation, Trajectory, simulate
 
 BANDWIDTHS = (0.0, 50.0)
 """Lowest and highest bandwidth of the controller [Hz]."""
 DAMPINGS = (0.0, 5.0)
 PAYLOAD_MISMATCHES = (-10.0, 50.0)
 """How much lighter or heavier the carried payload may be than the controller takes it for [kg]."""
+
+INITIAL_ERRORS = (-0.1, 0.1)
+"""Error of x at the start [m]."""
 
 LONGEST = 60.0
 """Longest motion that is simulated on the page [s]."""
@@ -30,7 +33,7 @@ class SimulationSettings:
         initial_error: Error of x at the start [m].
     """
 
-    control: Control = Control.PD
+    control: ControlMode = ControlMode.PD
     bandwidth: float = 8.0
     damping: float = 1.0
     payload_mismatch: float = 0.0

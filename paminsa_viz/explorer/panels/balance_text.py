@@ -14,7 +14,7 @@ from paminsa_viz.explorer.balancing.jobs import Outcome, Task
 from paminsa_viz.explorer.balancing.settings import Goal
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.render import render
-from paminsa_viz.meshes.weights import room_words
+from paminsa_viz.meshes.weights import clearance_text
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import NONE, number, symbol_html, symbols_html, unit_text
@@ -210,5 +210,5 @@ def sensitivity_html(frame: Frame) -> str:
 def counterweights_html(frame: Frame) -> str:
     """Return what the rows of the counterweights hold, and the clearance that the discs need."""
     design = frame.state.document.design
-    needs = [room_words(design.geometry, weight) for weight in design.counterweights]
+    needs = [clearance_text(design.geometry, weight) for weight in design.counterweights]
     return render("counterweights.j2", needs=needs)

@@ -1,9 +1,12 @@
-"""One chart of the motion on the page: a uPlot that is given new data, seldom made again."""
+"""Charts of the motion on the page: uPlots that are given new data, and the time cursor on them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.entries import finite
 from paminsa_viz.plots.series import Values
 from paminsa_viz.plots.series_uplot import (
     Chart,
@@ -16,6 +19,9 @@ from paminsa_viz.plots.series_uplot import (
 
 HEIGHT = 158
 """Height of a chart with its heading and axis [px]."""
+
+PLACE = "motion"
+"""Name of the place (see `panels.slots`) of the charts."""
 
 
 class MotionChart:
@@ -44,8 +50,7 @@ class MotionChart:
             self.handle = self.shape = None
             return
         # A chart that was made for more pieces is kept: in a drag, gaps come and go.
-        known = self.shape.pieces if self.shape else 1
-        shape = chart_shape(chart, known)
+        shape = chart_shape(chart, self.shape.pieces if self.shape else 1)
         series = uplot_data(chart, shape.pieces)
         if self.handle is not None and shape == self.shape:
             self.handle.data = series
@@ -62,3 +67,31 @@ class MotionChart:
         """Return time and values of a curve as the page has them, (n,) each."""
         assert self.shape is not None
         return self.handle.data[0], shown_curve(self.handle.data, self.shape, number)
+
+
+class TimeCursor:
+    """A line through all charts, and clicks on them that move it.
+
+    Moving a line in the page takes a short message; a line that is part of the data would take all
+    of it thirty times a second.
+
+    Args:
+        bridge: The way to the tab.
+        chosen: Called with the time [s] that was clicked on a chart.
+    """
+
+    def __init__(self, bridge: Bridge, chosen: Callable[[float], None]) -> None:
+        self._bridge, self._chosen = bridge, chosen
+        self._shown: float | None = None
+        bridge.on("time", self._receive)
+
+    def show(self, time: float) -> None:
+        """Move the cursor to a time [s]."""
+        if time != self._shown:
+            self._shown = time
+            self._bridge.call("showTime", PLACE, round(time, 6))
+
+    def _receive(self, data: Any) -> None:
+        time = finite(data)
+        if time is not None:
+            self._chosen(time)

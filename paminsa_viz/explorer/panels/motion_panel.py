@@ -2,62 +2,416 @@
 
 from __future__ import annotations
 
+import io
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from viser import Icon
+
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.controls import Control
+from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.entries import (
+    MILLIMETERS,
+    PLAIN,
+    Button,
+    ButtonGroup,
+    Checkbox,
+    Condition,
+    Custom,
+    Dropdown,
+    Entry,
+    Folder,
+    Html,
+    Number,
+    Slider,
+)
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import (
+    DURATIONS,
+    LARGEST_LIMIT,
+    LENGTHS,
+    RATES,
+    Kind,
+    Timing,
+)
+from paminsa_viz.explorer.motion.playback import SPEEDS
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.motion_inputs import MotionInputs
-from paminsa_viz.explorer.panels.motion_playback import PlaybackInputs
-from paminsa_viz.explorer.panels.motion_plots import ACTUATORS
-from paminsa_viz.explorer.panels.motion_simulation import SimulationInputs
-from paminsa_viz.explorer.panels.motion_timing import TimingInputs
-from paminsa_viz.explorer.scene.path import legend_html, path_scale
+from paminsa_viz.explorer.motion.simulation import (
+    BANDWIDTHS,
+    DAMPINGS,
+    INITIAL_ERRORS,
+    PAYLOAD_MISMATCHES,
+    SimulationJob,
+    SimulationOutcome,
+    run,
+)
+from paminsa_viz.explorer.panels import motion_text as text
+from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.trajectory_table import parse_trajectory
+from paminsa_viz.model import PaminsaError
+from paminsa_viz.trajectory import PRESETS, ControlMode, Profile, Trajectory
+from paminsa_viz.units import DisplayUnit, display_unit
+
+TIME = "t  [s]"
+ACTUATORS = {f"M{j + 1}": j for j in range(4)}
+
+MOTIONS: dict[str, str | Kind] = {
+    **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
+    "Build: move from pose to pose": Kind.MOVE,
+    "Build: straight line, θ held": Kind.LINE,
+    "Build: pick-and-place arch": Kind.ARCH,
+    "Build: through waypoints": Kind.WAYPOINTS,
+    "Build: circle": Kind.CIRCLE,
+    "From a CSV file": Kind.TABLE,
+}
+"""The key of a preset or the kind of a motion that is built, by its text."""
+
+TIMINGS = {
+    "the preset's": Timing.OWN,
+    "given": Timing.GIVEN,
+    "shortest within limits": Timing.SHORTEST,
+}
+
+
+def _kind(*kinds: Kind) -> Condition:
+    return lambda state: state.document.motion.kind in kinds
+
+
+def _planned(state: State) -> bool:
+    return state.document.motion.kind is not Kind.TABLE
+
+
+def playback_end(state: State) -> float:
+    """Return the end of the time slider, the duration rounded up to its step [s]."""
+    return max(math.ceil(1e3 * motions.duration(state) - 1e-6) / 1e3, 0.001)
+
+
+PLAYBACK = (
+    Button(
+        "playback.play", lambda state: "Pause" if state.playback.playing else "Play",
+        icon=lambda state: Icon.PLAYER_PAUSE if state.playback.playing else Icon.PLAYER_PLAY,
+        effect=motions.play_or_pause, undo=False, hint="Play the motion with the robot (key: M)",
+    ),
+    Dropdown(
+        "playback.speed", "speed", options={f"{speed:g} ×": speed for speed in SPEEDS},
+        hint="1 × is true time", read=lambda state: state.playback.speed,
+        apply=lambda state, speed: motions.set_playback(state, speed=speed),
+    ),
+    Checkbox(
+        "playback.loop", "repeat", hint="Start again at the end",
+        read=lambda state: state.playback.loop,
+        apply=lambda state, loop: motions.set_playback(state, loop=loop),
+    ),
+    Slider(
+        "playback.time", TIME, range=lambda state: (0.0, playback_end(state)), step=0.001,
+        hint="The instant shown; drag it to go through", undo=False,
+        read=lambda state: round(state.playback.time, 3), apply=motions.scrub,
+    ),
+)  # fmt: skip
+
+
+def _chosen(state: State) -> str | Kind:
+    motion = state.document.motion
+    return motion.preset if motion.kind is Kind.PRESET else motion.kind
+
+
+def _choose(state: State, choice: str | Kind) -> State:
+    if isinstance(choice, Kind):
+        return motions.choose_kind(state, choice)
+    return motions.choose_preset(state, choice)
+
+
+def _number(
+    name: str, label: str, limits: tuple[float, float], step: float, hint: str,
+    visible: Condition | None = None, unit: DisplayUnit = PLAIN,
+) -> Number:  # fmt: skip
+    """Return the input of one number of the motion, with limits in SI."""
+    low, high = (unit.from_si(limit) for limit in limits)
+    return Number(
+        f"motion.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
+        visible=visible, read=lambda state: getattr(state.document.motion, name),
+        apply=lambda state, value: motions.change(state, **{name: value}),
+    )  # fmt: skip
+
+
+DESCRIPTION: tuple[Entry, ...] = (
+    Dropdown(
+        "motion.kind", "Motion", options=MOTIONS, hint="A ready-made motion, or one of your own",
+        read=_chosen, apply=_choose,
+    ),
+    Html(
+        "motion.poses", content=lambda frame: text.poses_html(frame.state),
+        visible=lambda state: state.document.motion.kind is not Kind.PRESET,
+    ),
+    ButtonGroup(
+        "motion.ends", "Ends",
+        choices={
+            "From here": motions.start_here,
+            "To here": motions.goal_here,
+            "Swap": motions.swap_ends,
+        },
+        visible=lambda state: state.document.motion.kind.has_ends,
+        hint="Let the motion start or end at the current pose of the robot",
+    ),
+    ButtonGroup(
+        "motion.waypoints", "Waypoints",
+        choices={
+            "Add current": motions.add_waypoint,
+            "Remove last": motions.remove_waypoint,
+            "Clear": motions.clear_waypoints,
+        },
+        visible=_kind(Kind.WAYPOINTS), hint="Move the robot, add its pose, move it on",
+    ),
+    Button(
+        "motion.center", "Center here", effect=motions.center_here, color="gray",
+        visible=_kind(Kind.CIRCLE), hint="Put the center at the current pose of the robot",
+    ),
+    _number(
+        "radius", "Radius [mm]", LENGTHS, 1.0, "In the plane of x and y", _kind(Kind.CIRCLE),
+        MILLIMETERS,
+    ),
+    _number(
+        "height", "Height [mm]", (0.0, LENGTHS[1]), 1.0,
+        "How far the platform rises above the higher end", _kind(Kind.ARCH), MILLIMETERS,
+    ),
+    Custom("motion.file", make=lambda session: MotionFile(session)),
+    Dropdown(
+        "motion.profile", "Time law",
+        options={
+            "quintic": Profile.QUINTIC,
+            "trapezoid": Profile.TRAPEZOID,
+            "S-curve": Profile.S_CURVE,
+        },
+        hint="How the motion runs in time",
+        visible=lambda state: state.document.motion.kind.has_law,
+        read=lambda state: state.document.motion.profile,
+        apply=lambda state, profile: motions.change(state, profile=profile),
+    ),
+    Checkbox(
+        "motion.back", "Return to start", visible=_planned, hint="A closed motion",
+        read=lambda state: state.document.motion.back,
+        apply=lambda state, back: motions.change(state, back=back),
+    ),
+)  # fmt: skip
+
+
+def current_timing(state: State) -> Timing:
+    """Return what decides on the duration; only a preset has one of its own."""
+    motion = state.document.motion
+    own = motion.timing is Timing.OWN and motion.kind is not Kind.PRESET
+    return Timing.GIVEN if own else motion.timing
+
+
+def timing_options(state: State) -> Mapping[str, Timing]:
+    """Return what can decide on the duration."""
+    preset = state.document.motion.kind is Kind.PRESET
+    return {label: t for label, t in TIMINGS.items() if preset or t is not Timing.OWN}
+
+
+def _limit(name: str, label: str, unit: str, step: float) -> Number:
+    """Return the input of a limit of the shortest duration; 0 is none."""
+    return Number(
+        f"motion.limits.{name}", label, unit=display_unit(unit), step=step,
+        range=(0.0, display_unit(unit).from_si(LARGEST_LIMIT)),
+        read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
+        apply=lambda state, value: motions.limit(state, name, value),
+    )  # fmt: skip
+
+
+TIMING: tuple[Entry, ...] = (
+    Dropdown(
+        "motion.timing", "Duration", options=timing_options, visible=_planned,
+        hint="Given, or the shortest in which the robot keeps its limits", read=current_timing,
+        apply=lambda state, timing: motions.change(state, timing=timing),
+    ),
+    _number(
+        "duration", "T [s]", DURATIONS, 0.05, "One way, if the motion returns to its start",
+        lambda state: _planned(state) and current_timing(state) is Timing.GIVEN,
+    ),
+    Folder(
+        "motion.limits", "Limits",
+        visible=lambda state: _planned(state) and state.document.motion.timing is Timing.SHORTEST,
+        entries=(
+            Html("motion.limits.note", content=lambda _: render("motion_limits.j2")),
+            _limit("speed", "m/s", "m/s", 0.1),
+            _limit("turn_speed", "°/s", "rad/s", 10.0),
+            _limit("acceleration", "m/s²", "m/s^2", 0.5),
+            _limit("turn_acceleration", "°/s²", "rad/s^2", 100.0),
+            _limit("jerk", "m/s³", "m/s^3", 10.0),
+            _limit("turn_jerk", "°/s³", "rad/s^3", 1000.0),
+            _limit("torque", "M1–3 N·m", "N m", 0.5),
+            _limit("force", "F₄ N", "N", 10.0),
+        ),
+    ),
+    _number("rate", "Samples [1/s]", RATES, 50.0, "A motion has at most 20,000 samples here"),
+)  # fmt: skip
+
+
+def _setting(
+    name: str, label: str, limits: tuple[float, float], step: float, hint: str,
+    unit: DisplayUnit = PLAIN, visible: Condition | None = None,
+) -> Number:  # fmt: skip
+    """Return the input of one number of the simulation, with limits in SI."""
+    low, high = (unit.from_si(limit) for limit in limits)
+    return Number(
+        f"simulation.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
+        visible=visible, read=lambda state: getattr(state.simulating.settings, name),
+        apply=lambda state, value: motions.set_simulation(state, **{name: value}),
+    )  # fmt: skip
+
+
+def _has_feedback(state: State) -> bool:
+    return state.simulating.settings.control is not ControlMode.FEED_FORWARD
+
+
+SIMULATION: tuple[Entry, ...] = (
+    Dropdown(
+        "simulation.control", "Control",
+        options={
+            "computed torque": ControlMode.COMPUTED_TORQUE,
+            "feed-forward + PD": ControlMode.PD,
+            "feed-forward alone": ControlMode.FEED_FORWARD,
+        },
+        hint="Feed-forward alone has no feedback: the robot is unstable without it",
+        read=lambda state: state.simulating.settings.control,
+        apply=lambda state, control: motions.set_simulation(state, control=control),
+    ),
+    _setting(
+        "bandwidth", "Bandwidth [Hz]", BANDWIDTHS, 0.5,
+        "Of the error's own motion; the gains follow from it", visible=_has_feedback,
+    ),
+    _setting("damping", "Damping ratio", DAMPINGS, 0.1, "", visible=_has_feedback),
+    _setting(
+        "payload_mismatch", "Payload mismatch [kg]", PAYLOAD_MISMATCHES, 0.1,
+        "Payload of the robot beyond what the controller assumes",
+    ),
+    _setting(
+        "initial_error", "Initial error [mm]", INITIAL_ERRORS, 1.0, "Error of x at the start",
+        unit=MILLIMETERS,
+    ),
+    Checkbox(
+        "simulation.friction", "Controller knows the friction",
+        hint="The friction itself is a number of the design, zero in the paper",
+        read=lambda state: state.simulating.settings.knows_friction,
+        apply=lambda state, known: motions.set_simulation(state, knows_friction=known),
+    ),
+    Button(
+        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
+        disabled=lambda state: state.simulating.running is not None,
+    ),
+    Html("simulation.outcome", content=lambda frame: text.simulation_html(frame.state)),
+)  # fmt: skip
+
+
+def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
+    """Return status and playback, the motion, its duration, its path, and its simulation."""
+    return (
+        Html("playback.mark", content=lambda _: render("mark.j2", name="paminsa-playback")),
+        Html(
+            "motion.status",
+            content=lambda frame: text.status_html(frame.state, store.analysis(frame.state)),
+        ),
+        *PLAYBACK,
+        *DESCRIPTION,
+        *TIMING,
+        Folder(
+            "motion.path", "Path in the scene", open=False,
+            entries=(
+                Checkbox(
+                    "layers.path", "Show the path", hint="Drawn on the maps as well",
+                    read=lambda state: "path" in state.layers,
+                    apply=lambda state, shown: actions.set_layers(state, path=shown),
+                ),
+                Dropdown(
+                    "plots.color", "Colored by", options=ACTUATORS,
+                    hint="Torque or force of this actuator; red where the motion fails",
+                    read=lambda state: state.plots.color,
+                    apply=lambda state, actuator: motions.set_plots(state, color=actuator),
+                ),
+                Html(
+                    "motion.legend",
+                    content=lambda frame: text.path_legend_html(
+                        frame.state.plots.color, store.analysis(frame.state)
+                    ),
+                ),
+            ),
+        ),
+        Folder("motion.simulation", "Simulation", open=False, entries=SIMULATION),
+    )  # fmt: skip
 
 
 class MotionPanel:
-    """Status and playback, the motion, its duration, its path, its simulation.
+    """The entries of the tab, in the current container of the page, and what simulates.
 
-    Made in the current container of the page.
+    Attributes:
+        entries: The entries on the page.
     """
 
     def __init__(self, session: Session, store: MotionStore) -> None:
-        gui = session.client.gui
-        self._store = store
-        self.playback = PlaybackInputs(session, store)
-        self.inputs = MotionInputs(session)
-        self.timing = TimingInputs(session)
-        with gui.add_folder("Path in the scene", expand_by_default=False):
-            show = gui.add_checkbox(
-                "Show the path", "path" in session.state.layers, hint="Drawn on the maps as well"
-            )
-            color = gui.add_dropdown(
-                "Colored by", ACTUATORS, initial_value=ACTUATORS[0],
-                hint="Torque or force of this actuator; red where the motion fails",
-            )  # fmt: skip
-            self._legend = gui.add_html("")
-        with gui.add_folder("Simulation", expand_by_default=False):
-            self.simulation = SimulationInputs(session)
-        self._controls = [
-            Control(
-                session, show, "layers.path",
-                lambda s, value: actions.set_layers(s, path=bool(value)),
-                lambda s: "path" in s.layers,
-            ),
-            Control(
-                session, color, "plots.color",
-                lambda s, value: motions.set_plots(s, color=ACTUATORS.index(value)),
-                lambda s: ACTUATORS[s.plots.color],
-            ),
-        ]  # fmt: skip
+        self.entries = Panel(session, motion_entries(store))
+        self._job: BackgroundJob[SimulationJob, SimulationOutcome] = BackgroundJob(
+            session, "simulation", lambda job, _: run(job), motions.receive_simulation,
+            failed=lambda job, problem: SimulationOutcome(job, None, problem),
+        )  # fmt: skip
 
-    def draw(self, frame: Frame, moving: bool) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the state, and simulate what is requested."""
+        self._job.request(frame.state.simulating.running)
+        self.entries.draw(frame, dragging)
+
+
+def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
+    """Return the trajectory in an uploaded CSV file.
+
+    Raises:
+        TableFileError: If there is none in it; row and column say where. The server hands on a
+            file that is too large as an empty one.
+    """
+    if not content:
+        raise TableFileError(name, "is empty, or larger than 10 MB")
+    decoded = content.decode("utf-8-sig", errors="surrogateescape")
+    return parse_trajectory(io.StringIO(decoded, newline=""), name, rest=rest)
+
+
+class MotionFile:
+    """The folder in which a motion is opened from a file."""
+
+    def __init__(self, session: Session) -> None:
+        gui = session.client.gui
+        self._session = session
+        self.folder = gui.add_folder("CSV file", visible=self._shown(session.state))
+        with self.folder:
+            self.rest = gui.add_checkbox(
+                "Starts and ends at rest", False,
+                hint="For a few rows; without it, velocities at the ends are what the samples say",
+            )  # fmt: skip
+            self.upload = gui.add_upload_button(
+                "Open a CSV file…", icon=Icon.UPLOAD, mime_type=".csv,.txt",
+                hint="Columns t_s, x_m, y_m, theta_rad, z_m (or _ms, _mm, _deg)",
+            )  # fmt: skip
+        self.upload.on_upload(lambda event: self._receive(event.target.value))
+
+    @staticmethod
+    def _shown(state: State) -> bool:
+        return state.document.motion.kind is Kind.TABLE
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the state."""
-        for part in (self.playback, self.inputs, self.timing, self.simulation, *self._controls):
-            part.draw(frame, moving)
-        analysis = self._store.analysis(frame.state)
-        actuator = frame.state.plots.color
-        html = "" if analysis is None else legend_html(path_scale(analysis, actuator), actuator)
-        if self._legend.content != html:
-            self._legend.content = html
+        del dragging
+        self.folder.visible = self._shown(frame.state)
+
+    def _receive(self, file: Any) -> None:
+        """Read a file on the thread of its upload: a long table would block the worker."""
+        try:
+            table = uploaded_trajectory(file.name, file.content, bool(self.rest.value))
+        except PaminsaError as error:
+            self._session.notify("Not opened", str(error), bad=True)
+            return
+        self._session.dispatch("motion.table", lambda state: motions.use_table(state, table))
+        self._session.notify("Motion opened", f"{table.name}, {table.size} rows")

@@ -125,6 +125,7 @@ class TorqueArrows:
         self._scene = context.scene
         self._nodes: list[MeshHandle] = []
         self._fractions = np.full(4, np.nan)
+        self._geometry: Geometry | None = None
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the torques and the arms; nothing is sent while hidden."""
@@ -142,9 +143,11 @@ class TorqueArrows:
         for node, fraction in zip(self._nodes, fractions, strict=True):
             node.visible = bool(np.isfinite(fraction) and abs(fraction) > 1e-4)
         geometry = frame.standing_design.geometry
-        for node, angle in zip(self._nodes, AXIS_ANGLES, strict=False):
-            x, y = geometry.base_radius * np.array([np.cos(angle), np.sin(angle)])
-            node.position = (float(x), float(y), ARC_HEIGHT * geometry.knee.sign)
+        if geometry is not self._geometry:
+            self._geometry = geometry
+            for node, angle in zip(self._nodes, AXIS_ANGLES, strict=False):
+                x, y = geometry.base_radius * np.array([np.cos(angle), np.sin(angle)])
+                node.position = (float(x), float(y), ARC_HEIGHT * geometry.knee.sign)
         if frame.drawable:
             self._nodes[3].position = (*BESIDE_LIFT.tolist(), frame.configuration.actuators[3])
 
@@ -178,6 +181,7 @@ class ActuatorLabels:
     """The layer ``labels``: the names M1..M4 next to their bodies."""
 
     def __init__(self, context: SceneContext) -> None:
+        self._geometry: Geometry | None = None
         self._labels = [
             context.scene.add_label(
                 f"/actuators/m{number}", f"M{number}", font_screen_scale=1.0,
@@ -189,7 +193,10 @@ class ActuatorLabels:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Stand at the actuators of the geometry."""
         del dragging
-        places = label_places(frame.standing_design.geometry)
-        for label, place in zip(self._labels, places, strict=True):
-            label.position = place
+        geometry = frame.standing_design.geometry
+        if geometry is not self._geometry:
+            self._geometry = geometry
+            for label, place in zip(self._labels, label_places(geometry), strict=True):
+                label.position = place
+        for label in self._labels:
             label.visible = "labels" in frame.state.layers

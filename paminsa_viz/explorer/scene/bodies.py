@@ -7,6 +7,7 @@ message a body is enough that way, where free-standing bodies would need two.
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any, Final
 
 import numpy as np
@@ -38,6 +39,7 @@ PARENT: Final = {
 """What each body of a leg hangs from; empty for the leg's own frame."""
 
 
+@cache
 def node_name(body: str) -> str:
     """Return the scene name of a body, for example ``/robot/leg1/slider/b8``."""
     if not body.startswith("leg"):

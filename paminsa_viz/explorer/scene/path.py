@@ -14,10 +14,9 @@ from paminsa_viz.explorer.motion.results import MotionStore, split_path
 from paminsa_viz.explorer.scene.curves import Curve, linear_colors, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.palette import BAD, INK
 from paminsa_viz.plots import colors
 from paminsa_viz.trajectory import TrajectoryAnalysis
-from paminsa_viz.units import number
 
 Array = NDArray[np.float64]
 
@@ -65,19 +64,9 @@ def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:
     return np.rint(share * (len(_hues()) - 1)).astype(np.intp)
 
 
-def legend_html(scale: PathScale, actuator: int) -> str:
-    """Return the color bar of the path."""
-    bar = ",".join(_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale))
-    unit = "N·m" if actuator < 3 else "N"
-    name = ("|τ₁|", "|τ₂|", "|τ₃|", "|F₄|")[actuator]
-    return (
-        f'<div data-testid="path-legend" style="padding:0 12px 8px;font-size:12px;color:{INK}">'
-        f'<div style="height:9px;border-radius:3px;background:linear-gradient(to right,{bar})">'
-        '</div><div style="display:flex;justify-content:space-between">'
-        f"<span>{number(scale.low, 3)}</span><span>{name} [{unit}]</span>"
-        f"<span>{number(scale.high, 3)}</span></div>"
-        f'<span style="color:{MUTED}">dashed red: the motion fails</span></div>'
-    )
+def hue_gradient(scale: PathScale) -> list[str]:
+    """Return colors from the low to the high end of a scale, as ``#rrggbb``."""
+    return [_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale)]
 
 
 class Pieces(NamedTuple):

@@ -188,7 +188,7 @@ class GuardedConnection(ServerConnection):
             self._held_since = now
         self._guard.held.add(self)
         self._held_until = now + delay * len(self._guard.held)
-        if self._held_until - self._held_since > self._guard.limits.patience:
+        if self._held_until - self._held_since > self._guard.limits.flood_timeout:
             logger.warning("a connection that sent far too much was cut off")
             self.transport.abort()
             return

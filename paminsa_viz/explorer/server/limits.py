@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Limits:
-    """Generous for a hand on a page, small for a program.
+    """Generous for a person at a page, small for a program.
 
     A busy page sends about 100 messages a second: viser's page sends its camera at most every
     20 ms, and inputs, gizmos and pointers every 20 to 50 ms each.
@@ -28,7 +28,7 @@ class Limits:
         frame_burst: The same, at once.
         bytes_per_second: Bytes of one connection, in the long run [bytes/s].
         byte_burst: The same, at once [bytes].
-        patience: A connection is cut off when what it sent will take longer than this [s].
+        flood_timeout: A connection is cut off when what it sent will take longer than this [s].
     """
 
     sessions: int = 24
@@ -41,7 +41,7 @@ class Limits:
     frame_burst: float = 100.0
     bytes_per_second: float = 4.0 * 2**20
     byte_burst: float = 32.0 * 2**20
-    patience: float = 10.0
+    flood_timeout: float = 10.0
 
 
 class RateLimit:

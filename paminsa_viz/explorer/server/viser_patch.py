@@ -1,4 +1,4 @@
-"""The only file that reaches into viser, and why.
+"""What the guard needs of viser that is not public, and why.
 
 viser 1.1 starts its WebSocket server inside one function without parameters for what we need, and
 keeps its bookkeeping in private attributes. What is used of it:
@@ -10,6 +10,7 @@ keeps its bookkeeping in private attributes. What is used of it:
   the handlers that are shared by all pages, and ``_live_connections``, to find the connection of a
   session.
 * ``GuiApi._gui_input_handle_from_uuid``: the inputs of a session.
+* ``viser._messages``: the messages of a page, from which ``messages`` makes stricter types.
 
 Each is looked for at the start, and a viser that has another shape is refused with
 :class:`ViserChanged`. This is why the project pins ``viser>=1.1.1,<1.2``.

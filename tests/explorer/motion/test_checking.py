@@ -17,10 +17,9 @@ from paminsa_viz.explorer.motion import exporting
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
-from paminsa_viz.explorer.panels import motion_engine
-from paminsa_viz.explorer.panels.motion_engine import EngineChecker, verdict_html
-from paminsa_viz.explorer.panels.motion_numbers import difference_html
-from paminsa_viz.explorer.panels.motion_plots import drawn_charts
+from paminsa_viz.explorer.panels import motion_plots
+from paminsa_viz.explorer.panels.motion_plots import EngineChecker, drawn_charts
+from paminsa_viz.explorer.panels.motion_text import caption_html, difference_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
@@ -46,6 +45,11 @@ def analyzed(state: State) -> MotionResults:
     found = MotionStore().all(state)
     assert found is not None
     return found
+
+
+def caption(found: MotionResults, state: State) -> str:
+    """Return what stands below the charts of a state."""
+    return caption_html(state, found, drawn_charts(state, found))
 
 
 def answered(state: State) -> State:
@@ -105,7 +109,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
         other = motions.set_plots(other, plot="differences")
         for chart in drawn_charts(other, analyzed(other)):
             assert all(np.isnan(trace.values).all() for trace in chart.traces)
-        assert "computing" in verdict_html(found.answer, found)
+        assert "computing" in caption(found, other)
     back = actions.vary(actions.vary(known, {"links.b3": 0.5}), {"links.b3": 0.406})
     assert analyzed(back).answer is known.engine_answer
 
@@ -145,7 +149,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     table = difference_html((turning, lifting), found, 0.1)
     assert table.count("PASS") == 4
     assert "FAIL" not in table
-    assert "PASS" in verdict_html(found.answer, found)
+    assert "PASS" in caption(found, state)
 
     state = motions.set_plots(state, published=True)
     found = analyzed(state)
@@ -153,7 +157,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
     table = difference_html(drawn, found, 0.1)
     assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
-    assert "misprints" in verdict_html(found.answer, found)
+    assert "misprints" in caption(found, state)
     figure = exporting.figure(state, "svg", 120.0, 100.0)
     assert "comparison" in figure.name
     assert b"Formulae as published and MuJoCo" in figure.content
@@ -180,7 +184,7 @@ def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
     found = analyzed(answered(away))
     assert found.answer is not None
     assert "cannot run any" in found.answer.problem
-    assert "cannot run any" in verdict_html(found.answer, found)
+    assert "cannot run any" in caption(found, away)
 
 
 def test_a_missing_engine_is_told_once_for_all_designs(
@@ -191,7 +195,7 @@ def test_a_missing_engine_is_told_once_for_all_designs(
     for other in (state, actions.vary(state, {"links.b3": 0.5})):
         found = analyzed(other)
         assert found.answer is not None
-        said = verdict_html(found.answer, found)
+        said = caption(found, other)
         assert "pip install" in said
         assert str(EngineMissing("MuJoCo")).split(";")[0] in said
         assert "–" in difference_html(
@@ -211,7 +215,7 @@ class Asked:
         self.designs: list[float] = []
         self.may, self.came = threading.Semaphore(0), threading.Semaphore(0)
         self.checker = EngineChecker(self)  # type: ignore[arg-type]
-        monkeypatch.setattr(motion_engine, "ask_engine", self._answer)
+        monkeypatch.setattr(motion_plots, "ask_engine", self._answer)
 
     def _answer(self, analysis: Any) -> Answer:
         self.designs.append(analysis.design.links.b3)
@@ -262,7 +266,7 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked = Asked(state, monkeypatch)
-    monkeypatch.setattr(motion_engine, "IDLE_DELAY", 0.0)
+    monkeypatch.setattr(motion_plots, "IDLE_DELAY", 0.0)
     asked.draw(0.5, moving=True)
     asked.wait()
     asked.may.release()

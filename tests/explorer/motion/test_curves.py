@@ -24,7 +24,7 @@ from paminsa_viz.trajectory import analyze
 
 @pytest.fixture
 def state() -> State:
-    """A heavier design with the paper's pinned, and the formulae as printed shown."""
+    """A heavier design with the paper's pinned, and the formulae as published shown."""
     state = actions.pin_reference(motions.choose_preset(initial_state(), "circle"))
     return motions.set_plots(actions.vary(state, {"links.b4": 2.0}), published=True)
 

@@ -9,6 +9,7 @@ import pytest
 import viser
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.commands import commands
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.view_panel import view_entries
@@ -73,9 +74,9 @@ def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) 
         desk.set(box, True)
         desk.until(lambda: "grid" in desk.state.layers)
         desk.until(lambda: nodes["/grid"].visible)
-        (command,) = [c for c in commands(desk.session) if c.label == "Show or hide: grid"]
-        assert command.key == "J"
-        command.run()
+        (command,) = [c for c in commands() if c.label == "Show or hide: grid"]
+        assert command.hotkey == "J"
+        perform(desk.session, command.key, command.effect)
         desk.until(lambda: not box.value)
         desk.until(lambda: not nodes["/grid"].visible)
 

@@ -8,31 +8,31 @@ import pytest
 
 from paminsa_viz.explorer.server.listening import Limits
 
-from .house import House
+from .guarded import GuardedServer
 
 
 @pytest.fixture(scope="module")
-def shared_house() -> Iterator[House]:
-    # The page limit of this one house is wide: the tests come faster than people.
-    house = House(Limits(sessions=200))
-    yield house
-    house.close()
+def shared_server() -> Iterator[GuardedServer]:
+    # The page limit of this one server is wide: the tests come faster than people.
+    guarded = GuardedServer(Limits(sessions=200))
+    yield guarded
+    guarded.close()
 
 
 @pytest.fixture
-def house(shared_house: House) -> Iterator[House]:
-    yield shared_house
-    shared_house.leave()
+def guarded(shared_server: GuardedServer) -> Iterator[GuardedServer]:
+    yield shared_server
+    shared_server.close_pages()
 
 
 @pytest.fixture
-def strict_house() -> Iterator[Callable[[Limits], House]]:
-    houses: list[House] = []
+def start_guarded() -> Iterator[Callable[[Limits], GuardedServer]]:
+    started: list[GuardedServer] = []
 
-    def build(limits: Limits) -> House:
-        houses.append(House(limits))
-        return houses[-1]
+    def build(limits: Limits) -> GuardedServer:
+        started.append(GuardedServer(limits))
+        return started[-1]
 
     yield build
-    for each in houses:
+    for each in started:
         each.close()

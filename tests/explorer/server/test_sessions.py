@@ -10,49 +10,50 @@ from contextlib import suppress
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from paminsa_viz.explorer.server.connection import GuardedConnection
 from paminsa_viz.explorer.server.listening import Limits
 
 from ..raw_page import PATIENCE, dial, eventually, update
-from .house import House
+from .guarded import GuardedServer
 
 
-def test_one_session_can_not_write_into_another(house: House) -> None:
-    (page, inputs), (other, theirs) = house.page(), house.page()
+def test_one_session_cannot_write_into_another(guarded: GuardedServer) -> None:
+    (page, inputs), (other, theirs) = guarded.page(), guarded.page()
     page.send(update(theirs.slider._impl.uuid, 0.75))
     for owner in (str(other.client.client_id), ""):
         pose = {"wxyz": [1, 0, 0, 0], "position": [9, 9, 9], "owner": owner}
         page.send({"type": "TransformControlsUpdateMessage", "name": "/gizmo", **pose})
-    house.alive(page, inputs)
+    guarded.still_answers(page, inputs)
     assert theirs.slider.value == 0.5
-    assert theirs.heard == []
+    assert theirs.received == []
     assert tuple(theirs.gizmo.position) == (0.0, 0.0, 0.0)
 
 
-def test_what_is_shared_can_be_seen_but_not_touched(house: House) -> None:
-    slider = house.server.gui.add_slider("shared", 0.0, 1.0, 0.1, 0.5)
-    gizmo = house.server.scene.add_transform_controls("/shared")
-    command = house.server.gui.add_command("shared")
+def test_what_is_shared_can_be_seen_but_not_touched(guarded: GuardedServer) -> None:
+    slider = guarded.server.gui.add_slider("shared", 0.0, 1.0, 0.1, 0.5)
+    gizmo = guarded.server.scene.add_transform_controls("/shared")
+    command = guarded.server.gui.add_command("shared")
     called: list[object] = []
     command.on_trigger(called.append)
-    (page, inputs), (other, _) = house.page(), house.page()
+    (page, inputs), (other, _) = guarded.page(), guarded.page()
     page.send(update(slider._impl.uuid, 1.0))
     page.send({"type": "CommandTriggerMessage", "uuid": command._impl.uuid})
     page.send({"type": "GuiFormDirtyMessage", "uuid": "a form"})
     pose = {"wxyz": [1, 0, 0, 0], "position": [9, 9, 9], "owner": ""}
     page.send({"type": "TransformControlsUpdateMessage", "name": "/shared", **pose})
-    house.alive(page, inputs)
+    guarded.still_answers(page, inputs)
     assert slider.value == 0.5
     assert tuple(gizmo.position) == (0.0, 0.0, 0.0)
     assert not called
-    kinds = {message["type"] for message in other.heard()}
+    kinds = {message["type"] for message in other.received()}
     assert "GuiSliderMessage" in kinds
     assert "GuiFormDirtyMessage" not in kinds
     for each in (slider, gizmo, command):
         each.remove()
 
 
-def test_a_flood_is_slowed_down_and_loses_nothing(house: House) -> None:
-    (flooder, flooded), (other, theirs) = house.page(), house.page()
+def test_a_flood_is_slowed_down_and_loses_nothing(guarded: GuardedServer) -> None:
+    (flooder, flooded), (other, theirs) = guarded.page(), guarded.page()
     values = [round(0.001 * (i % 1000), 3) for i in range(400)]
 
     def flood() -> None:
@@ -62,19 +63,19 @@ def test_a_flood_is_slowed_down_and_loses_nothing(house: House) -> None:
     thread = threading.Thread(target=flood)
     thread.start()
     for i in range(20):
-        house.alive(other, theirs, 0.1 + 0.01 * i)
-    assert len(flooded.heard) < len(values)  # still behind, while the other was served
+        guarded.still_answers(other, theirs, 0.1 + 0.01 * i)
+    assert len(flooded.received) < len(values)  # still behind, while the other was served
     thread.join()
-    eventually(lambda: len(flooded.heard) == len(values))
-    assert flooded.heard == values
+    eventually(lambda: len(flooded.received) == len(values))
+    assert flooded.received == values
 
 
 @pytest.mark.parametrize("opcode", [0x82, 0x89, 0x8A], ids=["data", "ping", "pong"])
-def test_who_floods_on_regardless_is_cut_off(
-    strict_house: Callable[[Limits], House], opcode: int
+def test_a_flood_that_goes_on_is_cut_off(
+    start_guarded: Callable[[Limits], GuardedServer], opcode: int
 ) -> None:
-    house = strict_house(Limits(patience=0.5))
-    (flooder, _), (other, theirs) = house.page(), house.page()
+    guarded = start_guarded(Limits(flood_timeout=0.5))
+    (flooder, _), (other, theirs) = guarded.page(), guarded.page()
     empty_frames = bytes([opcode, 0x80, 0, 0, 0, 0]) * 1_000_000
 
     def flood() -> None:
@@ -82,37 +83,59 @@ def test_who_floods_on_regardless_is_cut_off(
             flooder.socket.socket.sendall(empty_frames)
 
     threading.Thread(target=flood, daemon=True).start()
-    house.alive(other, theirs)
-    eventually(lambda: flooder.client.client_id not in house.server.get_clients())
+    guarded.still_answers(other, theirs)
+    eventually(lambda: flooder.client.client_id not in guarded.server.get_clients())
 
 
-def test_a_message_in_endless_pieces_is_cut_off(strict_house: Callable[[Limits], House]) -> None:
-    house = strict_house(Limits(frame_burst=1e6))
-    page, _ = house.page()
+def test_a_message_in_endless_pieces_is_cut_off(
+    start_guarded: Callable[[Limits], GuardedServer],
+) -> None:
+    guarded = start_guarded(Limits(frame_burst=1e6))
+    page, _ = guarded.page()
     page.socket.socket.sendall(bytes([0x02, 0x80, 0, 0, 0, 0]))
     with suppress(OSError):
         # Pings in between must not hide the pieces.
         page.socket.socket.sendall(bytes([0, 0x80, 0, 0, 0, 0, 0x89, 0x80, 0, 0, 0, 0]) * 5000)
-    eventually(lambda: page.client.client_id not in house.server.get_clients())
+    eventually(lambda: page.client.client_id not in guarded.server.get_clients())
 
 
-def test_a_message_of_50_megabytes_is_refused(house: House) -> None:
-    (page, _), (other, theirs) = house.page(), house.page()
+def test_no_read_takes_the_event_loop_for_long(
+    guarded: GuardedServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    sizes: list[int] = []
+    received = GuardedConnection.data_received
+
+    def record(self: GuardedConnection, data: bytes) -> None:
+        sizes.append(len(data))
+        received(self, data)
+
+    monkeypatch.setattr(GuardedConnection, "data_received", record)
+    page, inputs = guarded.page()
+    page.send(bytes(1_000_000))  # in frames of the smallest size, this were 160,000
+    guarded.still_answers(page, inputs)
+    assert sum(sizes) > 1_000_000
+    assert max(sizes) <= 4096
+
+
+def test_a_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
+    (page, _), (other, theirs) = guarded.page(), guarded.page()
     with suppress(ConnectionClosed):
         page.send(b"\xc6" + (50_000_000).to_bytes(4, "big") + bytes(50_000_000))
         while True:  # what the server had sent before
             page.socket.recv(timeout=PATIENCE)
     assert page.socket.close_code == 1009
-    house.alive(other, theirs)
+    guarded.still_answers(other, theirs)
 
 
-def test_silent_connections_do_not_keep_a_page_out(strict_house: Callable[[Limits], House]) -> None:
-    house = strict_house(Limits(waiting=4))
-    silent = [socket.create_connection(("127.0.0.1", house.port)) for _ in range(20)]
+def test_silent_connections_do_not_keep_a_page_out(
+    start_guarded: Callable[[Limits], GuardedServer],
+) -> None:
+    guarded = start_guarded(Limits(waiting=4))
+    silent = [socket.create_connection(("127.0.0.1", guarded.port)) for _ in range(20)]
     for each in silent:
         each.sendall(b"GET / HTT")
-    page, inputs = house.page()
-    house.alive(page, inputs)
+    page, inputs = guarded.page()
+    guarded.still_answers(page, inputs)
     silent[0].settimeout(PATIENCE / 2)  # long before it would have been given up anyway
     with suppress(ConnectionResetError):
         assert silent[0].recv(1) == b""
@@ -121,23 +144,23 @@ def test_silent_connections_do_not_keep_a_page_out(strict_house: Callable[[Limit
 
 
 def test_pages_are_counted_and_a_closed_one_makes_room(
-    strict_house: Callable[[Limits], House],
+    start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
-    house = strict_house(Limits(sessions=2, sessions_per_second=1000.0))
-    (first, _), _ = house.page(), house.page()
+    guarded = start_guarded(Limits(sessions=2, sessions_per_second=1000.0))
+    (first, _), _ = guarded.page(), guarded.page()
     with pytest.raises(InvalidStatus) as refusal:
-        dial(house.port)
+        dial(guarded.port)
     assert refusal.value.response.status_code == 503
     first.socket.close()
-    eventually(lambda: len(house.server.get_clients()) == 1)
-    house.page()
+    eventually(lambda: len(guarded.server.get_clients()) == 1)
+    guarded.page()
 
 
-def test_pages_can_not_be_opened_faster_than_they_can_be_built(
-    strict_house: Callable[[Limits], House],
+def test_pages_cannot_be_opened_faster_than_they_can_be_built(
+    start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
-    house = strict_house(Limits(sessions=3, sessions_per_second=0.001))
+    guarded = start_guarded(Limits(sessions=3, sessions_per_second=0.001))
     for _ in range(3):
-        dial(house.port).close()
+        dial(guarded.port).close()
     with pytest.raises(InvalidStatus):
-        dial(house.port)
+        dial(guarded.port)

@@ -22,10 +22,10 @@ class Inputs:
     choice: Any
     upload: Any
     gizmo: Any
-    heard: list[Any]
+    received: list[Any]
 
 
-def _furnish(server: viser.ViserServer) -> dict[int, Inputs]:
+def _add_inputs(server: viser.ViserServer) -> dict[int, Inputs]:
     sessions: dict[int, Inputs] = {}
 
     @server.on_client_connect
@@ -44,20 +44,20 @@ def _furnish(server: viser.ViserServer) -> dict[int, Inputs]:
 
             @each.on_update
             async def note(event: Any) -> None:
-                inputs.heard.append(event.target.value)
+                inputs.received.append(event.target.value)
 
         sessions[client.client_id] = inputs
 
     return sessions
 
 
-class House:
-    """A running server with furnished sessions."""
+class GuardedServer:
+    """A running server with sessions."""
 
     def __init__(self, limits: Limits | None = None, **options: Any) -> None:
         self.server = open_server(port=0, limits=limits, **options)
         self.port = self.server.get_port()
-        self._sessions = _furnish(self.server)
+        self._sessions = _add_inputs(self.server)
         self._pages: list[RawPage] = []
 
     def page(self) -> tuple[RawPage, Inputs]:
@@ -66,13 +66,13 @@ class House:
         self._pages.append(page)
         return page, eventually(lambda: self._sessions.get(page.client.client_id))
 
-    def alive(self, page: RawPage, inputs: Inputs, value: float = 0.25) -> None:
+    def still_answers(self, page: RawPage, inputs: Inputs, value: float = 0.25) -> None:
         """Wait until all that ``page`` sent has been dealt with, and it and the server answer."""
         page.send(update(inputs.slider._impl.uuid, value))
-        eventually(lambda: inputs.heard and inputs.heard[-1] == value)
+        eventually(lambda: inputs.received and inputs.received[-1] == value)
         assert get(self.port).status == 200
 
-    def leave(self) -> None:
+    def close_pages(self) -> None:
         """Close all pages."""
         for page in self._pages:
             page.socket.close()
@@ -80,5 +80,5 @@ class House:
 
     def close(self) -> None:
         """Close all pages and the server."""
-        self.leave()
+        self.close_pages()
         self.server.stop()

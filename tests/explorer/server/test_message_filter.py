@@ -9,9 +9,17 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.server.limits import Limits
+from paminsa_viz.explorer.server.message_filter import MessageFilter
+from paminsa_viz.explorer.server.messages import page_decoder
 
 from ..raw_page import RawPage, eventually, pack, update
-from .house import House
+from .guarded import GuardedServer
+
+POINTER = {
+    "type": "ScenePointerMessage", "event_type": "click", "ray_origin": [1.0, 2.0, 3.0],
+    "ray_direction": [0.0, 0.0, 1.0], "screen_pos": [[0.5, 0.5]], "modifier": None,
+}  # fmt: skip
+"""A click into the scene."""
 
 
 @pytest.mark.parametrize(
@@ -29,15 +37,21 @@ from .house import House
         pack({"type": "GuiUpdateMessage", "uuid": "nobody", "updates": {"value": 1}}),
         pack({"type": "ViewerCameraMessage", "wxyz": [math.nan] * 4}),
         pack({"type": "RunJavascriptMessage", "source": "alert(1)"}),
+        pack(POINTER | {"ray_origin": None}),
+        pack(POINTER | {"screen_pos": []}),
+        pack(POINTER | {"event_type": "rect-select"}),
+        pack({"type": "CommandTriggerMessage", "uuid": "u" * 300}),
+        pack({"type": "CommandTriggerMessage", "uuid": "u", "more": 1}),
         pack({"type": "RemoveSceneNodeMessage", "name": "/gizmo"}),
     ],
 )
-def test_what_no_page_sends_is_dropped(house: House, raw: bytes) -> None:
-    page, inputs = house.page()
+def test_what_no_page_sends_is_dropped(guarded: GuardedServer, raw: bytes) -> None:
+    assert MessageFilter(page_decoder(), Limits(), lambda _: None).passed(raw) is None
+    page, inputs = guarded.page()
     page.send(raw)
     page.socket.send("text instead of bytes")
-    house.alive(page, inputs)
-    assert inputs.heard == [0.25]
+    guarded.still_answers(page, inputs)
+    assert inputs.received == [0.25]
 
 
 @pytest.mark.parametrize(
@@ -60,62 +74,64 @@ def test_what_no_page_sends_is_dropped(house: House, raw: bytes) -> None:
     ],
 )
 def test_a_value_of_the_wrong_kind_does_not_reach_an_input(
-    house: House, name: str, value: Any
+    guarded: GuardedServer, name: str, value: Any
 ) -> None:
-    page, inputs = house.page()
+    page, inputs = guarded.page()
     handle = getattr(inputs, name)
     before = handle.value
     page.send(update(handle._impl.uuid, value))
-    house.alive(page, inputs)
-    assert inputs.heard == [0.25]
+    guarded.still_answers(page, inputs)
+    assert inputs.received == [0.25]
     assert name == "slider" or handle.value == before
 
 
-def test_values_of_the_right_kind_do_even_out_of_range(house: House) -> None:
-    page, inputs = house.page()
+def test_values_of_the_right_kind_do_even_out_of_range(guarded: GuardedServer) -> None:
+    page, inputs = guarded.page()
     wanted = [(inputs.slider, 5), (inputs.count, 4), (inputs.choice, "b")]
     wanted.append((inputs.vector, (9.0, 8.0, 7.0)))
     for handle, value in wanted:
         page.send(update(handle._impl.uuid, value))
-    eventually(lambda: len(inputs.heard) == len(wanted))
-    assert inputs.heard == [value for _, value in wanted]
-    assert [type(value) for value in inputs.heard] == [float, int, str, tuple]
+    eventually(lambda: len(inputs.received) == len(wanted))
+    assert inputs.received == [value for _, value in wanted]
+    assert [type(value) for value in inputs.received] == [float, int, str, tuple]
 
 
-def test_an_update_may_set_the_value_and_nothing_else(house: House) -> None:
-    page, inputs = house.page()
+def test_an_update_may_set_the_value_and_nothing_else(guarded: GuardedServer) -> None:
+    page, inputs = guarded.page()
     uuid = inputs.slider._impl.uuid
     for name in ("update_cb", "removed", "gui_api", "sync_cb"):
         for updates in ({name: []}, {"value": 0.9, name: []}):
             page.send({"type": "GuiUpdateMessage", "uuid": uuid, "updates": updates})
-    house.alive(page, inputs)
-    assert inputs.heard == [0.25]
+    guarded.still_answers(page, inputs)
+    assert inputs.received == [0.25]
     assert inputs.slider._impl.update_cb
     assert not inputs.slider._impl.removed
 
 
 def test_a_key_given_twice_is_read_in_one_way_only(
-    house: House, monkeypatch: pytest.MonkeyPatch
+    guarded: GuardedServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[object] = []
     monkeypatch.setattr(viser.ViserServer, "request_share_url", lambda self: asked.append(self))
-    page, inputs = house.page()
+    page, inputs = guarded.page()
     command = pack({"type": "CommandTriggerMessage", "uuid": "x"})
     page.send(b"\x83" + command[1:] + b"\xa4type\xafShareUrlRequest")
     page.send(b"\x82\xa4type\xb5CommandTriggerMessage\xa4type\xafShareUrlRequest")
-    house.alive(page, inputs)
+    guarded.still_answers(page, inputs)
     assert not asked
 
 
-def test_no_page_can_open_a_share_tunnel(monkeypatch: pytest.MonkeyPatch, house: House) -> None:
+def test_no_page_can_open_a_share_tunnel(
+    monkeypatch: pytest.MonkeyPatch, guarded: GuardedServer
+) -> None:
     asked: list[object] = []
     monkeypatch.setattr(viser.ViserServer, "request_share_url", lambda self: asked.append(self))
-    page, inputs = house.page()
+    page, inputs = guarded.page()
     page.send({"type": "ShareUrlRequest"})
     page.send({"type": "ShareUrlDisconnect"})
-    house.alive(page, inputs)
+    guarded.still_answers(page, inputs)
     assert not asked
-    (theme,) = (m for m in page.heard() if m["type"] == "ThemeConfigurationMessage")
+    (theme,) = (m for m in page.received() if m["type"] == "ThemeConfigurationMessage")
     assert theme["show_share_button"] is False
 
     plain = viser.ViserServer("127.0.0.1", 0, verbose=False)  # the same message does it there
@@ -135,8 +151,8 @@ def _send_file(page: RawPage, button: str, content: bytes, name: str = "t") -> N
         page.send({"type": "FileTransferPart", "part_index": i, "content": part, **same})
 
 
-def test_a_small_file_arrives_and_a_large_one_arrives_empty(house: House) -> None:
-    page, inputs = house.page()
+def test_a_small_file_arrives_and_a_large_one_arrives_empty(guarded: GuardedServer) -> None:
+    page, inputs = guarded.page()
     sizes: list[int] = []
 
     @inputs.upload.on_upload
@@ -148,7 +164,7 @@ def test_a_small_file_arrives_and_a_large_one_arrives_empty(house: House) -> Non
     eventually(lambda: sizes)
     _send_file(page, button, bytes(Limits().upload_bytes + 1), "large")
     _send_file(page, inputs.slider._impl.uuid, b"abc", "into a slider")
-    house.alive(page, inputs)
+    guarded.still_answers(page, inputs)
     eventually(lambda: len(sizes) == 2)
     assert sizes == [700_000, 0]
     assert inputs.slider.value == 0.25

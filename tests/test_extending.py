@@ -1,0 +1,175 @@
+"""What `docs/extending.md` promises: one entry, and it is on the page, in commands, in exports."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import paminsa_viz
+from paminsa_viz.cli import map as map_command
+from paminsa_viz.explorer import exports
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.entries import ButtonGroup
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels.export_panel import export_entries
+from paminsa_viz.explorer.panels.maps_panel import MapsPanel
+from paminsa_viz.explorer.server.listening import open_server
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.files.tables import TABLE_FORMATS, table_csv
+from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
+from paminsa_viz.notebook import map_view
+from paminsa_viz.plots.formats import FIGURE_FORMATS, FigureFormat
+from paminsa_viz.quantities import QUANTITIES, Quantity
+from paminsa_viz.studies.sweeps import sweep
+from tests.cli import running
+from tests.explorer.panel_desk import desk_with
+
+
+def eccentricity(m: Any, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any]:
+    """A formula of a pose as it would stand in a file of its own."""
+    return (np.hypot(x, y) / m.base_radius,)
+
+
+@pytest.fixture
+def quantity(monkeypatch: pytest.MonkeyPatch) -> Iterator[Quantity]:
+    """A quantity that only this test knows; commands read the registry when they are loaded."""
+    made = Quantity(
+        "eccentricity", "ecc", "eccentricity", "Distance from the axis over R_b", "1",
+        backend.Formula(eccentricity, 1),
+    )  # fmt: skip
+    with monkeypatch.context() as patch:
+        patch.setitem(QUANTITIES, made.key, made)
+        importlib.reload(map_command)
+        yield made
+    importlib.reload(map_command)
+
+
+def shown(key: str) -> State:
+    """A state whose single map shows a quantity."""
+    state = initial_state()
+    return replace(state, map_view=replace(state.map_view, quantity=key))
+
+
+def test_a_quantity_is_swept_drawn_written_and_chosen(
+    quantity: Quantity, capsys, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    grid = Grid.over((0.0, 0.1, 0.2, -0.5), x=np.linspace(-0.1, 0.15, 11))
+    expected = np.hypot(grid.axes[0][1], 0.1) / 0.35
+    field = solve_field(APPENDIX_4.geometry, grid)
+    np.testing.assert_allclose(quantity.over(field, APPENDIX_4), expected, rtol=1e-14)
+    found = sweep(APPENDIX_4, grid, (quantity.key,)).largest[quantity.key]
+    assert found == pytest.approx(expected.max())
+    words = ("--quantity", quantity.key, "--cells", "20", "--out", "a.csv", "--out", "a.svg")
+    told = running.told("map", capsys, *words)
+    assert 0 < told["maps"][quantity.key]["largest"] < 2
+    assert "ecc" in Path("a.csv").read_text()
+    assert quantity.title in Path("a.svg").read_text()
+    assert b"ecc" in exports.table(shown(quantity.key), MapStore(), "csv", True).content
+    assert map_view(quantity=quantity.key, cells=20).data
+
+
+def test_a_quantity_is_chosen_on_the_page(quantity: Quantity) -> None:
+    server = open_server(port=0)
+    try:
+        with desk_with(server, lambda s: MapsPanel(s, Bridge(s.client), MotionStore())) as desk:
+            handles = desk.session.client.gui._gui_input_handle_from_uuid.values()
+            choice: Any = next(h for h in handles if getattr(h, "label", "") == "show")
+            assert quantity.label in choice.options
+            desk.set(choice, quantity.label)
+            desk.until(lambda: desk.state.map_view.quantity == quantity.key)
+    finally:
+        server.stop()
+
+
+def buttons(key: str) -> set[str]:
+    """The texts of a row of buttons on the export tab."""
+    entries = {entry.key: entry for entry in export_entries(MapStore())}
+    row = entries[key]
+    assert isinstance(row, ButtonGroup)
+    return set(row.effects(initial_state()))
+
+
+def test_a_table_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(TABLE_FORMATS, "tsv", lambda table: table_csv(table).replace(b",", b"\t"))
+    running.told("map", capsys, "--cells", "10", "--out", "a.tsv")
+    running.told("trajectory", capsys, "--rate", "50", "--out", "b.tsv")
+    for name in ("a.tsv", "b.tsv"):
+        assert b"\t" in Path(name).read_bytes()
+    assert exports.table(initial_state(), MapStore(), "tsv", False).name.endswith(".tsv")
+    assert "TSV" in buttons("export.table") & buttons("export.series")
+
+
+def test_a_figure_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(FIGURE_FORMATS, "eps", FigureFormat("eps"))
+    running.told("map", capsys, "--cells", "20", "--out", "a.eps")
+    running.told("trajectory", capsys, "--rate", "50", "--out", "b.eps")
+    for name in ("a.eps", "b.eps"):
+        assert Path(name).read_bytes().startswith(b"%!PS")
+    assert "EPS" in buttons("export.figure") & buttons("export.curves")
+
+
+CHANGES = {
+    "model/design.py": (
+        '    j9: float = quantity(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
+        '{}    j10: float = quantity(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
+    ),
+    "model/lumped.py": (
+        ('"m9",', '{} "m10",'),
+        ("mc8 = m.B10 * geometry.guide_link_length**2 / 8",
+         "{} + m.m10 * geometry.guide_link_length**2 / 2"),
+    ),
+    "engines/mechanism.py": ("foot, (guide,),", "foot, (guide, joint(10, behind)),"),
+}  # fmt: skip
+"""The three files of the worked example: what stands there, and what takes its place."""
+
+CHECK = """
+import numpy as np
+from paminsa_viz.cli import main
+from paminsa_viz.engines.verification import verify
+from paminsa_viz.explorer.panels.design_layout import GROUPS
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import APPENDIX_4, mass_matrix
+from paminsa_viz.trajectory import PRESET
+
+assert "joints.j10" in [p.path for group in GROUPS for p in group.parameters]
+stopped = APPENDIX_4.vary({"joints.j10": 0.7})
+pose = [0.05, -0.02, 0.3, -0.5]
+assert np.abs(mass_matrix(stopped, pose) - mass_matrix(APPENDIX_4, pose)).max() > 1e-3
+save_design(stopped, "stopped.toml")
+assert "j10_kg = 0.7" in open("stopped.toml").read()
+assert main(["design", "check", "stopped.toml"]) == 0
+found = verify(stopped, PRESET["arch"].build(stopped.geometry).sample(rate=20.0))
+assert found.passed, found.worst
+"""
+
+
+def test_a_mass_with_its_slider_takes_three_files(tmp_path) -> None:
+    pytest.importorskip("mujoco")
+    package = tmp_path / "paminsa_viz"
+    source = Path(paminsa_viz.__file__).parent
+    shutil.copytree(source, package, ignore=shutil.ignore_patterns("__pycache__"))
+    for name, changes in CHANGES.items():
+        text = (package / name).read_text()
+        for old, new in [changes] if isinstance(changes[0], str) else changes:
+            assert text.count(old) == 1, (name, old)
+            text = text.replace(old, new.format(old))
+        (package / name).write_text(text)
+    setting = os.environ | {"PYTHONPATH": str(tmp_path), "PAMINSA_VIZ_BACKEND": "numpy"}
+    done = subprocess.run(
+        [sys.executable, "-c", CHECK], cwd=tmp_path, env=setting, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
