@@ -75,7 +75,7 @@ def test_numbers_are_those_of_a_verification(state: State, knee: KneeBranch) -> 
     assert own.agrees(TOLERANCE)
     assert own.relative.max() < 1e-11
     np.testing.assert_allclose(own.scale, known.engines[0].dynamic.scale, rtol=1e-12)
-    wanted = known.printed[Misprint.ALL]
+    wanted = known.published[Misprint.ALL]
     np.testing.assert_allclose(printed.largest, wanted.largest, rtol=1e-9)
     np.testing.assert_allclose(printed.rms, wanted.rms, rtol=1e-9)
 
