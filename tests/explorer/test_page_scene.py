@@ -32,7 +32,14 @@ FRAMES = "() => window.__viserMutable.scene.__r3f.root.getState().gl.info.render
 
 
 def test_without_a_graphics_card_a_change_takes_few_pictures(tab: Tab) -> None:
-    tab.with_document(1500)
+    tab.page.wait_for_selector("html.paminsa-render-on-demand", state="attached")
+
+    def at_rest() -> bool:
+        start = tab.page.evaluate(FRAMES)
+        tab.with_document(1000)
+        return tab.page.evaluate(FRAMES) - start <= 1
+
+    until(at_rest, "the page, still being built, stops drawing")
     before = tab.page.evaluate(FRAMES)
     tab.session.dispatch("test", lambda s: actions.move(s, x=0.07))
     until(lambda: tab.place("/robot/platform")[0] == pytest.approx(0.07), "the robot moves")
