@@ -88,11 +88,11 @@ _TYPES = {
     r"invalid literal for int\(\) with base 10: (.*)": r"a whole number is needed, not \1",
     r"could not convert string to float: (.*)": r"a number is needed, not \1",
 }
-"""What tyro and Python say of a value of another type, and what is said instead."""
+"""Errors of tyro and Python about a value of another type, and the text shown instead."""
 
 
 def _without_types(text: str) -> str:
     """Return a statement in words of the command line instead of the language's."""
-    for said, needed in _TYPES.items():
-        text = re.sub(said, needed, text)
+    for pattern, needed in _TYPES.items():
+        text = re.sub(pattern, needed, text)
     return text

@@ -27,8 +27,7 @@ from paminsa_viz.balancing import (
     paper_changes,
 )
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.designs import Assembly, design_of
-from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.weights import clearance_text

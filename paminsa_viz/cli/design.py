@@ -134,8 +134,8 @@ class Diff:
                 name: [vars(weight) for weight in design.counterweights]
                 for name, design in (("first", first), ("second", second))
             }
-            told = {"first": first.name, "second": second.name, "differences": changes}
-            print_json(told | ({"counterweights": weights} if weighted else {}))
+            facts = {"first": first.name, "second": second.name, "differences": changes}
+            print_json(facts | ({"counterweights": weights} if weighted else {}))
         elif not found and not weighted and knees[0] == knees[1]:
             print("the designs have the same values")
         else:

@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.designs import Assembly, design_of
+from paminsa_viz.cli.inputs import Assembly, design_of
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,

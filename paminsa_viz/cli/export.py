@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse
-from paminsa_viz.cli.designs import Assembly, design_of
+from paminsa_viz.cli.inputs import Assembly, design_of
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.files.atomic import as_file_error, write_bytes

@@ -12,7 +12,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.designs import Assembly, design_of
+from paminsa_viz.cli.inputs import Assembly, design_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
@@ -151,11 +151,11 @@ def main(words: list[str]) -> int:
             scales = scales_of(flags, data, maps_of(flags, design, reference, COARSE))
             content = render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
         write_bytes(path, content)
-    told = report(flags, data)
+    facts = report(flags, data)
     if flags.json:
-        print_json(told)
+        print_json(facts)
     else:
-        _print(flags, data, told)
+        _print(flags, data, facts)
     if not (data.status == Limit.OK).any():
         z = format_ascii(data.z, "m", 6)
         print_error(NothingReached(f"no position can be reached at {flags.theta:g}° and z = {z}"))
@@ -228,8 +228,8 @@ def _numbers(values: np.ndarray) -> dict[str, float | None]:
     }
 
 
-def _print(flags: Map, data: MapData, told: dict[str, Any]) -> None:
-    design, reference = told["design"], told["reference"]
+def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
+    design, reference = facts["design"], facts["reference"]
     minus = f' minus "{reference}"' if reference else ""
     print(f'design "{design}"{minus}, {data.provenance.knee.label}')
     factor, unit = data.display
@@ -241,11 +241,11 @@ def _print(flags: Map, data: MapData, told: dict[str, Any]) -> None:
         ("" if not unit else f"[{unit}]", "least", "largest", "half are below", "90 % below"),
         *(
             (name, *("-" if v is None else f"{v * factor:.4g}" for v in found.values()))
-            for name, found in told["maps"].items()
+            for name, found in facts["maps"].items()
         ),
     ]
     print_table(rows, right=True)
-    area, radius = told["reached_area_m2"], told["singular_radius_m"]
+    area, radius = facts["reached_area_m2"], facts["singular_radius_m"]
     print(f"reached: {area:.4g} m²; singular circle: radius {format_ascii(radius, 'm')}")
     for path in flags.out:
         print(f"{path}: written")

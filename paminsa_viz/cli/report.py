@@ -13,8 +13,7 @@ from typing import Annotated
 import tyro
 
 from paminsa_viz.cli.arguments import PROGRAM, parse
-from paminsa_viz.cli.designs import Assembly, design_of
-from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.trajectory import home
 

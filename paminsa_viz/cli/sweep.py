@@ -1,4 +1,4 @@
-"""``paminsa-viz sweep``: many designs, each measured, into a table that survives a kill."""
+"""``paminsa-viz sweep``: many designs, each measured, into a resumable table."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ import numpy as np
 import tyro
 
 from paminsa_viz.cli.arguments import PROGRAM, UsageError, parse, print_error
-from paminsa_viz.cli.designs import Assembly, design_of
-from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.model.bounds import largest
@@ -193,13 +192,13 @@ def _grid(flags: Sweep) -> DesignGrid:
 
 def _axis(text: str) -> DesignAxis:
     """Return what ``PATH=LOW:HIGH:COUNT`` or ``PATH=VALUE,VALUE`` says."""
-    path, _, said = text.partition("=")
+    path, _, values_text = text.partition("=")
     check_path(path)
     problem = f"--vary {text[:60]}: a grid needs {path}=LOW:HIGH:COUNT or {path}=VALUE,VALUE,..."
-    parts = said.split(":")
+    parts = values_text.split(":")
     try:
         if len(parts) == 1:
-            values = tuple(map(float, said.split(",")))
+            values = tuple(map(float, values_text.split(",")))
         else:
             low, high, count = parts
             if not 1 <= int(count) <= MOST_VALUES:
@@ -220,12 +219,12 @@ def _random(flags: Sweep, design: Design) -> RandomDesigns:
 
 def _range(text: str, design: Design, spread: float) -> DesignRange:
     """Return what ``PATH=LOW:HIGH`` or ``PATH`` alone says."""
-    path, given, said = text.partition("=")
+    path, given, values_text = text.partition("=")
     check_path(path)
     if not given:
         return DesignRange.around(design, path, spread)
     try:
-        low, high = map(float, said.split(":"))
+        low, high = map(float, values_text.split(":"))
     except ValueError:
         problem = f"--vary {text[:60]}: random designs need {path} or {path}=LOW:HIGH"
         raise UsageError(problem) from None

@@ -74,8 +74,8 @@ def print_report(path: Path, summary: StudySummary, seconds: float) -> None:
     """Print what the table holds, for people."""
     rows = [("", "least", "in row", "largest", "in row")]
     for name, found in summary.extremes.items():
-        least, least_row = _told(found.least, found.least_row)
-        most, most_row = _told(found.largest, found.largest_row)
+        least, least_row = _cells(found.least, found.least_row)
+        most, most_row = _cells(found.largest, found.largest_row)
         rows.append((name, least, least_row, most, most_row))
     print_table(rows, right=True)
     before = f", {summary.found} of them found there" if summary.found else ""
@@ -93,5 +93,5 @@ def _others(counts: Mapping[str, int], good: str) -> str:
     return "".join(f", {count} {word}" for word, count in counts.items() if word != good)
 
 
-def _told(value: float, row: int) -> tuple[str, str]:
+def _cells(value: float, row: int) -> tuple[str, str]:
     return ("-", "-") if row < 0 else (f"{value:.4g}", str(row))

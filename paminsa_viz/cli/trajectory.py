@@ -1,4 +1,4 @@
-"""``paminsa-viz trajectory``: what a motion asks of the robot, as numbers, figures and a page."""
+"""``paminsa-viz trajectory``: actuator torques of a motion: numbers, figures, a page."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ from typing import Annotated, Literal
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.designs import Assembly, design_of
-from paminsa_viz.cli.motions import PresetName
+from paminsa_viz.cli.inputs import Assembly, PresetName, design_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import output_endings, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
@@ -40,7 +39,7 @@ from paminsa_viz.trajectory import (
 from paminsa_viz.trajectory.sampled import RATE
 
 DESCRIPTION = """\
-Say what a motion asks of the robot: torques, speeds, power and energy of every actuator.
+Required torques, speeds, power and energy of every actuator on a motion.
 
   paminsa-viz trajectory                                     four coordinates at 1 m/s²
   paminsa-viz trajectory --preset circle --out circle.pdf    torques as a figure
@@ -73,7 +72,7 @@ class Flags:
     """Flags of the command."""
 
     preset: PresetName | None = None
-    """A ready-made motion, sized for the robot; paper-like if nothing else is said.
+    """A ready-made motion, sized for the robot; paper-like by default.
     None of them is the paper's own."""
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
     """A motion as a table, instead of a preset."""
@@ -123,7 +122,7 @@ class Flags:
     out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
     """File to write; may be given several times."""
     figure: FigureKind | None = None
-    """What figures show: torques, or with --simulate the tracking, if nothing else is said.
+    """What figures show: torques, or with --simulate the tracking, by default.
     A comparison is with --engine, else --printed, else --reference."""
     engine: Literal["mujoco", "pinocchio"] | None = None
     """Work the torques out in a physics engine too, for the comparison."""

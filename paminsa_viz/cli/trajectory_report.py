@@ -127,8 +127,8 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
         print(f"can be run; closest to a limit: {where}")
     if results.reference is not None:
         first = results.reference.check.first
-        said = "can run it too" if first is None else f"fails {first.explanation}"
-        print(f'reference "{results.reference.design.name}": {said}')
+        verdict = "can run it too" if first is None else f"fails {first.explanation}"
+        print(f'reference "{results.reference.design.name}": {verdict}')
     if results.simulation is not None:
         _print_simulation(results.simulation)
     for path in written:

@@ -12,8 +12,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.designs import Assembly, design_of
-from paminsa_viz.cli.motions import PresetName, motion_of
+from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
@@ -24,7 +23,7 @@ from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
-Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
+Check the formulae against MuJoCo and Pinocchio, two independent physics engines.
 
   paminsa-viz verify                                  Appendix 4 on a motion with 1 m/s²
   paminsa-viz verify --design robot.toml --preset circle --figures checked
@@ -32,8 +31,8 @@ Check the formulae against MuJoCo and Pinocchio, which know nothing of them.
 
 Static torques at random poses of the workspace and dynamic torques along a trajectory, of all four
 actuators: by how much formulae and engine differ, at most and on average (RMS), over the largest
-torque of the same actuator. The formulae as the paper prints them stand beside it, and a simulation
-in which MuJoCo moves under the calculated torques. Joint friction is left out.
+torque of the same actuator. Also: the formulae as the paper prints them, and a simulation in which
+MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
@@ -159,15 +158,15 @@ def _rows(where: str, comparison: Comparison) -> list[tuple[str, ...]]:
 
 
 def _show_simulation(found: Verification) -> None:
-    said: dict[str, Any] = found.to_dict()["simulation"]
-    x, y, theta, z = said["drift_m_rad"]
-    end = "to the end" if said["complete"] else "until the unstable robot had strayed"
+    run: dict[str, Any] = found.to_dict()["simulation"]
+    x, y, theta, z = run["drift_m_rad"]
+    end = "to the end" if run["complete"] else "until the unstable robot had strayed"
     print(
-        f"\nMoved by the calculated torques alone, {said['engine']} ran {said['until_s']:.3g} s "
+        f"\nMoved by the calculated torques alone, {run['engine']} ran {run['until_s']:.3g} s "
         f"({end}); then off by\n"
         f"  x {format_ascii(x, 'm', 2)}, y {format_ascii(y, 'm', 2)}, "
         f"theta {math.degrees(theta):.2g} deg, z {format_ascii(z, 'm', 2)}; loops "
-        f"opened by at most {1e6 * said['largest_gap_m']:.2g} µm"
+        f"opened by at most {1e6 * run['largest_gap_m']:.2g} µm"
     )
 
 

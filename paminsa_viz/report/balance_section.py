@@ -35,8 +35,8 @@ def balance_section(analysis: TrajectoryAnalysis) -> Section:
     design = analysis.design
     blocks: list[Block] = [
         Note(
-            "Gravity asks M1 to M3 for M_p2 times a map of the geometry (Eqs. 5 and 8): with "
-            "M_p2 = 0 they carry no weight, anywhere, on either branch of the knee."
+            "The static torques of M1 to M3 are M_p2 times a map of the geometry (Eqs. 5 and 8): "
+            "with M_p2 = 0 they carry no weight, anywhere, on either branch of the knee."
         ),
         _contributions(design),
     ]
@@ -101,12 +101,12 @@ def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
             "total",
         )
     )
-    said = (
+    caption = (
         "The paper’s balance with the least added mass, by changing masses that M_p2 contains."
         if reached
         else "Within these bounds M_p2 cannot become zero; this comes nearest."
     )
-    table = Table(("Symbol", "Mass", "Before", "After", "Change"), tuple(rows), said, words=2)
+    table = Table(("Symbol", "Mass", "Before", "After", "Change"), tuple(rows), caption, words=2)
     blocks: list[Block] = [table]
     lighter = analyze(after, analysis.trajectory, keep=analysis.solved)
     if analysis.summary and lighter.summary:

@@ -32,7 +32,7 @@ class Row:
     Attributes:
         cells: Texts; missing ones at the end stay empty.
         kind: ``"group"`` spans the table, ``"marked"`` is what differs, ``"total"`` sums up.
-        color: ``#rrggbb`` of a mark beside the first cell, or empty.
+        color: ``#rrggbb`` of a mark at the first cell, or empty.
     """
 
     cells: tuple[str, ...]

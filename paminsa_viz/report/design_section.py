@@ -49,12 +49,12 @@ def _summary(design: Design, changed: int) -> str:
     extra = len(design.counterweights)
     if not changed and not extra:
         return "All values are those of the paper's Appendix 4."
-    said = (
+    text = (
         f"{changed} value{' differs' if changed == 1 else 's differ'} from the paper's Appendix 4"
     )
     if extra:
-        said += f"; every leg carries {extra} counterweight{'' if extra == 1 else 's'}"
-    return said + "."
+        text += f"; every leg carries {extra} counterweight{'' if extra == 1 else 's'}"
+    return text + "."
 
 
 def _differs(design: Design, key: DesignKey) -> bool:

@@ -48,10 +48,10 @@ def sketch(configuration: Configuration) -> bytes:
 
         return place
 
-    above, beside = view(1, 0.0), view(2, side + GAP)
-    middle = above(np.zeros(3))
+    top_view, side_view = view(1, 0.0), view(2, side + GAP)
+    middle = top_view(np.zeros(3))
     hub = np.array([0.0, 0.0, float(configuration.actuators[3])])
-    ends = [beside(np.array([end, 0.0, 0.0])) for end in (low[0], high[0])]
+    ends = [side_view(np.array([end, 0.0, 0.0])) for end in (low[0], high[0])]
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {tall + FOOT:.0f}" '
         'font-family="DejaVu Sans, Segoe UI, Helvetica, sans-serif" font-size="14">',
@@ -59,21 +59,24 @@ def sketch(configuration: Configuration) -> bytes:
         _circle(middle, scale * float(singular_radius(g, configuration.pose[2])), INK, 1.0, "6 5"),
         _line((middle[0] - 5, middle[1]), (middle[0] + 5, middle[1]), MUTED, 1.0),
         _line((middle[0], middle[1] - 5), (middle[0], middle[1] + 5), MUTED, 1.0),
-        _polygon([above(point) for point in plate]),
+        _polygon([top_view(point) for point in plate]),
         _line(ends[0], ends[1], MUTED, 1.0, "2 4"),
-        *(_line(beside(hub), beside(arm), LIFT_COLOR, 3.0) for arm in joints[2]),
-        _polygon([beside(point) for point in plate]),
-        *(_line(beside(a), beside(b), INK, 1.6) for a, b in zip(plate, joints[5], strict=True)),
+        *(_line(side_view(hub), side_view(arm), LIFT_COLOR, 3.0) for arm in joints[2]),
+        _polygon([side_view(point) for point in plate]),
+        *(
+            _line(side_view(a), side_view(b), INK, 1.6)
+            for a, b in zip(plate, joints[5], strict=True)
+        ),
     ]
     for leg, color in enumerate(LEG_COLORS):
         points = {number: point[leg] for number, point in joints.items()}
-        parts += _leg(points, axes[leg], above, color)
-        parts += _leg(points, axes[leg], beside, color)
+        parts += _leg(points, axes[leg], top_view, color)
+        parts += _leg(points, axes[leg], side_view, color)
         ahead = points[5] - axes[leg]
         aside = np.array([-ahead[1], ahead[0]]) / max(float(np.hypot(*ahead[:2])), 1e-9)
-        x, y = above(axes[leg])
+        x, y = top_view(axes[leg])
         parts.append(_words((x + 18 * aside[0], y - 18 * aside[1] + 5), str(leg + 1), color))
-        x, y = beside(points[2])
+        x, y = side_view(points[2])
         parts.append(_words((x, y - 9), str(leg + 1), color))
     parts += [
         _words((side / 2, tall + 20), "from above: x right, y up"),

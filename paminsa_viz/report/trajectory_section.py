@@ -1,4 +1,4 @@
-"""The motion: what it is, what it asks of each actuator, and figures over time."""
+"""The motion: what it is, the required actuator torques, and figures over time."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     """Return the section."""
     t, check = analysis.trajectory, analysis.check
     kind = f" ({t.kind})" if t.kind else ""
-    said = f"“{t.name}”{kind}: {t.duration:.4g} s, {t.size} samples. {' '.join(t.notes)}"
-    blocks: list[Block] = [Note(said.strip())]
+    text = f"“{t.name}”{kind}: {t.duration:.4g} s, {t.size} samples. {' '.join(t.notes)}"
+    blocks: list[Block] = [Note(text.strip())]
     if check.first is not None:
         blocks.append(Note(f"The robot cannot run all of it: {check.first.explanation}.", "bad"))
     else:
@@ -59,4 +59,4 @@ def _table(analysis: TrajectoryAnalysis) -> Table:
         "", "Peak torque, force", "At", "RMS", "Top speed", "Peak power", "Energy driving",
         "Braking",
     )  # fmt: skip
-    return Table(head, tuple(rows), "What the motion asks of the actuators.")
+    return Table(head, tuple(rows), "Required actuator torques on the motion.")

@@ -1,4 +1,4 @@
-"""Verification: formulae against engines, the misprints, and a simulation beside it."""
+"""Verification: formulae against engines, the misprints, and a simulation."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _misprints(found: Verification) -> Table:
         for item, comparison in found.published.items()
     ]
     caption = (
-        "The formulae as the paper prints them beside the engine, moving: largest difference over "
+        "The formulae as the paper prints them against the engine, moving: largest difference over "
         "the largest torque. Where a misprint has a part, it stands out by many orders of "
         "magnitude."
     )
@@ -112,15 +112,15 @@ MISPRINTS: dict[Misprint, str] = {
 
 
 def _simulation(found: Verification) -> Note:
-    said = found.to_dict()["simulation"]
+    run = found.to_dict()["simulation"]
     x, y, theta, z = (
         format_value(value, unit, 2)
-        for value, unit in zip(said["drift_m_rad"], ("m", "m", "rad", "m"), strict=True)
+        for value, unit in zip(run["drift_m_rad"], ("m", "m", "rad", "m"), strict=True)
     )
-    end = "to the end" if said["complete"] else "until it had strayed: the robot is unstable"
+    end = "to the end" if run["complete"] else "until it had strayed: the robot is unstable"
     return Note(
         f"Forward simulation: moved by the calculated torques alone, with stiff loop closures, "
-        f"{said['engine']} ran {said['until_s']:.3g} s ({end}). The platform was then off by {x} "
+        f"{run['engine']} ran {run['until_s']:.3g} s ({end}). The platform was then off by {x} "
         f"in x, {y} in y, {theta} in θ and {z} in z; loops opened by at most "
-        f"{1e6 * said['largest_gap_m']:.2g} µm."
+        f"{1e6 * run['largest_gap_m']:.2g} µm."
     )

@@ -84,9 +84,9 @@ class StudySummary:
                 self.extremes[metric.column].take_in(int(row["row"]), float(cell))
 
 
-def _count(counts: dict[str, int], said: str) -> str:
+def _count(counts: dict[str, int], status: str) -> str:
     """Count a word, and return it without what it adds after a colon."""
-    word = said.partition(":")[0]
+    word = status.partition(":")[0]
     counts[word] = counts.get(word, 0) + 1
     return word
 

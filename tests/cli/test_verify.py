@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.cli import main
-from paminsa_viz.cli.motions import PresetName
+from paminsa_viz.cli.inputs import PresetName
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.files.columns import TRAJECTORY
 from paminsa_viz.files.design_file import save_design

@@ -1,4 +1,4 @@
-"""The design that a command line names: a file's, or the paper's."""
+"""The design and the motion that a command line names: those of a file, or ready-made ones."""
 
 from __future__ import annotations
 
@@ -7,9 +7,11 @@ from typing import Literal, TypeAlias
 
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.bounds import validate_limits
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidDesign
+from paminsa_viz.trajectory import PRESET, Trajectory
 
 Assembly: TypeAlias = Literal["printed", "mirror"]
 """Values of `KneeBranch`, for flags."""
@@ -31,3 +33,20 @@ def design_of(file: Path | None, assembly: Assembly | None = None) -> Design:
         return design if assembly is None else design.with_knee(KneeBranch(assembly))
     except InvalidDesign as error:
         raise DesignFileError(str(file), str(error)) from error
+
+
+PresetName: TypeAlias = Literal[
+    "paper-like", "quintic", "trapezoid", "s-curve", "waypoints", "line", "circle", "arch"
+]
+"""Keys of `PRESET`, for flags."""
+
+
+def motion_of(preset: PresetName, file: Path | None, geometry: Geometry) -> Trajectory:
+    """Return the trajectory of a CSV file, or else a preset, sized for a robot.
+
+    Raises:
+        TableFileError: If the file cannot be read.
+    """
+    if file is not None:
+        return read_trajectory(file)
+    return PRESET[preset].build(geometry).sample()
