@@ -77,11 +77,12 @@ def solve_conic(p: ConicProgram) -> ConicSolution | None:
     right = np.concatenate([side for _, side in blocks]) - matrix[:, ~free] @ x[~free]
     matrix = matrix[:, free] * unit
     # rows in parts of their largest coefficients, those of a cone alike
-    size = np.abs(matrix).max(axis=1, initial=1e-300)
+    size = np.abs(matrix).max(axis=1, initial=0.0)
     linear = len(p.rows) + int(above.sum() + below.sum())
     ends = np.cumsum([linear, *(len(side) for _, side in p.cones)]).tolist()
     for first, last in pairwise(ends):
         size[first:last] = size[first:last].max()
+    size[size == 0.0] = 1.0
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-11

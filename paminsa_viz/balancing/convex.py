@@ -133,7 +133,7 @@ class PositivePartSum:
         found = self.matrix @ state + self.offset
         on = (found > 0).astype(np.float64)
         sums = np.add.reduceat(found * on, self.starts)
-        part = np.flatnonzero(sums > known + slack / len(self.starts))
+        part = np.flatnonzero(sums > known + slack / max(len(self.starts), 1))
         ends = np.append(self.starts[1:], len(found))
         matrix, offset = np.empty((len(part), self.matrix.shape[1])), np.empty(len(part))
         for row, i in enumerate(part):

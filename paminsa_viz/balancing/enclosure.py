@@ -202,12 +202,12 @@ class Enclosure:
         is nowhere above the term.
         """
         p = self.program
-        weights = np.maximum(weights, 0.0)
+        weights = self._canceled(cuts, np.maximum(weights, 0.0))
         total = np.bincount(cuts.part, weights, self.part_count)
         factor, limit_prices = np.ones(self.part_count), np.zeros(len(p.limits))
         for number, (term, place) in enumerate(zip(self.terms, self.parts, strict=True)):
             if number >= len(p.goals):
-                limit_prices[number - len(p.goals)] = total[place].max()
+                limit_prices[number - len(p.goals)] = total[place].max(initial=0.0)
                 continue
             weight = 0.0 if elastic else p.goals[number][0]
             for part in range(place.start, place.stop):
@@ -220,6 +220,22 @@ class Enclosure:
             # multipliers of an excess of 1 for every limit add up to 1
             bound /= max(float(limit_prices @ self.limit_scale), 1e-300)
         return bound, p.prices(gradient), limit_prices
+
+    def _canceled(self, cuts: Cuts, weights: Array) -> Array:
+        """Return weights of which opposite cuts of a limit of zero, f <= 0 and -f <= 0, share none.
+
+        Both are reached there. What they have in common changes nothing but the limit's price.
+        """
+        weights = weights.copy()
+        for limit, place in zip(self.limits, self.parts[len(self.program.goals) :], strict=True):
+            if abs(limit) > FEASIBLE or place.stop - place.start != 1:
+                continue
+            mine = np.flatnonzero((cuts.part == place.start) & (weights > 0))
+            rows = np.column_stack([cuts.matrix, cuts.offset])
+            for i in mine:
+                for j in mine[(rows[mine] == -rows[i]).all(axis=1)]:
+                    weights[[i, j]] -= min(weights[i], weights[j])
+        return weights
 
 
 def _slices(sizes: list[int]) -> list[slice]:

@@ -22,6 +22,10 @@ ACCEPTED = 1e-8
 """The same for a solution without a better one: limits may leave a conic solver no interior."""
 
 
+REACHED = 1e-6
+"""The same for a limit that counts as reached; the others have no price."""
+
+
 class _Candidate(NamedTuple):
     """A choice of levers, what it comes to, and by how much it breaks the limits themselves."""
 
@@ -77,6 +81,7 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
     slopes = [
         price[1] + 2 * at * price[2] for price, (at, _) in zip(proof.prices, least, strict=True)
     ]
+    slack = -_excesses(program, best.state)
     return Solution(
         state=best.state,
         amounts=np.array([sum(amount for _, amount in places) for places in best.levers]),
@@ -85,15 +90,22 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
         bound=proof.bound,
         prices=np.array([unit for _, unit in least]),
         slopes=np.array(slopes),
-        limit_prices=proof.limit_prices,
+        limit_prices=np.where(slack <= REACHED, proof.limit_prices, 0.0),
         rounds=rounds,
     )
 
 
 def _candidate(program: Program, levers: Levers) -> _Candidate:
     state = program.state(levers)
-    excess = [(t.value(state) - limit) / max(1.0, abs(limit)) for limit, t in program.limits]
-    return _Candidate(levers, state, program.value(state), max(excess, default=0.0))
+    excess = float(_excesses(program, state).max(initial=-np.inf))
+    return _Candidate(levers, state, program.value(state), excess)
+
+
+def _excesses(program: Program, state: Array) -> Array:
+    """Return by how much each limit is exceeded, relative to itself (or to 1)."""
+    return np.array(
+        [(t.value(state) - limit) / max(1.0, abs(limit)) for limit, t in program.limits]
+    )
 
 
 def _relax(enclosure: Enclosure) -> int:

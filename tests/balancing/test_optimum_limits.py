@@ -16,6 +16,7 @@ from paminsa_viz.balancing import (
     InfeasibleBounds,
     MassChange,
     MassRange,
+    Optimum,
     StaticPeak,
     Term,
     TrajectoryPeak,
@@ -90,6 +91,27 @@ def test_price_of_an_upper_bound_is_the_gain_per_kilogram() -> None:
     ):
         result = optimize(APPENDIX_4, what, Imbalance())
         assert {item.side: item.price for item in result.active} == pytest.approx(sides, rel=1e-9)
+
+
+def test_price_of_a_limit_of_zero_is_what_relaxing_it_gains() -> None:
+    def best(below: float) -> Optimum:
+        limit = [(StaticPeak(field()), below), (AddedMass(), 100.0)]
+        return optimize(APPENDIX_4, changes(), TrajectoryRms(solved()), limits=limit)
+
+    exact, relaxed = best(0.0), best(1e-4)
+    prices = {item.name: item.price for item in exact.active if item.side == "limit"}
+    assert list(prices) == ["peak static torque"]  # the other one is far away
+    assert prices["peak static torque"] == pytest.approx(
+        (exact.objective - relaxed.objective) / 1e-4, rel=1e-2
+    )
+
+
+def test_limit_is_infeasible_if_nothing_may_change() -> None:
+    with pytest.raises(InfeasibleBounds) as caught:
+        optimize(APPENDIX_4, Changes(), AddedMass(), limits=[(TrajectoryRms(solved()), 0.1)])
+    now = measured(APPENDIX_4)["RMS torque of M1-M3 on the trajectory"]
+    assert caught.value.limits[0].attainable == pytest.approx(now, rel=1e-4)
+    assert caught.value.relax == ()
 
 
 def test_infeasible_limits_report_attainable_values_and_relaxations() -> None:

@@ -14,8 +14,9 @@ from typing import Any, cast
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions, session
-from paminsa_viz.explorer.controls import Control
+from paminsa_viz.explorer import actions, bindings, session
+from paminsa_viz.explorer.bindings import Binding
+from paminsa_viz.explorer.entries import Slider
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
@@ -302,16 +303,20 @@ class Input:
         self.callback(SimpleNamespace(client=self))
 
 
-def test_a_value_that_was_set_while_another_frame_is_drawn_is_not_lost(desk: Desk) -> None:
-    handle = Input(0.0)
-    control = Control(
-        desk.session,
-        handle,
-        "x",
-        lambda state, value: actions.move(state, x=value),
-        lambda state: state.document.pose[0],
+def bound(desk: Desk, handle: Input, apply: Callable[[State, float], State]) -> Binding:
+    """Bind a stand-in of an input to x, as a view of the session."""
+    entry = Slider(
+        "x", range=(-1.0, 1.0), step=0.001, read=lambda state: state.document.pose[0], apply=apply
     )
-    desk.session.immediate.append(control)
+    binding = Binding(desk.session, entry, handle)
+    view = SimpleNamespace(draw=lambda frame, dragging: binding.draw(frame.state))
+    desk.session.immediate.append(cast(session.View, view))
+    return binding
+
+
+def test_value_set_while_another_frame_is_drawn_is_kept(desk: Desk) -> None:
+    handle = Input(0.0)
+    bound(desk, handle, lambda state, value: actions.move(state, x=value))
     handle.value = 0.07  # the callback is still on its way
     desk.session.dispatch("y", lambda state: actions.move(state, y=0.02))
     eventually(lambda: desk.session.state.document.pose[1] == 0.02)
@@ -323,16 +328,17 @@ def test_a_value_that_was_set_while_another_frame_is_drawn_is_not_lost(desk: Des
     eventually(lambda: handle.value == 0.0)
 
 
-def test_an_input_is_set_back_after_a_value_that_is_refused(desk: Desk) -> None:
+@pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
+def test_input_is_set_back_after_a_refused_value(
+    desk: Desk, wrong: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def refuse(state: State, value: float) -> State:
         raise InvalidInput("x", "it is not liked")
 
-    for wrong in (0.07, math.nan, math.inf):
-        handle = Input(0.0)
-        show = Control(desk.session, handle, "x", refuse, lambda state: state.document.pose[0])
-        desk.session.immediate.append(show)
-        handle.value = wrong
-        handle.told()
-        eventually(lambda handle=handle: handle.value == 0.0)
-        desk.session.immediate.remove(show)
-    assert len(desk.page.told) == 3
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
+    handle = Input(0.0)
+    bound(desk, handle, refuse)
+    handle.value = wrong
+    handle.told()
+    eventually(lambda: handle.value == 0.0)
+    assert len(desk.page.told) == 1

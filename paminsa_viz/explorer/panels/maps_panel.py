@@ -8,6 +8,7 @@ import viser
 
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.entries import finite
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.motion.results import MotionStore
@@ -17,7 +18,6 @@ from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.panels.slots import Slots
-from paminsa_viz.explorer.panels.validation import number
 from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.quantities import TORQUES
@@ -77,5 +77,5 @@ def clicked_place(data: Any) -> tuple[float, float] | None:
     """Read a click on one of the maps, sent in mm; return (x, y) [m], or None if it is not one."""
     if not isinstance(data, dict) or data.get("title") not in (TORQUE_SLOT, SINGLE_SLOT):
         return None
-    x, y = number(data.get("x")), number(data.get("y"))
+    x, y = finite(data.get("x")), finite(data.get("y"))
     return None if x is None or y is None else (x / 1e3, y / 1e3)

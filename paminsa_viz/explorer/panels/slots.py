@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.panels.validation import number
+from paminsa_viz.explorer.entries import finite
 from paminsa_viz.explorer.session import Session
 
 NARROWEST, WIDEST = 300, 2400
@@ -53,7 +53,7 @@ class Slots:
         if not isinstance(data, dict):
             return
         widths = {name: _width(data.get(name)) for name in self._widths}
-        fine = min(max(number(data.get("ratio")) or 1.0, 1.0), FINEST)
+        fine = min(max(finite(data.get("ratio")) or 1.0, 1.0), FINEST)
         if widths == self._widths and fine == self.ratio:
             return
         self._widths, self.ratio = widths, fine
@@ -62,5 +62,5 @@ class Slots:
 
 
 def _width(value: Any) -> int:
-    width = number(value)
+    width = finite(value)
     return int(min(max(width, NARROWEST), WIDEST)) if width is not None and width > 0 else 0

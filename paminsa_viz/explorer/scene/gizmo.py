@@ -6,10 +6,10 @@ import numpy as np
 import viser
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.controls import check_value
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
+from paminsa_viz.model import InvalidInput
 
 
 class Gizmo:
@@ -37,7 +37,8 @@ class Gizmo:
     def _intent(self, state: State) -> State:
         x, y, z = (float(v) for v in self.handle.position)
         w, _, _, k = (float(v) for v in self.handle.wxyz)
-        check_value("handle", (x, y, z, w, k))
+        if not np.isfinite((x, y, z, w, k)).all():
+            raise InvalidInput("handle", "finite numbers are needed")
         turn = 2 * np.arctan2(k, w)
         # the quaternion knows the angle but for whole turns
         before = state.document.pose[2]
