@@ -160,7 +160,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "misprints" in caption(found, state)
     figure = exporting.figure(state, "svg", 120.0, 100.0)
     assert "comparison" in figure.name
-    assert b"Formulae as published and MuJoCo" in figure.content
+    assert b"Formulas as published and MuJoCo" in figure.content
 
 
 @needs_mujoco
