@@ -138,7 +138,7 @@ class SeriesSources:
     Attributes:
         analysis: The design on the trajectory.
         reference: Another design on the same trajectory, drawn dashed.
-        published: The design by the formulae as published, drawn dotted.
+        published: The design by the formulas as published, drawn dotted.
         simulation: The robot driven by a controller.
         engine: Torques from elsewhere.
 
@@ -171,7 +171,7 @@ class SeriesSources:
 
     @property
     def other(self) -> EngineTorques:
-        """What the analysis is compared with: the engine, else the published formulae, else the
+        """What the analysis is compared with: the engine, else the published formulas, else the
         reference.
 
         Raises:
@@ -180,12 +180,12 @@ class SeriesSources:
         if self.engine is not None:
             return self.engine
         if self.published is not None:
-            return EngineTorques("formulae as published", self.published.torque)
+            return EngineTorques("formulas as published", self.published.torque)
         if self.reference is not None:
             name = f"reference {shown(self.reference.design.name)}"
             return EngineTorques(name, self.reference.torque)
         raise InvalidInput(
-            "engine", "a comparison needs an engine's torques, published formulae or a reference"
+            "engine", "a comparison needs an engine's torques, published formulas or a reference"
         )
 
     @property

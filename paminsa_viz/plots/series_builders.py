@@ -31,7 +31,7 @@ COORDINATES = ("x", "y", "θ", "z")
 COORDINATE_UNITS = ("m", "m", "rad", "m")
 
 PUBLISHED = "#b5121b"
-"""Color of the formulae as published, next to the corrected ones."""
+"""Color of the formulas as published, next to the corrected ones."""
 
 SIMULATED = "#8aa4bf"
 """Color of what a simulated robot does, below the wanted motion."""
@@ -47,7 +47,7 @@ CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
 _COMPARED: tuple[tuple[str, str, str, str | None, Dash, float], ...] = (
     ("analysis", "design", "", None, "solid", 1.3),
     ("reference", "reference", "reference", REFERENCE, "dashed", 1.0),
-    ("published", "formulae as published", "as published", PUBLISHED, "dotted", 1.0),
+    ("published", "formulas as published", "as published", PUBLISHED, "dotted", 1.0),
 )
 """What is drawn of an actuator: source, label, suffix, color (None for its own), stroke, width."""
 
@@ -83,7 +83,7 @@ def _compared(
     values: Callable[[TrajectoryAnalysis], Values],
     annotate: Callable[[ActuatorSummary, Trace], tuple[Trace, str]] | None = None,
 ) -> Panel:
-    """Return the panel of actuator ``j`` with design, reference and published formulae.
+    """Return the panel of actuator ``j`` with design, reference and published formulas.
 
     Args:
         panel: Without traces.
@@ -259,10 +259,10 @@ def _comparison(sources: SeriesSources) -> Iterator[Panel]:
 
 
 def _differences(sources: SeriesSources) -> Iterator[Panel]:
-    """Yield the formulae's torques minus an engine's, with those of the formulae as published."""
-    other, formulae = sources.other, replace(sources, reference=None)
+    """Yield the formulas' torques minus an engine's, with those of the formulas as published."""
+    other, formulas = sources.other, replace(sources, reference=None)
     for j, panel in _actuators(SYMBOLS, UNITS):
-        drawn = _compared(panel, j, formulae, lambda a: other.pick(a.torque) - other.torque)
+        drawn = _compared(panel, j, formulas, lambda a: other.pick(a.torque) - other.torque)
         yield replace(drawn, traces=tuple(replace(trace, until=None) for trace in drawn.traces))
 
 

@@ -89,10 +89,10 @@ def figure_bytes(
 
     Args:
         kind: One of `series.FIGURES`. ``"tracking"`` needs a simulation, ``"comparison"`` a second
-            source of torques: an engine, else published formulae, else a reference.
+            source of torques: an engine, else published formulas, else a reference.
         analysis: The design on the trajectory.
         reference: Another design on the same trajectory, drawn dashed in gray.
-        published: The design by the formulae as published, drawn dotted.
+        published: The design by the formulas as published, drawn dotted.
         simulation: The robot driven along the trajectory.
         engine: Torques from a physics engine at the trajectory's samples.
         options: Further arguments of `render_series`.

@@ -92,7 +92,7 @@ def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:
     ]
     misprints = sources.analysis.solved.misprints
     if misprints and data.kind not in ("pose", "tracking"):
-        sentences.append(f"Formulae as published: {_misprints_text(misprints)}.")
+        sentences.append(f"Formulas as published: {_misprints_text(misprints)}.")
     sentences += _failure_sentences(data)
     sentences += [note if note.endswith(".") else f"{note}." for note in (*t.notes, *notes)]
     return " ".join([*sentences, f"paminsa_viz {source.version}."])
@@ -124,7 +124,7 @@ def _about(data: SeriesData) -> list[str]:
         step = 1e3 * float(np.diff(sources.analysis.trajectory.t).max())
         balance = f"The balance would be zero but for the integration in steps of {step:.3g} ms."
         if sources.analysis.solved.misprints:
-            balance = "Formulae as published do not balance."
+            balance = "Formulas as published do not balance."
         return [balance, *compared]
     if data.kind == "breakdown":
         return ["The parts add up to the total."]

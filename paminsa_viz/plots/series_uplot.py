@@ -49,7 +49,7 @@ _PLACE, _ANGLE = (0, 1, 3), (2,)
 _CHARTS: dict[SeriesKind, tuple[tuple[str, tuple[int, ...]], ...]] = {
     "torques": (("Torques", _TURNING), ("Force F₄", _LIFTING)),
     "commands": (("Commanded torques", _TURNING), ("Commanded force F₄", _LIFTING)),
-    "differences": (("Torques, formulae − {}", _TURNING), ("Force F₄, formulae − {}", _LIFTING)),
+    "differences": (("Torques, formulas − {}", _TURNING), ("Force F₄, formulas − {}", _LIFTING)),
     "power": (("Power of M1–M3", _TURNING), ("Power of M4", _LIFTING)),
     "energy": (("Work of M1–M3", _TURNING), ("Work of M4, and the robot's energy", (3, 4, 5))),
     "pose": (("Position", _PLACE), ("Angle θ", _ANGLE)),

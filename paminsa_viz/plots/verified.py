@@ -1,4 +1,4 @@
-"""An engine's torques compared with the formulae's, like the paper's Figs. 6 and 7."""
+"""An engine's torques compared with the formulas', like the paper's Figs. 6 and 7."""
 
 from __future__ import annotations
 
@@ -54,16 +54,16 @@ def engine_torques(analysis: TrajectoryAnalysis) -> EngineTorques:
 
 
 def verification_figures(found: Verification) -> list[VerificationFigure]:
-    """Compare the dynamic torques with each engine's, then those of the formulae as published."""
+    """Compare the dynamic torques with each engine's, then those of the formulas as published."""
     compared = [(check, Misprint.NONE) for check in found.engines]
     compared.append((found.engines[0], Misprint.ALL))
     figures = []
     for check, misprints in compared:
         analysis = analyze(found.design, found.trajectory, misprints=misprints)
         other = EngineTorques(f"{check.engine} {check.version}", check.dynamic.reference)
-        stem, title = "formulae", "Formulae"
+        stem, title = "formulae", "Formulas"
         if misprints is not Misprint.NONE:
-            stem, title = "formulae_as_printed", "Formulae as published"
+            stem, title = "formulae_as_printed", "Formulas as published"
         figures.append(
             VerificationFigure(
                 f"{stem}_{check.engine.lower()}",

@@ -141,7 +141,7 @@ def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
 def test_a_pinned_design_and_misprints_stand_beside(motion: Tab) -> None:
     motion.session.dispatch("pin", actions.pin_reference)
     motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
-    switch = motion.handle("formulae as published")._impl.uuid
+    switch = motion.handle("as published")._impl.uuid
     motion.page.locator(f'[id="{switch}"]').click()
     until(lambda: motion.state.plots.published, "the switch is read")
     until(lambda: len(page_curves(motion)[0]) == 3 + 9, "nine curves")

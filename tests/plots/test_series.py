@@ -116,7 +116,7 @@ def test_differences_are_against_the_engine_first(analysis, everything) -> None:
     np.testing.assert_array_equal(differences[1], 0.0)
     assert data.panels[0].traces[1].label == "an engine"
     without = _series("comparison", analysis, published=everything["published"])
-    assert without.panels[0].traces[1].label == "formulae as published"
+    assert without.panels[0].traces[1].label == "formulas as published"
 
 
 def test_a_stopped_simulation_ends_where_it_stopped() -> None:

@@ -24,7 +24,7 @@ class EngineCheck:
     """An engine's torques along a motion.
 
     Attributes:
-        thinned: The formulae's torques at the k samples that were computed.
+        thinned: The formulas' torques at the k samples that were computed.
         engine: The engine's torques there, joint friction added; NaN where the motion fails.
         tolerance: Largest difference over an actuator's largest torque that passes.
     """
@@ -37,7 +37,7 @@ class EngineCheck:
         """Return the comparison at the samples where the motion does not fail.
 
         Args:
-            analysis: The same design on the whole motion, some formulae perhaps as published.
+            analysis: The same design on the whole motion, some formulas perhaps as published.
         """
         computed = self.engine.pick(analysis.torque)[self._good]
         return Comparison(computed, self.engine.torque[self._good], self._scale)

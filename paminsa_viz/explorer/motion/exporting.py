@@ -47,7 +47,7 @@ def figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
             why = found.answer.problem if found.answer else ""
             raise InvalidInput("engine", why or "its torques are not there yet; see “Motion plots”")
         published = sources.published
-        title = f"Formulae{' as published' if published else ''} and {check.engine.name}"
+        title = f"Formulas{' as published' if published else ''} and {check.engine.name}"
         sources = SeriesSources(published or sources.analysis, engine=check.engine)
     content = render_series(
         build_series(what, sources), kind, width_mm=width_mm, dpi=dpi, title=title

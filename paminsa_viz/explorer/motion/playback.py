@@ -37,7 +37,7 @@ SIMULATED: tuple[SeriesKind, ...] = ("errors", "commands")
 """What is plotted of a simulation."""
 
 COMPARED: tuple[SeriesKind, ...] = ("torques", "power", "energy")
-"""What is plotted of a reference and of the formulae as published as well."""
+"""What is plotted of a reference and of the formulas as published as well."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,8 @@ class PlotView:
     Attributes:
         plot: What the curves show.
         actuator: Index 0 to 3 of the actuator whose parts are plotted.
-        published: Whether the formulae as published are plotted next to the corrected ones.
-        engine: Whether an engine's torques are plotted on the formulae's.
+        published: Whether the formulas as published are plotted next to the corrected ones.
+        engine: Whether an engine's torques are plotted on the formulas'.
         color: Index 0 to 3 of the actuator by whose torque the path is colored.
     """
 

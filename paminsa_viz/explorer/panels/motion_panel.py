@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import io
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from viser import Icon
 
@@ -40,22 +38,17 @@ from paminsa_viz.explorer.motion.description import (
 from paminsa_viz.explorer.motion.playback import SPEEDS
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.motion.simulation import (
-    BANDWIDTHS,
-    DAMPINGS,
-    INITIAL_ERRORS,
-    PAYLOAD_MISMATCHES,
     SimulationJob,
     SimulationOutcome,
     run,
 )
 from paminsa_viz.explorer.panels import motion_text as text
+from paminsa_viz.explorer.panels.motion_file import MotionFile
+from paminsa_viz.explorer.panels.motion_simulation import SIMULATION
 from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.trajectory_table import parse_trajectory
-from paminsa_viz.model import PaminsaError
-from paminsa_viz.trajectory import PRESETS, ControlMode, Profile, Trajectory
+from paminsa_viz.trajectory import PRESETS, Profile
 from paminsa_viz.units import DisplayUnit, display_unit
 
 TIME = "t  [s]"
@@ -180,7 +173,7 @@ DESCRIPTION: tuple[Entry, ...] = (
         "height", "Height [mm]", (0.0, LENGTHS[1]), 1.0,
         "How far the platform rises above the higher end", _kind(Kind.ARCH), MILLIMETERS,
     ),
-    Custom("motion.file", make=lambda session: MotionFile(session)),
+    Custom("motion.file", make=MotionFile),
     Dropdown(
         "motion.profile", "Time law",
         options={
@@ -253,62 +246,6 @@ TIMING: tuple[Entry, ...] = (
 )  # fmt: skip
 
 
-def _setting(
-    name: str, label: str, limits: tuple[float, float], step: float, hint: str,
-    unit: DisplayUnit = PLAIN, visible: Condition | None = None,
-) -> Number:  # fmt: skip
-    """Return the input of one number of the simulation, with limits in SI."""
-    low, high = (unit.from_si(limit) for limit in limits)
-    return Number(
-        f"simulation.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
-        visible=visible, read=lambda state: getattr(state.simulating.settings, name),
-        apply=lambda state, value: motions.set_simulation(state, **{name: value}),
-    )  # fmt: skip
-
-
-def _has_feedback(state: State) -> bool:
-    return state.simulating.settings.control is not ControlMode.FEED_FORWARD
-
-
-SIMULATION: tuple[Entry, ...] = (
-    Dropdown(
-        "simulation.control", "Control",
-        options={
-            "computed torque": ControlMode.COMPUTED_TORQUE,
-            "feed-forward + PD": ControlMode.PD,
-            "feed-forward alone": ControlMode.FEED_FORWARD,
-        },
-        hint="Feed-forward alone has no feedback: the robot is unstable without it",
-        read=lambda state: state.simulating.settings.control,
-        apply=lambda state, control: motions.set_simulation(state, control=control),
-    ),
-    _setting(
-        "bandwidth", "Bandwidth [Hz]", BANDWIDTHS, 0.5,
-        "Of the error's own motion; the gains follow from it", visible=_has_feedback,
-    ),
-    _setting("damping", "Damping ratio", DAMPINGS, 0.1, "", visible=_has_feedback),
-    _setting(
-        "payload_mismatch", "Payload mismatch [kg]", PAYLOAD_MISMATCHES, 0.1,
-        "Payload of the robot beyond what the controller assumes",
-    ),
-    _setting(
-        "initial_error", "Initial error [mm]", INITIAL_ERRORS, 1.0, "Error of x at the start",
-        unit=MILLIMETERS,
-    ),
-    Checkbox(
-        "simulation.friction", "Controller knows the friction",
-        hint="The friction itself is a number of the design, zero in the paper",
-        read=lambda state: state.simulating.settings.knows_friction,
-        apply=lambda state, known: motions.set_simulation(state, knows_friction=known),
-    ),
-    Button(
-        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
-        disabled=lambda state: state.simulating.running is not None,
-    ),
-    Html("simulation.outcome", content=lambda frame: text.simulation_html(frame.state)),
-)  # fmt: skip
-
-
 def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
     """Return status and playback, the motion, its duration, its path, and its simulation."""
     return (
@@ -364,54 +301,3 @@ class MotionPanel:
         """Follow the state, and simulate what is requested."""
         self._job.request(frame.state.simulating.running)
         self.entries.draw(frame, dragging)
-
-
-def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
-    """Return the trajectory in an uploaded CSV file.
-
-    Raises:
-        TableFileError: If there is none in it; row and column say where. The server hands on a
-            file that is too large as an empty one.
-    """
-    if not content:
-        raise TableFileError(name, "is empty, or larger than 10 MB")
-    decoded = content.decode("utf-8-sig", errors="surrogateescape")
-    return parse_trajectory(io.StringIO(decoded, newline=""), name, rest=rest)
-
-
-class MotionFile:
-    """The folder in which a motion is opened from a file."""
-
-    def __init__(self, session: Session) -> None:
-        gui = session.client.gui
-        self._session = session
-        self.folder = gui.add_folder("CSV file", visible=self._shown(session.state))
-        with self.folder:
-            self.rest = gui.add_checkbox(
-                "Starts and ends at rest", False,
-                hint="For a few rows; without it, velocities at the ends are what the samples say",
-            )  # fmt: skip
-            self.upload = gui.add_upload_button(
-                "Open a CSV file…", icon=Icon.UPLOAD, mime_type=".csv,.txt",
-                hint="Columns t_s, x_m, y_m, theta_rad, z_m (or _ms, _mm, _deg)",
-            )  # fmt: skip
-        self.upload.on_upload(lambda event: self._receive(event.target.value))
-
-    @staticmethod
-    def _shown(state: State) -> bool:
-        return state.document.motion.kind is Kind.TABLE
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the state."""
-        del dragging
-        self.folder.visible = self._shown(frame.state)
-
-    def _receive(self, file: Any) -> None:
-        """Read a file on the thread of its upload: a long table would block the worker."""
-        try:
-            table = uploaded_trajectory(file.name, file.content, bool(self.rest.value))
-        except PaminsaError as error:
-            self._session.notify("Not opened", str(error), bad=True)
-            return
-        self._session.dispatch("motion.table", lambda state: motions.use_table(state, table))
-        self._session.notify("Motion opened", f"{table.name}, {table.size} rows")

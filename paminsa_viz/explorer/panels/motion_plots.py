@@ -46,8 +46,8 @@ INPUTS = (
         apply=lambda state, shown: motions.set_plots(state, engine=shown),
     ),
     Checkbox(
-        "plots.published", "formulae as published", order=7,
-        hint="Dotted: what the paper's formulae give with all their misprints",
+        "plots.published", "as published", order=7,
+        hint="Dotted: what the paper's formulas give with all their misprints",
         visible=lambda state: state.plots.plot in (*COMPARED, "differences"),
         read=lambda state: state.plots.published,
         apply=lambda state, shown: motions.set_plots(state, published=shown),

@@ -75,7 +75,7 @@ def test_numbers_are_those_of_a_verification(state: State, knee: KneeBranch) -> 
     assert own.agrees(TOLERANCE)
     assert own.relative.max() < 1e-11
     np.testing.assert_allclose(own.scale, known.engines[0].dynamic.scale, rtol=1e-12)
-    wanted = known.printed[Misprint.ALL]
+    wanted = known.published[Misprint.ALL]
     np.testing.assert_allclose(printed.largest, wanted.largest, rtol=1e-9)
     np.testing.assert_allclose(printed.rms, wanted.rms, rtol=1e-9)
 
@@ -160,7 +160,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "misprints" in caption(found, state)
     figure = exporting.figure(state, "svg", 120.0, 100.0)
     assert "comparison" in figure.name
-    assert b"Formulae as published and MuJoCo" in figure.content
+    assert b"Formulas as published and MuJoCo" in figure.content
 
 
 @needs_mujoco

@@ -24,7 +24,7 @@ from paminsa_viz.trajectory import analyze
 
 @pytest.fixture
 def state() -> State:
-    """A heavier design with the paper's pinned, and the formulae as published shown."""
+    """A heavier design with the paper's pinned, and the formulas as published shown."""
     state = actions.pin_reference(motions.choose_preset(initial_state(), "circle"))
     return motions.set_plots(actions.vary(state, {"links.b4": 2.0}), published=True)
 
@@ -59,7 +59,7 @@ def test_curves_are_the_models(state: State) -> None:
 
 
 ALONE = [plot for plot in PLOTS.values() if plot not in (*SIMULATED, "differences")]
-"""Plots of the formulae alone."""
+"""Plots of the formulas alone."""
 
 
 @pytest.mark.parametrize("plot", ALONE)
