@@ -146,20 +146,16 @@ def map_view(
     Raises:
         InvalidInput: If there is no such quantity.
     """
-    from paminsa_viz.model.grids import solve_field, xy_grid
     from paminsa_viz.plots.interactive import interactive_map
-    from paminsa_viz.plots.map_data import cell_centers, half_width, map_data
+    from paminsa_viz.plots.map_data import map_data, workspace_field
     from paminsa_viz.plots.ranges import choose_scales
     from paminsa_viz.quantities import selections
 
     if quantity not in selections():
         raise InvalidInput("quantity", f"there are {', '.join(selections())}")
     place = _pose(design, pose)
-    centers = cell_centers(half_width(design.geometry), cells)
-    field = solve_field(
-        design.geometry,
-        xy_grid(centers, centers, *place[2:].tolist()),
-    )
+    theta, z = place[2:].tolist()
+    field = workspace_field(design.geometry, theta, z, cells)
     data = map_data(field, design, place, selections()[quantity])
     return interactive_map(data, choose_scales(data), width)
 

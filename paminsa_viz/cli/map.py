@@ -17,17 +17,16 @@ from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
 from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.model.grids import solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, home_pose, status_words
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
     MapData,
-    cell_centers,
     difference,
     half_width,
     map_data,
+    workspace_field,
 )
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
@@ -168,11 +167,12 @@ def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) ->
     """Return the maps of a design, or of its difference from a reference."""
     z = home_pose(design.geometry)[3] if flags.z is None else flags.z / MM
     pose = (flags.at[0] / MM, flags.at[1] / MM, math.radians(flags.theta), z)
-    centers = cell_centers(half_width(design.geometry), affordable_cells(flags.quantities, cells))
-    grid = xy_grid(centers, centers, *pose[2:])
+    count = affordable_cells(flags.quantities, cells)
+    half = half_width(design.geometry)
 
     def maps(shown: Design) -> MapData:
-        return map_data(solve_field(shown.geometry, grid), shown, pose, flags.quantities)
+        field = workspace_field(shown.geometry, *pose[2:], count, half)
+        return map_data(field, shown, pose, flags.quantities)
 
     return maps(design) if reference is None else difference(maps(design), maps(reference))
 

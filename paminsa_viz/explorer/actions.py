@@ -8,11 +8,12 @@ from typing import Any
 
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.scene.layers import with_layers
-from paminsa_viz.explorer.state import Document, LastReachable, State, home_pose
+from paminsa_viz.explorer.state import Document, LastReachable, State
 from paminsa_viz.files.design_writer import name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
 from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.grids import COORDINATES
+from paminsa_viz.model.reach import home_pose
 
 Action = Callable[[State], State]
 """A change of the state; it may raise `PaminsaError`, which changes nothing."""

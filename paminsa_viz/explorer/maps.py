@@ -20,17 +20,15 @@ from paminsa_viz.model import (
     Design,
     Field,
     Geometry,
-    solve_field,
-    xy_grid,
 )
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
     MapData,
-    cell_centers,
     difference,
     half_width,
     map_data,
+    workspace_field,
 )
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
@@ -74,8 +72,7 @@ class MapStore:
                 self._fields.move_to_end(key)
         if found is not None:
             return found
-        centers = cell_centers(half, cells)
-        made = solve_field(geometry, xy_grid(centers, centers, theta, z))
+        made = workspace_field(geometry, theta, z, cells, half)
         with self._lock:
             self._fields[key] = made
             self._fields.move_to_end(key)

@@ -17,7 +17,7 @@ import paminsa_viz
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.model.grids import Field
+from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.parameters import PARAMETERS
 from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
@@ -247,6 +247,22 @@ def half_width(geometry: Geometry) -> float:
 def cell_centers(half: float, cells: int) -> Array:
     """Return the centers of ``cells`` equal cells from ``-half`` to ``half``, (cells,) [m]."""
     return half * ((2 * np.arange(cells) + 1) / cells - 1)
+
+
+def workspace_field(
+    geometry: Geometry, theta: float, z: float, cells: int, half: float | None = None
+) -> Field:
+    """Return a field over the square that maps cover, which solves what it is asked for.
+
+    Args:
+        geometry: What to solve.
+        theta: Angle of the platform [rad].
+        z: Its height [m].
+        cells: Cells along each side.
+        half: Half the side [m], or None for `half_width` of the geometry.
+    """
+    centers = cell_centers(half_width(geometry) if half is None else half, cells)
+    return solve_field(geometry, xy_grid(centers, centers, theta, z))
 
 
 def provenance(design: Design) -> Provenance:

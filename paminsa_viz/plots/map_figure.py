@@ -4,25 +4,16 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.patches import Rectangle as RectanglePatch
-from matplotlib.path import Path
-from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from paminsa_viz.palette import BAD, INK
-from paminsa_viz.plots import colors, contours
+from paminsa_viz.palette import INK
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
-from paminsa_viz.plots.contours import Line
 from paminsa_viz.plots.formats import (
     INCH,
     Credits,
@@ -31,42 +22,24 @@ from paminsa_viz.plots.formats import (
     drawing_lock,
     figure_file,
 )
-from paminsa_viz.plots.hover import emptiness
 from paminsa_viz.plots.map_data import MapData
-from paminsa_viz.plots.map_layout import MapLayout, Rectangle, map_layout
+from paminsa_viz.plots.map_layout import MapLayout, map_layout
+from paminsa_viz.plots.map_panel import (
+    MUTED_INK,
+    FloorPath,
+    MapPanel,
+    add_color_bar,
+    common_lines,
+)
 from paminsa_viz.plots.ranges import per_panel
-from paminsa_viz.plots.scale import Scale, map_pixels
-from paminsa_viz.plots.text import text_width, wrapped
-from paminsa_viz.units import MM, number
+from paminsa_viz.plots.scale import Scale
+from paminsa_viz.plots.text import wrapped
 
-MUTED_INK = "#3b4754"  # numbers and captions
 PAGE_EM = 11.0
 """Size of letters on a page [page pixels]."""
 
 _POINT = INCH / 72  # mm
-_LABELED = 85.0  # points; contours of narrower panels carry no numbers
-_CONTOUR_POINTS = 50  # along an axis of live maps; the eye sees no difference, the clock does
 _KEPT = 3  # live figures: at rest, while dragging, and one to go back to
-
-# Widths in em; later lines lie over earlier ones.
-_LINES: dict[str, dict[str, Any]] = {
-    "light": {"color": "#ffffff", "lw": 0.05},
-    "dark": {"color": INK, "lw": 0.05},
-    "zero": {"color": INK, "lw": 0.1},
-    "boundary": {"color": INK, "lw": 0.12},
-    "circle casing": {"color": "#ffffff", "lw": 0.18},
-    "circle": {"color": INK, "lw": 0.11, "dashes": (3.8, 2.8)},
-    "path casing": {"color": "#ffffff", "lw": 0.41},
-    "path": {"color": INK, "lw": 0.23},
-    "path bad": {"color": BAD, "lw": 0.23, "dashes": (1.6, 1.2)},
-}
-
-
-class FloorPath(NamedTuple):
-    """A motion seen from above: lines that the robot can follow, and that it cannot [m]."""
-
-    good: Line
-    bad: Line
 
 
 class LiveMaps:
@@ -122,7 +95,9 @@ class _LiveFigure:
     def __init__(self, data: MapData, layout: MapLayout, dpi: float) -> None:
         self._layout = layout
         self._page, self._canvas = _new_page(layout.width, layout.height, dpi)
-        self._panels = [_Panel(self._page, data, i, layout, live=True) for i in range(data.panels)]
+        self._panels = [
+            MapPanel(self._page, data, i, layout, live=True) for i in range(data.panels)
+        ]
         self._canvas.draw()
         self._frame = self._canvas.copy_from_bbox(self._page.bbox)
         self._background = self._frame
@@ -135,13 +110,13 @@ class _LiveFigure:
         if scales != self._scales:
             canvas.restore_region(self._frame)
             for scale, place in zip(scales, self._layout.bars, strict=False):
-                bar = _color_bar(self._page, data, scale, self._layout, place)
+                bar = add_color_bar(self._page, data, scale, self._layout, place)
                 bar.draw(canvas.get_renderer())
                 bar.remove()
             self._background = canvas.copy_from_bbox(self._page.bbox)
             self._scales = scales
         canvas.restore_region(self._background)
-        common = _common_lines(data, path)
+        common = common_lines(data, path)
         for panel, scale in zip(self._panels, scales, strict=True):
             panel.show_cells(data, scale)
             panel.show_lines(common | panel.contours(data, scale))
@@ -211,16 +186,16 @@ def _printed(
         center / width, 1 - 0.35 * em / height, "\n".join(heading), ha="center", color=INK,
         size=1.19 * em, weight="bold", **text,
     )  # fmt: skip
-    common = _common_lines(data, None)
+    common = common_lines(data, None)
     for index, scale in enumerate(scales):
-        panel = _Panel(page, data, index, layout, live=False)
+        panel = MapPanel(page, data, index, layout, live=False)
         panel.show_cells(data, scale)
         panel.clip_to_boundary(data)
         panel.show_lines(common)
         panel.label_contours(data, scale)
         panel.mark_pose(data)
     for scale, place in zip(scales, layout.bars, strict=False):
-        _color_bar(page, data, scale, layout, place)
+        add_color_bar(page, data, scale, layout, place)
     page.text(
         0.75 * em / width, 1 - (layout.height + 0.3 * em) / height, "\n".join(note), ha="left",
         size=note_size, color=MUTED_INK, **text,
@@ -234,196 +209,3 @@ def _new_page(width: float, height: float, dpi: float) -> tuple[Figure, FigureCa
     inches = [(round(length / 72 * dpi) + 0.01) / dpi for length in (width, height)]
     page = Figure(figsize=(inches[0], inches[1]), dpi=dpi)
     return page, FigureCanvasAgg(page)
-
-
-def _add_axes(page: Figure, place: Rectangle) -> Axes:
-    """Add axes that fill a rectangle."""
-    width, height = (72.0 * float(side) for side in page.get_size_inches())
-    return page.add_axes(
-        (place.left / width, 1 - place.bottom / height, place.width / width, place.height / height)
-    )
-
-
-class _Panel:
-    """One map of a figure: its frame, and the artists that follow the data.
-
-    Coordinates are in meters; only the numbers at the axes are in millimeters.
-    """
-
-    def __init__(
-        self, page: Figure, data: MapData, index: int, layout: MapLayout, *, live: bool
-    ) -> None:
-        self._index, self._em = index, layout.em
-        place = layout.panels[index]
-        self._width = place.width
-        axes = self.axes = _add_axes(page, place)
-        left, right, bottom, top = data.extent
-        axes.set(xlim=(left, right), ylim=(bottom, top))
-        hatching = RectanglePatch(
-            (left, bottom), right - left, top - bottom,
-            fc=colors.REACHLESS, ec=colors.HATCH, hatch="/" * round(48 / layout.em), lw=0, zorder=0,
-        )  # fmt: skip
-        hatching.set_hatch_linewidth(0.045 * self._em)
-        axes.add_patch(hatching)
-        self._frame(data)
-        blank = np.zeros((2, 2, 4), dtype=np.uint8)
-        self._cells = axes.imshow(
-            blank, extent=data.extent, origin="lower", interpolation="nearest", aspect="auto",
-            animated=live, zorder=1,
-        )  # fmt: skip
-        self._lines = {}
-        for order, (name, style) in enumerate(_LINES.items()):
-            style = {**style, "lw": style["lw"] * self._em, "zorder": 2 + 0.1 * order}
-            (self._lines[name],) = axes.plot(
-                [], [], animated=live, solid_capstyle="round", solid_joinstyle="round", **style
-            )
-        back = {"fc": "white", "ec": "none", "pad": 0.2 * self._em}
-        self._note = axes.text(
-            0.5, 0.8, "", transform=axes.transAxes, ha="center", va="center", color=INK, bbox=back,
-            size=0.9 * self._em, zorder=7, animated=live,
-        )  # fmt: skip
-
-    def _frame(self, data: MapData) -> None:
-        axes, em, index = self.axes, self._em, self._index
-        for axis, (low, high) in ((axes.xaxis, data.extent[:2]), (axes.yaxis, data.extent[2:])):
-            room = 0.08 * (high - low)  # numbers at the very ends would run into a neighbor's
-            least = 3.2 * em / self._width * (high - low)  # a number needs that much
-            low, high = low + room, high - room
-            values = np.empty(0)
-            for count in range(7, 0, -1):
-                values = MaxNLocator(count, steps=[1, 2, 2.5, 4, 5, 10]).tick_values(low, high)
-                if values[1] - values[0] >= least:
-                    break
-            axis.set_ticks([v for v in values if low <= v <= high])
-            axis.set_major_formatter(FuncFormatter(lambda v, _: number(MM * v)))
-        axes.tick_params(
-            labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,
-            pad=0.18 * em, labelleft=index == 0,
-        )  # fmt: skip
-        for spine in axes.spines.values():
-            spine.set(color=INK, linewidth=0.07 * em)
-        axes.set_xlabel("x [mm]", size=em, color=MUTED_INK, labelpad=0.1 * em)
-        if index == 0:
-            axes.set_ylabel("y [mm]", size=em, color=MUTED_INK, labelpad=0.05 * em)
-        axes.set_title(
-            data.names[index], size=1.15 * em, color=data.colors[index], weight="bold",
-            pad=0.42 * em,
-        )  # fmt: skip
-
-    def show_cells(self, data: MapData, scale: Scale) -> None:
-        """Color the cells, and say why if there is nothing to color."""
-        self._cells.set_data(map_pixels(data.values[self._index], data.status, scale))
-        self._note.set_text(emptiness(data, self._index))
-
-    def show_lines(self, lines: dict[str, Line]) -> None:
-        """Draw lines by the names of their styles."""
-        for name, artist in self._lines.items():
-            line = lines.get(name, contours.NO_LINE)
-            artist.set_data(line[:, 0], line[:, 1])
-
-    def contours(self, data: MapData, scale: Scale) -> dict[str, Line]:
-        """Return the contour lines by the names of their styles, for quick drawings."""
-        found: dict[str, list[Line]] = {"light": [], "dark": [], "zero": []}
-        for level, line in contours.contour_lines(
-            data, self._index, scale, most=_CONTOUR_POINTS
-        ).items():
-            found[_style(scale, level)].append(line)
-        return {name: contours.joined(lines) for name, lines in found.items()}
-
-    def label_contours(self, data: MapData, scale: Scale) -> None:
-        """Draw the contour lines with their values along them."""
-        found = contours.contour_lines(data, self._index, scale)
-        if not found:
-            return
-        x, y, field = contours.contour_field(data, self._index, scale)
-        styles = [_LINES[_style(scale, level)] for level in found]
-        drawn = self.axes.contour(
-            x, y, field, levels=list(found), zorder=1.5, algorithm="serial", linestyles="solid",
-            colors=[style["color"] for style in styles],
-            linewidths=[style["lw"] * self._em for style in styles],
-        )  # fmt: skip
-        size, paper = self._em - 2, self._width / (data.extent[1] - data.extent[0])
-        if self._width < _LABELED:
-            return
-        names = {level: number(level * data.display[0]) for level in found}
-        room = {v: 0.4 * text_width(name, size) / paper for v, name in names.items()}
-        places = contours.label_places(data, found, room, margin=0.15 * size / paper)
-        if not places:
-            return
-        for label in self.axes.clabel(drawn, fmt=names, fontsize=size, manual=places):
-            label.set(
-                color=INK, zorder=5.5, path_effects=[withStroke(linewidth=1.2, foreground="white")]
-            )
-
-    def clip_to_boundary(self, data: MapData) -> None:
-        """End the cells at the true boundary, not at their edges."""
-        if data.margin is None:
-            return
-        area = contours.reached_area(data)
-        outline = Path(np.zeros((1, 2))) if area is None else Path(*area)
-        self._cells.set_clip_path(PathPatch(outline, transform=self.axes.transData))  # type: ignore[arg-type]
-
-    def mark_pose(self, data: MapData) -> None:
-        """Draw the ring at the pose."""
-        x, y = data.pose[:2]
-        for size, face, edge in ((0.8, "white", 0.0), (0.58, "white", 0.1), (0.2, INK, 0.0)):
-            self.axes.plot(
-                x, y, marker="o", ls="none", ms=size * self._em, mfc=face, mec=INK,
-                mew=edge * self._em, zorder=6,
-            )  # fmt: skip
-
-    def draw(self, renderer: Any) -> None:
-        """Draw what follows the data over what is there."""
-        for artist in (self._cells, *self._lines.values(), self._note):
-            artist.draw(renderer)
-
-
-def _style(scale: Scale, level: float) -> str:
-    if level == 0.0:
-        return "zero"
-    return "dark" if scale.ink(level) == INK else "light"
-
-
-def _common_lines(data: MapData, path: FloorPath | None) -> dict[str, Line]:
-    """Return the lines that all panels share, by the names of their styles."""
-    circle = contours.singular_circle(data)
-    lines = {"boundary": contours.boundary(data), "circle casing": circle, "circle": circle}
-    if path is not None:
-        lines |= {
-            "path casing": contours.joined([path.good, path.bad]),
-            "path": path.good,
-            "path bad": path.bad,
-        }
-    return lines
-
-
-def _color_bar(
-    page: Figure, data: MapData, scale: Scale, layout: MapLayout, place: Rectangle
-) -> Axes:
-    """Add the color bar of a scale, with pointed ends for what lies beyond it."""
-    em = layout.em
-    axes = _add_axes(page, place)
-    long = place.height if layout.vertical else place.width
-    pointed = 0.8 * em / long
-    norm, table = scale.matplotlib_colors()
-    bar = page.colorbar(
-        ScalarMappable(norm, table), cax=axes, extend="both", extendfrac=pointed,
-        orientation="vertical" if layout.vertical else "horizontal",
-    )  # fmt: skip
-    factor, unit = data.display
-    fits = long / em / (2.2 if layout.vertical else 3.2)
-    values = scale.ticks(int(min(max(fits, 2), 8)))
-    bar.set_ticks(list(values), labels=[number(value * factor) for value in values])
-    bar.minorticks_off()
-    axes.tick_params(
-        labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,
-        pad=0.18 * em,
-    )  # fmt: skip
-    outline: Any = bar.outline
-    outline.set(edgecolor=INK, linewidth=0.07 * em)
-    label = f"[{unit}]" if unit else ""
-    if layout.vertical:
-        axes.set_title(label, size=em, color=MUTED_INK, pad=0.3 * em, loc="left")
-    else:
-        axes.set_xlabel(label, size=em, color=MUTED_INK, labelpad=0.1 * em)
-    return axes

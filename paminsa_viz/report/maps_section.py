@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
-from paminsa_viz.model.grids import solve_field, xy_grid
-from paminsa_viz.plots.map_data import MapData, cell_centers, half_width, map_data
+from paminsa_viz.plots.map_data import FULL, MapData, map_data, workspace_field
 from paminsa_viz.plots.map_figure import render
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
 from paminsa_viz.quantities import TORQUES
 from paminsa_viz.report.blocks import Block, Figure, Note, Section
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value
-
-CELLS = 200
-"""Cells along each side."""
 
 DPI = 150.0
 """Resolution of the colored cells inside the figures."""
@@ -21,10 +17,8 @@ DPI = 150.0
 def maps_section(request: ReportRequest) -> Section:
     """Return the section."""
     geometry = request.design.geometry
-    centers = cell_centers(half_width(geometry), CELLS)
     _, _, theta, z = request.pose
-    grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid)
+    field = workspace_field(geometry, theta, z, FULL)
 
     def maps(*quantities: str) -> MapData:
         return map_data(field, request.design, request.pose, quantities)

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding, pose_limits
-from paminsa_viz.explorer.state import home_pose
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
+from paminsa_viz.model.reach import home_pose
 from tests.samples import random_design, with_knee
 
 from .panel_desk import Desk

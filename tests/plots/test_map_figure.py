@@ -21,13 +21,14 @@ from PIL import Image
 
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.errors import InvalidInput
-from paminsa_viz.plots import map_figure
+from paminsa_viz.plots import map_panel
 from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.contours import NO_LINE
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.plots.map_data import MapData, difference
-from paminsa_viz.plots.map_figure import PAGE_EM, FloorPath, LiveMaps, render
+from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps, render
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
+from paminsa_viz.plots.map_panel import FloorPath
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, per_panel
 from paminsa_viz.plots.scale import Scale, map_pixels
 from paminsa_viz.quantities import QUANTITIES, TORQUES
@@ -252,7 +253,7 @@ class TestPrint:
         data = made_up(nx=61, ny=61)
         same = made_up(nx=61, ny=61, values=np.repeat(data.values[panel : panel + 1], 3, axis=0))
         # Without colors, so that what is compared are lines.
-        monkeypatch.setattr(map_figure, "map_pixels", lambda *_: np.zeros((61, 61, 4), np.uint8))
+        monkeypatch.setattr(map_panel, "map_pixels", lambda *_: np.zeros((61, 61, 4), np.uint8))
         dpi, width = 144.0, 170.0
         place = map_layout(data, SCALES, width / 25.4 * 72, 8.0, head=1.5 * 8.0).panels[panel]
         mixed, alike = (

@@ -7,11 +7,11 @@ from math import ceil, floor
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Run, Slider
-from paminsa_viz.explorer.state import State, home_pose
+from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
-from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.model.reach import home_pose, workspace_radius
 from paminsa_viz.units import display_unit
 
 GRAIN = 10
