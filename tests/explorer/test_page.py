@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.model import APPENDIX_4, inverse_kinematics, static_imbalance, static_torques
 from tests.explorer.chromium import Tab, until
 
@@ -90,7 +91,8 @@ def test_a_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
     tab.wait_pose(0, 0.06)
     until(lambda: abs(shown_torques(tab)[0]) > 0.1, "the readout follows")
     before = shown_torques(tab)
-    colors = until(lambda: color_range(tab), "a color range")
+    colors = model_range(tab)
+    until(lambda: color_range(tab) == colors, "the color range of this pose")
     tab.open_tab("Design")
     tab.type_number("m_B4 bar 9–4–5", 2.5)
     until(lambda: tab.state.document.design.links.b4 == 2.5, "the mass is set")
@@ -100,7 +102,14 @@ def test_a_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
     until(lambda: abs(shown_torques(tab)[0] / before[0] - factor) < 0.02, "τ₁ in proportion")
     np.testing.assert_allclose(shown_torques(tab)[:3], factor * np.array(before[:3]), atol=3e-3)
     # limits of a color range are round numbers, next to the proportional ones
-    until(lambda: 0.8 < color_range(tab) / colors / factor < 1.25, "colors in proportion")
+    until(lambda: color_range(tab) == model_range(tab), "colors in proportion")
+    assert 0.8 < color_range(tab) / colors / factor < 1.25
+
+
+def model_range(tab: Tab) -> float:
+    """Return the upper end of the torque maps' color range, as the model gives it."""
+    store = MapStore()
+    return store.scales(tab.state, store.data(tab.state))[0].high
 
 
 def color_range(tab: Tab) -> float:

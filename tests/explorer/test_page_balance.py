@@ -41,7 +41,7 @@ def press(tab: Tab, name: str) -> None:
 def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
     page = balance.page
     press(balance, "Balance as in the paper")
-    page.get_by_test_id("balance-status").get_by_text("Statically balanced").wait_for()
+    page.get_by_test_id("balance-status").get_by_text("Statically balanced", exact=True).wait_for()
     assert static_imbalance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
     assert balance.state.document.reference == APPENDIX_4
     text = until(lambda: balance.text("balance-result"), "the tables")
@@ -73,7 +73,7 @@ def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> 
         "test", lambda s: balancing.change_settings(s, slot_b8=CounterweightSlot(0.1, 5.0))
     )
     press(balance, "Optimize")
-    status.get_by_text("Statically balanced").wait_for()
+    status.get_by_text("Statically balanced", exact=True).wait_for()
     node = "/robot/leg2/slider/b8/weight1"
     until(lambda: balance.place(node), "the counterweight hangs in the scene")
     balance.page.get_by_role("button", name="all", exact=True).click()

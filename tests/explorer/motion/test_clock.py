@@ -52,7 +52,7 @@ def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Wat
     eventually(lambda: watch.times and watch.times[-1] == 0.3)
     eventually(lambda: not session.state.playback.playing)
     assert watch.times == sorted(watch.times)
-    assert len(set(watch.times)) > 3
+    assert any(0.0 < time < 0.3 for time in watch.times)
     motion = motions.planned(session.state).trajectory
     assert motion is not None
     for time, pose in list(zip(watch.times, watch.poses, strict=True))[-3:]:
