@@ -97,7 +97,7 @@ def optima() -> None:
         size = max(abs(found.objective), *(abs(v.before) for v in found.values))
         rows.append([name, number(1e3 * best(run)), str(found.rounds), f"{found.gap / size:.1e}"])
     heading(f"Optimal masses; {path.size} samples, {workspace().size} poses")
-    table(["what", "ms", "linear programmes", "relative gap"], rows)
+    table(["what", "ms", "linear programs", "relative gap"], rows)
 
     places = [
         SpringPlace(on_guide(0.0, 0.3), at_joint(9), 1e4, 0.0, 0.5),

@@ -44,11 +44,11 @@ window.__place = name => {
   return node ? node.position.toArray().concat(node.quaternion.toArray()).join() : "";
 };
 window.__turn = () => new Promise(done => setTimeout(done, 1));
-window.__press = async (thumb, key, watch, patience) => {
+window.__press = async (thumb, key, watch, timeout) => {
   const before = watch();
   const start = performance.now();
   thumb.dispatchEvent(new KeyboardEvent("keydown", {key: key, bubbles: true}));
-  while (performance.now() - start < patience) {
+  while (performance.now() - start < timeout) {
     if (watch() !== before) return performance.now() - start;
     await window.__turn();
   }

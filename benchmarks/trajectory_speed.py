@@ -70,7 +70,7 @@ def changes() -> None:
              milliseconds(lambda: torque_regressor(wider.geometry, *motion)), ""],
             ["the geometry changes: with the four parts",
              milliseconds(lambda: analyze(wider, t).breakdown), ""],
-            ["Y by the same formulae on NumPy arrays", milliseconds(on_numpy), ""],
+            ["Y by the same formulas on NumPy arrays", milliseconds(on_numpy), ""],
             ["torques by inverse dynamics",
              milliseconds(lambda: inverse_dynamics(DESIGN, *motion)), ""],
             ["a new motion: samples of the plan", milliseconds(lambda: PLAN.sample(1000.0)), ""],

@@ -1,7 +1,7 @@
 """What each misprint of the paper does to the actuator torques of one motion.
 
-The corrected formulae agree with two physics engines to rounding (see verify_with_mujoco.py); those
-as printed do not. `docs/model.md` has the table of misprints.
+The corrected formulas agree with two physics engines to rounding (see verify_with_mujoco.py); those
+as published do not. `docs/model.md` has the table of misprints.
 """
 
 import numpy as np

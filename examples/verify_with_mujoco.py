@@ -1,7 +1,7 @@
-"""The corrected formulae beside MuJoCo, which knows nothing of them (paper: Figs. 6 and 7).
+"""The corrected formulas against MuJoCo, an independent physics engine (paper: Figs. 6 and 7).
 
-Needs `pip install 'paminsa-viz[verify]'`. `paminsa-viz verify` does more: two engines, the formulae
-as printed, a simulation, figures and a verdict.
+Needs `pip install 'paminsa-viz[verify]'`. `paminsa-viz verify` does more: two engines, the formulas
+as published, a simulation, figures and a verdict.
 """
 
 import numpy as np
@@ -15,7 +15,7 @@ motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(200)
 states = motion.pose, motion.velocity, motion.acceleration
 measured = robot.inverse_dynamics(*states)
 
-for name, misprints in (("corrected", Misprint.NONE), ("as printed", Misprint.ALL)):
+for name, misprints in (("corrected", Misprint.NONE), ("as published", Misprint.ALL)):
     calculated = inverse_dynamics(APPENDIX_4, *states, misprints=misprints).torque
     difference = np.abs(calculated - measured).max(axis=0) / np.abs(measured).max(axis=0)
     words = ", ".join(f"{value:.1e}" for value in difference)

@@ -43,7 +43,7 @@ class Relaxation:
 
 
 class SolverFailed(PaminsaError):
-    """A programme that the linear solver could not finish; its numbers may differ too much in size.
+    """A program that the linear solver could not finish; its numbers may differ too much in size.
 
     Attributes:
         reason: What went wrong, in words.

@@ -2,7 +2,7 @@
 
 The terms are convex, so the least value of the first, as a function of what the second is held
 below, is convex, and falls strictly between the two ends of the front. There the limit is always
-used up; so a series of convex programmes, one a limit, gives points none of which is dominated.
+used up; so a series of convex programs, one a limit, gives points none of which is dominated.
 """
 
 from __future__ import annotations

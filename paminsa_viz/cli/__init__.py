@@ -29,7 +29,7 @@ COMMANDS: dict[str, str] = {
     "trajectory": "required actuator torques of a motion; draw, simulate, write it",
     "sweep": "measure many designs over the workspace, into a resumable table",
     "balance": "find the masses that balance the robot best, certified optimal",
-    "verify": "check the formulae against MuJoCo and Pinocchio",
+    "verify": "check the formulas against MuJoCo and Pinocchio",
     "report": "write a design report as one HTML file",
     "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
 }

@@ -50,7 +50,7 @@ class Report:
     file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
     """A motion as a table with t_s,x_m,y_m,theta_rad,z_m, instead of a preset."""
     verify: bool = True
-    """Check the formulae against the physics engines that are installed."""
+    """Check the formulas against the physics engines that are installed."""
     seed: int = 0
     """Seed of random poses."""
 

@@ -126,7 +126,7 @@ def main(words: list[str]) -> int:
     if flags.preset is not None and flags.file is not None:
         raise UsageError("--preset and --file exclude each other")
     study = study_of(flags, design_of(flags.design, flags.assembly))
-    begun = time.monotonic()
+    started = time.monotonic()
     latest = StudySummary(study)
 
     def note(summary: StudySummary) -> None:
@@ -151,7 +151,7 @@ def main(words: list[str]) -> int:
                 file=sys.stderr,
             )
             raise
-    seconds = time.monotonic() - begun
+    seconds = time.monotonic() - started
     if flags.json:
         print_json(report(flags.out, latest, seconds))
     else:

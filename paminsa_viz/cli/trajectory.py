@@ -86,7 +86,7 @@ class Flags:
     """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
     design's own."""
     printed: bool = False
-    """Also work it out by the formulae as the paper prints them, misprints included."""
+    """Also work it out by the formulas as published, misprints included."""
 
     duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
     """Duration [s], instead of the motion's own."""

@@ -34,7 +34,7 @@ class Results:
         analysis: The design on the motion.
         quickest: What the duration follows from, if the shortest one was asked for.
         reference: Another design on the same motion.
-        printed: The design by the formulae as printed.
+        printed: The design by the formulas as published.
         simulation: The robot driven along the motion.
         problems: Why the motion, or its simulation, fails.
     """
@@ -109,7 +109,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
     print()
     if analysis.summary:
         rows = [("", *ACTUATOR_NAMES), *_rows(analysis)]
-        for title, other in (("reference", results.reference), ("as printed", results.printed)):
+        for title, other in (("reference", results.reference), ("as published", results.printed)):
             if other is not None and other.summary:
                 rows += [
                     (f"{title}: {row[0]}", *row[1:]) for row in _rows(other) if row[0] in _BOTH
@@ -136,7 +136,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
 
 
 _BOTH = ("peak", "RMS", "peak power")
-"""Rows that are repeated for a reference and for the formulae as printed."""
+"""Rows that are repeated for a reference and for the formulas as published."""
 
 
 def _rows(analysis: TrajectoryAnalysis) -> list[tuple[str, ...]]:

@@ -1,4 +1,4 @@
-"""``paminsa-viz verify``: the formulae against physics engines, with a verdict."""
+"""``paminsa-viz verify``: the formulas against physics engines, with a verdict."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import format_ascii
 
 DESCRIPTION = """\
-Check the formulae against MuJoCo and Pinocchio, two independent physics engines.
+Check the formulas against MuJoCo and Pinocchio, two independent physics engines.
 
   paminsa-viz verify                                  Appendix 4 on a motion with 1 m/s²
   paminsa-viz verify --design robot.toml --preset circle --figures checked
   paminsa-viz verify --file motion.csv --json         for other programs
 
 Static torques at random poses of the workspace and dynamic torques along a trajectory, of all four
-actuators: by how much formulae and engine differ, at most and on average (RMS), over the largest
-torque of the same actuator. Also: the formulae as the paper prints them, and a simulation in which
+actuators: by how much formulas and engine differ, at most and on average (RMS), over the largest
+torque of the same actuator. Also: the formulas as published, and a simulation in which
 MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
@@ -128,7 +128,7 @@ def _show(found: Verification) -> None:
                     indent=2, right=True)  # fmt: skip
     for engine in found.missing:
         print(f"\n{engine} is not installed; it comes with pip install 'paminsa-viz[verify]'")
-    print(f"\nFormulae as printed and {found.engines[0].engine}, moving: relative differences")
+    print(f"\nFormulae as published and {found.engines[0].engine}, moving: relative differences")
     rows = [
         (misprint_name(item), *(f"{value:.1e}" for value in comparison.relative))
         for item, comparison in found.published.items()
@@ -171,7 +171,7 @@ def _show_simulation(found: Verification) -> None:
 
 
 def _figures(found: Verification, folder: Path, kind: str) -> list[Path]:
-    """Write a figure for each engine, and one of the printed formulae; return their paths."""
+    """Write a figure for each engine, and one of the formulas as published; return their paths."""
     # Late: matplotlib takes a second to load.
     from paminsa_viz.plots.series_figure import render_series
     from paminsa_viz.plots.verified import verification_figures

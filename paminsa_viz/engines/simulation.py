@@ -89,7 +89,7 @@ def play(
         mujoco.mj_fwdPosition(model, data)
         pose = robot.pose(data.qpos)
         off = _stray(pose - wanted[index], design.geometry.platform_radius)
-        # After a warning it has begun again, unasked.
+        # After a warning it has started over by itself.
         if not np.isfinite(off) or any(warning.number for warning in data.warning):
             break
         found[index], stray[index] = pose, off

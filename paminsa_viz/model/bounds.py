@@ -26,7 +26,7 @@ def largest(path: str) -> float:
 def validate_limits(design: Design) -> Design:
     """Return the design if its numbers are of a size that can be worked with.
 
-    The model takes any finite number, and some overflow in its formulae. What comes from a page, a
+    The model takes any finite number, and some overflow in its formulas. What comes from a page, a
     file or a share code goes through here.
 
     Raises:

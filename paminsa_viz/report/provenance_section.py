@@ -38,7 +38,7 @@ def provenance_section(request: ReportRequest, found: Verification | str) -> Sec
         (
             Table(("", ""), columns(*rows), words=2, literal=True),
             Note(
-                "The formulae are the paper’s with its misprints corrected. Lengths are shown in "
+                "The formulas are the paper’s with its misprints corrected. Lengths are shown in "
                 "mm and angles in degrees; files are in SI units. The design below, saved as a "
                 "file, gives the same numbers again."
             ),

@@ -1,4 +1,4 @@
-"""Verification: formulae against engines, the misprints, and a simulation."""
+"""Verification: formulas against engines, the misprints, and a simulation."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ def verification_section(found: Verification | str) -> Section:
         return Section("verification", TITLE, (Note(found, "warn"),))
     engines = " and ".join(f"{check.engine} {check.version}" for check in found.engines)
     verdict = Note(
-        f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulae "
+        f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulas "
         f"and {engines} is {number(found.worst, 2)} of the actuator’s largest torque; "
         f"{number(found.tolerance, 2)} is allowed.",
         "ok" if found.passed else "bad",
     )
     method = Note(
         "The engines get the bodies, joints and loop closures, and where the joints stand, which "
-        "the closures confirm; they know none of the formulae. "
+        "the closures confirm; they know none of the formulas. "
         f"Compared are {len(found.poses)} random poses at rest and {found.trajectory.size} states "
         "of the trajectory, without joint friction."
     )
@@ -51,7 +51,7 @@ def verification_section(found: Verification | str) -> Section:
             *_rows("moving", check.dynamic),
         ]
         caption = (
-            f"Formulae and {check.engine} {check.version}. Relative: over the largest torque of "
+            f"Formulas and {check.engine} {check.version}. Relative: over the largest torque of "
             "the same actuator."
         )
         blocks.append(Table(head, tuple(rows), caption))
@@ -93,11 +93,11 @@ def _misprints(found: Verification) -> Table:
         for item, comparison in found.published.items()
     ]
     caption = (
-        "The formulae as the paper prints them against the engine, moving: largest difference over "
+        "The formulas as published against the engine, moving: largest difference over "
         "the largest torque. Where a misprint has a part, it stands out by many orders of "
         "magnitude."
     )
-    return Table(("Taken as printed", "τ₁", "τ₂", "τ₃", "F₄"), tuple(rows), caption)
+    return Table(("Taken as published", "τ₁", "τ₂", "τ₃", "F₄"), tuple(rows), caption)
 
 
 MISPRINTS: dict[Misprint, str] = {

@@ -23,7 +23,7 @@ Result = TypeVar("Result")
 AHEAD = 3
 """Pieces of work that each worker has before it or is at."""
 
-PATIENCE = 15
+CONNECT_TIMEOUT = 15
 """How long to look for a cluster's scheduler [s]."""
 
 
@@ -79,7 +79,7 @@ def processes(count: int | None = None) -> Iterator[Workers]:
     if count == 1:
         yield here
         return
-    # Compiled here once, so that the processes find the formulae on the disk.
+    # Compiled here once, so that the processes find the formulas on the disk.
     backend.compile_now()
     # Not forked: a fork takes over threads' locks, and differs from what Windows and macOS do.
     context = multiprocessing.get_context("spawn")
@@ -108,7 +108,7 @@ def cluster(address: str) -> Iterator[Workers]:
         raise InvalidInput("dask", problem) from None
     try:
         resolve_address(address)  # a client of a place that cannot be leaves slowly and noisily
-        client = Client(address, timeout=PATIENCE, set_as_default=False)
+        client = Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         raise InvalidInput("dask", f"no scheduler answers at {address[:60]}: {error}") from None
     with client:

@@ -104,7 +104,7 @@ class Study:
         own and a time, see `measure_motion`. A number is written so that it reads back as the same
         one; where there is none the cell is empty.
         """
-        # Compiled formulae differ from those on arrays in the last digit, and a row has to be the
+        # Compiled formulas differ from those on arrays in the last digit, and a row has to be the
         # same in every process.
         backend.compile_now()
         values = self.variation.values(index)

@@ -132,7 +132,7 @@ class TrajectoryAnalysis:
     def energy_residual(self) -> Array:
         """Work of all actuators minus growth of energy and friction losses, (n,) [J].
 
-        Zero but for the integration over samples: the energy balance of the formulae. With
+        Zero but for the integration over samples: the energy balance of the formulas. With
         `misprints` it does not balance.
         """
         until = self.check.until

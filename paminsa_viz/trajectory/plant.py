@@ -1,4 +1,4 @@
-"""The robot and its controller as plain formulae of numbers, for simulation in time.
+"""The robot and its controller as plain formulas of numbers, for simulation in time.
 
 The same source runs in Python and compiled (`plant_kernel`). Unlike `robot.drive` it works in the
 platform's coordinates and never divides by the closure's determinant, so that it stays exact close
@@ -35,7 +35,7 @@ class Losses(NamedTuple):
 
 
 Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
-"""A robot as the formulae take it."""
+"""A robot as the formulas take it."""
 
 
 class Gains(NamedTuple):

@@ -1,4 +1,4 @@
-"""The formulae of `plant.py` compiled; no mechanics of its own."""
+"""The formulas of `plant.py` compiled; no mechanics of its own."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _kernels(digest: int) -> tuple[Any, Any]:
     return derivative, torques
 
 
-# The model's formulae are registered, to be inlined, where its own kernels are.
+# The model's formulas are registered, to be inlined, where its own kernels are.
 derivative, torques = _kernels(register(plant.derivative, plant.commanded, inline=False))
 
 

@@ -1,4 +1,4 @@
-"""The solver of convex programmes on problems whose answer is known otherwise."""
+"""The solver of convex programs on problems whose answer is known otherwise."""
 
 from __future__ import annotations
 

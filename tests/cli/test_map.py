@@ -31,7 +31,7 @@ LIGHT = replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light")
 
 @pytest.fixture(scope="module", autouse=True)
 def one_backend() -> None:
-    """The compiled formulae from the start, so that equal maps are equal to the last bit."""
+    """The compiled formulas from the start, so that equal maps are equal to the last bit."""
     backend.compile_now()
 
 

@@ -37,7 +37,7 @@ def test_a_pass_is_told_in_a_table(motion, capsys) -> None:
     assert main(["verify", "--file", motion, "--poses", "20"]) == 0
     said = capsys.readouterr().out
     assert said.startswith("Appendix 4, lower knee: 20 poses at rest, 31 states of")
-    assert "Formulae and MuJoCo" in said
+    assert "Formulas and MuJoCo" in said
     for line in ("at rest, tau_1 [N m]", "moving, F_4 [N]", "EQ14_SINE_SIGNS", "MuJoCo ran 0.3 s"):
         assert line in said
     assert said.splitlines()[-1].startswith("PASS: the largest difference is ")

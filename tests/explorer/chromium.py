@@ -28,7 +28,7 @@ FLAGS = [
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome")
 
-PATIENCE = 60.0
+TIMEOUT = 60.0
 """How long a slow machine may take to show something [s]."""
 
 
@@ -43,18 +43,18 @@ def browser_path() -> str:
     return found
 
 
-def until(condition: Callable[[], Any], what: str, patience: float = PATIENCE) -> Any:
+def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
     """Return the first true value of a condition.
 
     Raises:
         AssertionError: If it does not come true in time.
     """
-    end = time.monotonic() + patience
+    end = time.monotonic() + timeout
     while True:
         value = condition()
         if value:
             return value
-        assert time.monotonic() < end, f"waited {patience:.0f} s in vain: {what}"
+        assert time.monotonic() < end, f"not within {timeout:.0f} s: {what}"
         time.sleep(0.03)
 
 
@@ -94,7 +94,7 @@ class Tab:
         field.press("Enter")
         self.page.wait_for_timeout(80)
 
-    def with_document(self, milliseconds: float) -> None:
+    def wait_frames(self, milliseconds: float) -> None:
         """Wait for a time and then for some frames, which may take long on a busy machine."""
         self.page.wait_for_timeout(milliseconds)
         for _ in range(3):
@@ -115,7 +115,7 @@ class Tab:
 
         def resting() -> Any:
             before = place.bounding_box()
-            self.with_document(300)
+            self.wait_frames(300)
             return before if before == place.bounding_box() else None
 
         return until(resting, "the element stays where it is")

@@ -10,7 +10,7 @@ import viser
 
 from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
-from tests.explorer.chromium import PATIENCE, Tab, until
+from tests.explorer.chromium import TIMEOUT, Tab, until
 from tests.explorer.panel_desk import Desk, desk_with
 
 
@@ -54,7 +54,7 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
             )
             contexts.append(context)
         page = context.new_page()
-        page.set_default_timeout(1000 * PATIENCE)
+        page.set_default_timeout(1000 * TIMEOUT)
         complaints: list[str] = []
         page.on("pageerror", lambda error: complaints.append(str(error)))
         page.on("console", lambda message: _complain(complaints, message))
@@ -63,7 +63,7 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
         number = until(lambda: set(app.sessions) - known, "a session for the tab").pop()
         tab = Tab(page, app, app.sessions[number], complaints)
         page.get_by_test_id("status").wait_for()
-        assert tab.session.built.wait(PATIENCE)
+        assert tab.session.built.wait(TIMEOUT)
         tabs.append(tab)
         return tab
 

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design
 
-from .raw_page import PATIENCE, RawPage, eventually, update
+from .raw_page import TIMEOUT, RawPage, eventually, update
 
 Make = Sequence[Entry] | Callable[[Session], View]
 
@@ -80,5 +80,5 @@ def desk_with(server: viser.ViserServer, make: Make) -> Iterator[Desk]:
         yield desk
     finally:
         desk.session.close()
-        desk.session._thread.join(PATIENCE)
+        desk.session._thread.join(TIMEOUT)
         desk.page.socket.close()

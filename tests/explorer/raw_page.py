@@ -12,7 +12,7 @@ import viser
 import zstandard
 from websockets.sync.client import ClientConnection, connect
 
-PATIENCE = 10.0  # s, for things that take milliseconds
+TIMEOUT = 10.0  # s, for things that take milliseconds
 PROTOCOL = f"viser-v{viser.__version__}"
 CAMERA: dict[str, Any] = {
     "type": "ViewerCameraMessage",
@@ -30,7 +30,7 @@ CAMERA: dict[str, Any] = {
 
 def eventually(condition: Callable[[], Any]) -> Any:
     """Return the first true value of ``condition``; fail if there is none for long."""
-    end = time.monotonic() + PATIENCE
+    end = time.monotonic() + TIMEOUT
     while time.monotonic() < end:
         if value := condition():
             return value
@@ -58,7 +58,7 @@ def get(
     port: int, path: str = "/", headers: list[tuple[str, str]] | None = None
 ) -> http.client.HTTPResponse:
     """Ask for a page with just these headers."""
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=TIMEOUT)
     connection.putrequest("GET", path, skip_host=True, skip_accept_encoding=True)
     for name, value in [("Host", f"127.0.0.1:{port}")] if headers is None else headers:
         connection.putheader(name, value)

@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.state import State, initial_state
-from tests.explorer.raw_page import PATIENCE
+from tests.explorer.raw_page import TIMEOUT
 
 
 class Recorder:
@@ -30,7 +30,7 @@ class Recorder:
             self.done.release()
 
     def wait(self) -> None:
-        assert self.done.acquire(timeout=PATIENCE)
+        assert self.done.acquire(timeout=TIMEOUT)
 
 
 class Work:
@@ -44,7 +44,7 @@ class Work:
     def __call__(self, job: float, report: Any) -> float:
         self.ran.append(job)
         self.started.release()
-        assert self.may_end.acquire(timeout=PATIENCE)
+        assert self.may_end.acquire(timeout=TIMEOUT)
         self.canceled.append(report(0.5))
         if job < 0:
             raise ZeroDivisionError
@@ -76,7 +76,7 @@ def test_newest_of_waiting_jobs_runs_and_only_its_result_is_received(
     job: Any, work: Work, recorder: Recorder
 ) -> None:
     job.request(0.01)
-    assert work.started.acquire(timeout=PATIENCE)
+    assert work.started.acquire(timeout=TIMEOUT)
     for x in (0.02, 0.03, 0.04):
         job.request(x)
     job.request(job._wanted)  # the same again is no new job
@@ -92,7 +92,7 @@ def test_canceled_job_is_told_to_stop_and_its_result_is_dropped(
     job: Any, work: Work, recorder: Recorder
 ) -> None:
     job.request(0.01)
-    assert work.started.acquire(timeout=PATIENCE)
+    assert work.started.acquire(timeout=TIMEOUT)
     job.request(None)
     work.may_end.release()
     job.request(0.02)

@@ -15,7 +15,7 @@ from viser import _messages
 from paminsa_viz.explorer.browser import bridge as bridges
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.page import has_graphics_card
-from tests.explorer.chromium import PATIENCE, until
+from tests.explorer.chromium import TIMEOUT, until
 
 HIDDEN = """(path) => {
   // Whoever asks for the object through its global name does not find the hidden member.
@@ -88,7 +88,7 @@ def test_a_page_without_a_name_lives_and_reports_it(
         page.goto(app.url + "?fixedDpr=1")
         number = until(lambda: set(app.sessions) - known, "a session for the tab").pop()
         session = app.sessions[number]
-        assert session.built.wait(PATIENCE)
+        assert session.built.wait(TIMEOUT)
         page.get_by_test_id("status").wait_for()
         slider = page.get_by_role("slider").first
         slider.focus()

@@ -21,7 +21,7 @@ from paminsa_viz.trajectory import (
     home,
     point_to_point,
 )
-from tests.explorer.chromium import PATIENCE, until
+from tests.explorer.chromium import TIMEOUT, until
 from tests.samples import with_knee
 
 NAME = "<b>& </script> “näme”"
@@ -138,7 +138,7 @@ def test_a_browser_plays_it_from_a_file_offline(browser, tmp_path) -> None:
     file.write_bytes(motion_html(APPENDIX_4, trajectory))
     context = browser.new_context(viewport={"width": 480, "height": 360}, offline=True)
     page = context.new_page()
-    page.set_default_timeout(1000 * PATIENCE)
+    page.set_default_timeout(1000 * TIMEOUT)
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
     page.on("console", lambda m: complaints.append(m.text) if m.type == "error" else None)

@@ -82,7 +82,7 @@ def settled(tab: Tab) -> None:
         )
 
     until(agree, "inputs and state agree")
-    tab.with_document(150)
+    tab.wait_frames(150)
     until(agree, "inputs and state still agree")
 
 

@@ -125,7 +125,7 @@ def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
     motion.press("m_B4 bar 9–4–5", "End")
     until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
     until(lambda: np.abs(torques()).max() > 1.2 * np.abs(before).max(), "the curves move")
-    motion.with_document(300)
+    motion.wait_frames(300)
     design = motion.state.document.design
 
     def as_the_model() -> bool:

@@ -36,14 +36,14 @@ def test_without_a_graphics_card_a_change_takes_few_pictures(tab: Tab) -> None:
 
     def at_rest() -> bool:
         start = tab.page.evaluate(FRAMES)
-        tab.with_document(1000)
+        tab.wait_frames(1000)
         return tab.page.evaluate(FRAMES) - start <= 1
 
     until(at_rest, "the page, still being built, stops drawing")
     before = tab.page.evaluate(FRAMES)
     tab.session.dispatch("test", lambda s: actions.move(s, x=0.07))
     until(lambda: tab.place("/robot/platform")[0] == pytest.approx(0.07), "the robot moves")
-    tab.with_document(1000)
+    tab.wait_frames(1000)
     # The robot, the mark on the floor, a late one, one a second; viser alone draws twelve.
     assert 1 <= tab.page.evaluate(FRAMES) - before <= 9
 
@@ -51,19 +51,19 @@ def test_without_a_graphics_card_a_change_takes_few_pictures(tab: Tab) -> None:
 def test_the_handle_drags_the_platform(tab: Tab) -> None:
     tab.session.dispatch("test", lambda s: actions.set_layers(s, gizmo=True))
     until(lambda: tab.place("/gizmo"), "the handle is there")
-    tab.with_document(600)
+    tab.wait_frames(600)
     start = np.array(tab.state.standing.pose)
     # Along the arrow of x, by its own length on the screen.
     (x0, y0), (x1, y1) = (on_screen(tab, "/gizmo", (way, 0.0, 0.0)) for way in (0.13, 0.19))
     tab.page.mouse.move(x0, y0)
-    tab.with_document(200)
+    tab.wait_frames(200)
     tab.page.mouse.down()
     for part in np.linspace(0.2, 1.0, 5):
         tab.page.mouse.move(x0 + part * (x1 - x0), y0 + part * (y1 - y0))
-        tab.with_document(80)
+        tab.wait_frames(80)
     tab.page.mouse.up()
     until(lambda: tab.state.standing.pose[0] > start[0] + 0.04, "the platform follows the handle")
-    tab.with_document(400)
+    tab.wait_frames(400)
     pose = np.array(tab.state.standing.pose)
     assert pose[0] == pytest.approx(start[0] + 0.06, abs=0.015)
     np.testing.assert_allclose(pose[1:], start[1:], atol=1e-4)
@@ -81,11 +81,11 @@ def test_a_click_on_the_floor_map_goes_there(tab: Tab) -> None:
     geometry = tab.state.document.design.geometry
     ground = layout(geometry).ground
     goal = (0.12, -0.16)
-    tab.with_document(600)
+    tab.wait_frames(600)
     x, y = on_screen(tab, "/robot/base", (*goal, ground))
     tab.page.mouse.click(x, y)
     until(
         lambda: np.allclose(tab.state.standing.pose[:2], goal, atol=0.01),
         f"the robot goes to {goal}; it is at {tab.state.standing.pose}",
-        patience=15,
+        timeout=15,
     )

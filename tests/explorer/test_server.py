@@ -21,7 +21,7 @@ from paminsa_viz.explorer.server.listening import (
 )
 from paminsa_viz.model.errors import InvalidInput, PaminsaError
 
-from .raw_page import PATIENCE, dial, get
+from .raw_page import TIMEOUT, dial, get
 
 
 def test_it_listens_on_this_machine_only_by_default(server: viser.ViserServer) -> None:
@@ -128,7 +128,7 @@ def test_the_page_cannot_be_framed_or_made_to_show_another_server(
 def test_a_connection_that_is_not_http_is_closed_without_a_report(
     server: viser.ViserServer, garbage: bytes, caplog: pytest.LogCaptureFixture
 ) -> None:
-    with socket.create_connection(("127.0.0.1", server.get_port()), timeout=PATIENCE) as raw:
+    with socket.create_connection(("127.0.0.1", server.get_port()), timeout=TIMEOUT) as raw:
         raw.sendall(garbage)
         with suppress(ConnectionResetError):
             while raw.recv(4096):

@@ -22,7 +22,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 
-from .raw_page import PATIENCE, eventually
+from .raw_page import TIMEOUT, eventually
 
 
 @dataclass
@@ -58,7 +58,7 @@ class Watch:
     def draw(self, frame: Frame, moving: bool) -> None:
         self.drawn.append((frame.state, moving))
         self.inside.set()
-        assert self.gate.wait(PATIENCE)
+        assert self.gate.wait(TIMEOUT)
         if self.trouble is not None:
             raise self.trouble
 
@@ -97,17 +97,17 @@ class Desk:
 def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
     monkeypatch.setattr(session, "IDLE_DELAY", 0.03)
     page = Page()
-    begun = Session(cast(viser.ClientHandle, page), initial_state())
-    desk = Desk(begun, page, Watch(), Watch())
-    begun.immediate.append(desk.immediate)
-    begun.deferred.append(desk.deferred)
-    begun.start()
+    started = Session(cast(viser.ClientHandle, page), initial_state())
+    desk = Desk(started, page, Watch(), Watch())
+    started.immediate.append(desk.immediate)
+    started.deferred.append(desk.deferred)
+    started.start()
     yield desk
     for watch in (desk.immediate, desk.deferred):
         watch.gate.set()
-    begun.close()
-    begun._thread.join(PATIENCE)
-    assert not begun._thread.is_alive()
+    started.close()
+    started._thread.join(TIMEOUT)
+    assert not started._thread.is_alive()
 
 
 def to(x: float) -> Callable[[State], State]:
@@ -147,7 +147,7 @@ def test_of_what_came_while_drawing_only_the_newest_of_each_control_runs(desk: D
 
     desk.immediate.hold()
     desk.session.dispatch("x", to(0.01))
-    assert desk.immediate.inside.wait(PATIENCE)
+    assert desk.immediate.inside.wait(TIMEOUT)
     for i in range(100):
         desk.session.dispatch("x", counted(f"x{i}", to(i / 1000)))
         desk.session.dispatch("y", counted(f"y{i}", lambda s, i=i: actions.move(s, y=i / 1000)))
@@ -186,13 +186,13 @@ def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
     desk.rest()
     desk.immediate.hold()
     desk.session.dispatch("start", to(0.01))
-    assert desk.immediate.inside.wait(PATIENCE)
+    assert desk.immediate.inside.wait(TIMEOUT)
     desk.session.dispatch("wrong", wrong)
     desk.session.dispatch("x", to(0.02))
     desk.session.submit(wrong_job)
     desk.session.submit(done.set)
     desk.immediate.gate.set()
-    assert done.wait(PATIENCE)
+    assert done.wait(TIMEOUT)
     desk.rest()
     assert desk.x == 0.02
     assert len(desk.page.told) == 2
@@ -262,7 +262,7 @@ def test_undo_and_redo_go_step_by_step(desk: Desk) -> None:
 def test_a_closed_session_does_nothing_more(desk: Desk) -> None:
     desk.rest()
     desk.session.close()
-    desk.session._thread.join(PATIENCE)
+    desk.session._thread.join(TIMEOUT)
     assert not desk.session._thread.is_alive()
     drawn = len(desk.immediate.drawn)
     desk.session.dispatch("x", to(0.05))
@@ -279,10 +279,10 @@ def test_a_tab_that_goes_while_it_is_drawn_leaves_quietly(
     desk.immediate.hold()
     desk.immediate.trouble = RuntimeError("the socket is gone")
     desk.session.dispatch("x", to(0.01))
-    assert desk.immediate.inside.wait(PATIENCE)
+    assert desk.immediate.inside.wait(TIMEOUT)
     desk.session.close()
     desk.immediate.gate.set()
-    desk.session._thread.join(PATIENCE)
+    desk.session._thread.join(TIMEOUT)
     assert not desk.session._thread.is_alive()
     assert not caplog.records
     assert not desk.page.told

@@ -1,4 +1,4 @@
-"""Curves of an engine beside the formulae's."""
+"""Curves of an engine beside the formulas's."""
 
 from __future__ import annotations
 

@@ -269,7 +269,7 @@ def test_the_table_is_the_same_from_a_cluster(expected, tmp_path) -> None:
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nonsense", "http://x"])
 def test_without_a_scheduler_there_the_complaint_names_the_place(monkeypatch, address) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("paminsa_viz.studies.executors.PATIENCE", 0.5)
+    monkeypatch.setattr("paminsa_viz.studies.executors.CONNECT_TIMEOUT", 0.5)
     with (
         pytest.raises(InvalidInput, match=f"no scheduler answers at {address}"),
         cluster(address),

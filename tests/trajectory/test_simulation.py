@@ -34,7 +34,7 @@ from paminsa_viz.trajectory import (
     point_to_point,
     simulate,
 )
-from paminsa_viz.trajectory import plant as formulae
+from paminsa_viz.trajectory import plant as formulas
 from paminsa_viz.trajectory.equations import robot_numbers
 from tests.model.cases import Case, assert_close, cases
 from tests.samples import with_knee
@@ -65,11 +65,11 @@ def test_plant_formulae_are_the_models(case: Case) -> None:
     robot = robot_numbers(design)
     m, e, o = robot
     for pose, velocity, acceleration in zip(*case.states(3), strict=True):
-        inverse = formulae.inverse_torques(m, e, o, pose, velocity, acceleration)
+        inverse = formulas.inverse_torques(m, e, o, pose, velocity, acceleration)
         exact = inverse_dynamics(design, pose, velocity, acceleration).torque
         assert_close(inverse, exact, 1e-10)
         loss = friction_torque(design.friction, actuator_velocity(design, pose, velocity))
-        forward = formulae.acceleration_under(m, e, o.gravity, pose, velocity, exact - loss)
+        forward = formulas.acceleration_under(m, e, o.gravity, pose, velocity, exact - loss)
         assert_close(forward, acceleration, 1e-8)
         assert_close(forward_dynamics(design, pose, velocity, exact), forward, 1e-8)
 
@@ -79,7 +79,7 @@ def test_solve(seed: int) -> None:
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(4, 4))
     matrix, right = root @ root.T + 0.1 * np.eye(4), rng.normal(size=4)
-    found = formulae.solve(matrix[np.triu_indices(4)], right)
+    found = formulas.solve(matrix[np.triu_indices(4)], right)
     np.testing.assert_allclose(matrix @ np.array(found), right, atol=1e-11)
 
 

@@ -9,7 +9,7 @@
   const torques = numbers(data.torques);
 
   /** How long the scene may take to appear before the numbers go on without it [ms]. */
-  const PATIENCE = 20000;
+  const DRAW_TIMEOUT = 20000;
 
   const slider = find("time");
   slider.max = data.duration;
@@ -103,7 +103,7 @@
         time = 0;
       }
     }
-    if (time !== drawn && (draw() || now > PATIENCE)) {
+    if (time !== drawn && (draw() || now > DRAW_TIMEOUT)) {
       drawn = time;
       showNumbers();
     }

@@ -17,9 +17,9 @@ HANGING = Counterweight("b8", 8, 0.1, 1.0)
 
 def solved(state: State, task: Task = Task.OPTIMUM) -> State:
     """Return the state after a task, done at once."""
-    begun = balancing.start(state, task)
-    assert begun.balancing.running is not None
-    return balancing.receive_result(begun, run(begun.balancing.running))
+    started = balancing.start(state, task)
+    assert started.balancing.running is not None
+    return balancing.receive_result(started, run(started.balancing.running))
 
 
 def with_design(state: State, design: Design) -> State:

@@ -16,13 +16,13 @@ from paminsa_viz.trajectory import analyze
 
 def test_the_front_is_gone_along_point_by_point(start: State) -> None:
     steps: list[float] = []
-    begun = balancing.start(start, Task.FRONT)
-    job = begun.balancing.running
+    started = balancing.start(start, Task.FRONT)
+    job = started.balancing.running
     assert job is not None
     outcome = run(job, lambda done: bool(steps.append(done)))
     assert steps == sorted(steps)
     assert steps[-1] == 1
-    after = balancing.receive_result(begun, outcome)
+    after = balancing.receive_result(started, outcome)
     assert after.document == start.document
     front = outcome.front
     assert front is not None
@@ -48,8 +48,8 @@ def test_the_front_is_gone_along_point_by_point(start: State) -> None:
 
 
 def test_a_front_that_is_stopped_stops(start: State) -> None:
-    begun = balancing.start(start, Task.FRONT)
-    job = begun.balancing.running
+    started = balancing.start(start, Task.FRONT)
+    job = started.balancing.running
     assert job is not None
     outcome = run(job, lambda _: True)
     assert outcome.front is not None

@@ -120,17 +120,17 @@ def test_what_did_not_change_keeps_its_last_digit(start: State) -> None:
 
 
 def test_a_design_changed_in_the_meantime_is_not_overwritten(start: State) -> None:
-    begun = balancing.start(start, Task.OPTIMUM)
-    job = begun.balancing.running
+    started = balancing.start(start, Task.OPTIMUM)
+    job = started.balancing.running
     assert job is not None
     with pytest.raises(InvalidInput, match="still runs"):
-        balancing.start(begun, Task.FRONT)
-    changed = actions.vary(begun, {"links.b4": 0.9})
+        balancing.start(started, Task.FRONT)
+    changed = actions.vary(started, {"links.b4": 0.9})
     after = balancing.receive_result(changed, run(job))
     assert after.document == changed.document
     assert "changed in the meantime" in status(after)
     # And one that was stopped is dropped.
-    stopped = balancing.stop(begun)
+    stopped = balancing.stop(started)
     assert balancing.receive_result(stopped, run(job)) is stopped
 
 

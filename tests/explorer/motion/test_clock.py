@@ -16,7 +16,7 @@ from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.description import Timing
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
-from tests.explorer.raw_page import PATIENCE, eventually
+from tests.explorer.raw_page import TIMEOUT, eventually
 
 
 class Watch:
@@ -43,7 +43,7 @@ def played() -> Iterator[tuple[Session, Watch]]:
     session.start()
     yield session, watch
     session.close()
-    session._thread.join(PATIENCE)
+    session._thread.join(TIMEOUT)
 
 
 def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Watch]) -> None:

@@ -13,7 +13,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from paminsa_viz.explorer.server.connection import GuardedConnection
 from paminsa_viz.explorer.server.listening import Limits
 
-from ..raw_page import PATIENCE, dial, eventually, update
+from ..raw_page import TIMEOUT, dial, eventually, update
 from .guarded import GuardedServer
 
 
@@ -122,7 +122,7 @@ def test_a_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
     with suppress(ConnectionClosed):
         page.send(b"\xc6" + (50_000_000).to_bytes(4, "big") + bytes(50_000_000))
         while True:  # what the server had sent before
-            page.socket.recv(timeout=PATIENCE)
+            page.socket.recv(timeout=TIMEOUT)
     assert page.socket.close_code == 1009
     guarded.still_answers(other, theirs)
 
@@ -136,7 +136,7 @@ def test_silent_connections_do_not_keep_a_page_out(
         each.sendall(b"GET / HTT")
     page, inputs = guarded.page()
     guarded.still_answers(page, inputs)
-    silent[0].settimeout(PATIENCE / 2)  # long before it would have been given up anyway
+    silent[0].settimeout(TIMEOUT / 2)  # long before it would have been given up anyway
     with suppress(ConnectionResetError):
         assert silent[0].recv(1) == b""
     for each in silent:
