@@ -129,9 +129,16 @@ class Panel:
 
         handle.on_click(click)
         if callable(entry.choices):
-            self._follow(handle, "options", lambda s: tuple(entry.effects(s)) or handle.options)
             shown = entry.visible or (lambda _: True)
-            self._follow(handle, "visible", lambda s: shown(s) and bool(entry.effects(s)))
+
+            def draw(frame: Frame, dragging: bool) -> None:
+                del dragging
+                options = tuple(entry.effects(frame.state))
+                if options:
+                    handle.options = options
+                handle.visible = bool(options) and shown(frame.state)
+
+            self._draws.append(draw)
             self._register(entry, handle, skip="visible")
         else:
             self._register(entry, handle)
@@ -331,7 +338,9 @@ class SliderRange:
         base = self._entry.base_range(state)
         by_hand = base == self._base and not written
         self._base = base
-        ends = fitted(self._entry, self._ends if by_hand else base, self._entry.shown(state))
+        ends = self._ends if by_hand else base
+        if self._entry.fit is not None:
+            ends = fitted(self._entry, ends, self._entry.shown(state))
         if ends != self._ends:
             self._ends = ends
             self._handle.min, self._handle.max = ends
