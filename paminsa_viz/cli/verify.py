@@ -123,12 +123,12 @@ def _show(found: Verification) -> None:
         f'{motion.size} states of "{motion.name}" ({motion.duration:.3g} s)'
     )
     for check in found.engines:
-        print(f"\nFormulae and {check.engine} {check.version}")
+        print(f"\nFormulas and {check.engine} {check.version}")
         print_table([HEAD, *_rows("at rest", check.static), *_rows("moving", check.dynamic)],
                     indent=2, right=True)  # fmt: skip
     for engine in found.missing:
         print(f"\n{engine} is not installed; it comes with pip install 'paminsa-viz[verify]'")
-    print(f"\nFormulae as published and {found.engines[0].engine}, moving: relative differences")
+    print(f"\nFormulas as published and {found.engines[0].engine}, moving: relative differences")
     rows = [
         (misprint_name(item), *(f"{value:.1e}" for value in comparison.relative))
         for item, comparison in found.published.items()

@@ -66,7 +66,7 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
         "duration [s]": repr(t.duration),
         "first failure": first.explanation if first else "none",
         **_robot(analysis.design),
-        "formulas": f"as published: {', '.join(published)}" if published else "corrected",
+        "formulae": f"as printed: {', '.join(published)}" if published else "corrected",
         **_parameters(analysis.design),
     }
     return DataTable(columns | {STATUS: analysis.check.words()}, provenance(FORMAT, facts))

@@ -61,7 +61,7 @@ def verification_figures(found: Verification) -> list[VerificationFigure]:
     for check, misprints in compared:
         analysis = analyze(found.design, found.trajectory, misprints=misprints)
         other = EngineTorques(f"{check.engine} {check.version}", check.dynamic.reference)
-        stem, title = "formulas", "Formulas"
+        stem, title = "formulae", "Formulas"
         if misprints is not Misprint.NONE:
             stem, title = "formulae_as_printed", "Formulas as published"
         figures.append(

@@ -53,7 +53,7 @@ def checked(design: Design = APPENDIX_4, **more: Any):
 
 @BOTH
 @pytest.mark.parametrize("design", [APPENDIX_4, RANDOM], ids=["appendix4", "random"])
-def test_the_formulae_pass(design: Design, knee: KneeBranch) -> None:
+def test_the_formulas_pass(design: Design, knee: KneeBranch) -> None:
     design = with_knee(design, knee)
     found = checked(design)
     assert found.passed

@@ -187,7 +187,7 @@ def test_columns_and_provenance_of_a_written_table() -> None:
     assert len(rows) == LEAVING.size
     said = dict(line[2:].split(": ", 1) for line in comments)
     assert said["design"] == "Appendix 4"
-    assert said["formulas"] == "as published: APP3_MC4"
+    assert said["formulae"] == "as printed: APP3_MC4"
     assert said["design links.b3 [kg]"] == "0.406"
     assert "singular pose" in said["first failure"]
     for row, torque, word in zip(rows, found.torque, found.check.words(), strict=True):

@@ -49,7 +49,7 @@ def typed_knees(geometry: Geometry, pose: Any, actuators: Any) -> Any:
 
 
 @given(case=cases())
-def test_the_printed_formulae_give_joint_9(case: Case) -> None:
+def test_the_published_formulas_give_joint_9(case: Case) -> None:
     pose = case.poses(32)
     configuration = inverse_kinematics(case.geometry, pose)
     knees = typed_knees(case.geometry, pose, configuration.actuators)
@@ -118,7 +118,7 @@ def test_leg_planes_face_the_center_at_zero() -> None:
     assert_within(towards, -LEG_AXES, 1e-15)
 
 
-def test_no_length_of_appendix_4_is_written_into_the_formulae() -> None:
+def test_no_length_of_appendix_4_is_written_into_the_formulas() -> None:
     """A robot of twice the size has configurations of twice the size."""
     g = APPENDIX_4.geometry
     twice = replace(

@@ -65,7 +65,7 @@ def test_the_papers_equations_agree_with_first_principles(case: Case) -> None:
 
 @pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
 @given(case=cases())
-def test_the_formulae_as_printed_are_those_of_the_text(misprints: Misprint, case: Case) -> None:
+def test_the_formulas_as_printed_are_those_of_the_text(misprints: Misprint, case: Case) -> None:
     states = case.states()
     multipliers, torque = solve_eq_15(case.design, states, misprints)
     result = inverse_dynamics(case.design, *states, misprints)

@@ -106,7 +106,7 @@ def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
 
 
 @given(case=cases())
-def test_the_formulae_carry_complex_steps(case: Case) -> None:
+def test_the_formulas_carry_complex_steps(case: Case) -> None:
     """`leg_position` on complex numbers differentiates itself, to rounding."""
     pose, v, a = case.states()
     m, step = mechanism(case.geometry), 1e-30

@@ -156,7 +156,7 @@ def test_energy_over_a_closed_path(plan, knee) -> None:
     assert np.abs(rough.energy_residual).max() <= 1e-7 * turnover
 
 
-def test_misprinted_formulae_do_not_conserve_energy() -> None:
+def test_misprinted_formulas_do_not_conserve_energy() -> None:
     """The misprints spoil the balance of energy, which is how they show."""
     samples = circle(C, 0.07, 1.0).sample(1000)
     corrected, printed = (

@@ -60,7 +60,7 @@ def run(design=APPENDIX_4, trajectory=SHORT, control=ControlMode.PD, **options) 
 
 
 @given(cases())
-def test_plant_formulae_are_the_models(case: Case) -> None:
+def test_plant_formulas_are_the_models(case: Case) -> None:
     design = case.design.vary(FRICTION)
     robot = robot_numbers(design)
     m, e, o = robot
