@@ -64,8 +64,8 @@ RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
 
 
 @dataclass(frozen=True)
-class Flags:
-    """Flags of the command."""
+class BalanceFlags:
+    """BalanceFlags of the command."""
 
     goal: Literal["static", "peak", "rms", "energy"] = "static"
     """What to make small."""
@@ -98,7 +98,7 @@ class Flags:
 
 def main(words: list[str]) -> int:
     """Run the command."""
-    flags = parse(Flags, words, "balance", DESCRIPTION)
+    flags = parse(BalanceFlags, words, "balance", DESCRIPTION)
     design = design_of(flags.design, flags.assembly)
     changes = _changes(flags, design)
     on_motion = flags.max_imbalance is not None or flags.max_added is not None
@@ -125,7 +125,7 @@ def main(words: list[str]) -> int:
     return 0
 
 
-def _changes(flags: Flags, design: Design) -> Changes:
+def _changes(flags: BalanceFlags, design: Design) -> Changes:
     """Return what may change.
 
     Raises:
@@ -141,7 +141,7 @@ def _changes(flags: Flags, design: Design) -> Changes:
     return Changes(tuple(MassRange(*item) for item in flags.change), tuple(rails))
 
 
-def _check_sizes(flags: Flags) -> None:
+def _check_sizes(flags: BalanceFlags) -> None:
     """Refuse numbers that no machine has and the arithmetic cannot take.
 
     Raises:
@@ -162,7 +162,7 @@ def _check_sizes(flags: Flags) -> None:
         raise UsageError("--max-imbalance: a size is needed, 0 or more")
 
 
-def _on_motion(flags: Flags, design: Design, changes: Changes) -> Optimum:
+def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum:
     """Return the optimum for a goal on a motion.
 
     Raises:

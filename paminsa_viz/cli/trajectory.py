@@ -68,8 +68,8 @@ MOST_LIMIT = 1e9
 
 
 @dataclass(frozen=True)
-class Flags:
-    """Flags of the command."""
+class TrajectoryFlags:
+    """TrajectoryFlags of the command."""
 
     preset: PresetName | None = None
     """A ready-made motion, sized for the robot; paper-like by default.
@@ -213,7 +213,7 @@ class Flags:
 
 def main(words: list[str]) -> int:
     """Run the command."""
-    flags = parse(Flags, words, "trajectory", DESCRIPTION)
+    flags = parse(TrajectoryFlags, words, "trajectory", DESCRIPTION)
     flags.check()
     design = design_of(flags.design, flags.assembly)
     reference = None
@@ -239,7 +239,7 @@ def main(words: list[str]) -> int:
     return 1 if results.problems else 0
 
 
-def _worked_out(flags: Flags, design: Design, reference: Design | None) -> Results:
+def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None) -> Results:
     """Return all that is asked for.
 
     Raises:
@@ -267,7 +267,7 @@ def _worked_out(flags: Flags, design: Design, reference: Design | None) -> Resul
     return replace(results, problems=(SimulationStopped(simulation.stopped),))
 
 
-def _motion(flags: Flags, design: Design) -> tuple[Trajectory, MinimumTime | None]:
+def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, MinimumTime | None]:
     """Return the motion as samples, and what its duration follows from if that was asked."""
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
@@ -286,7 +286,7 @@ def _motion(flags: Flags, design: Design) -> tuple[Trajectory, MinimumTime | Non
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest
 
 
-def _simulated(flags: Flags, design: Design, trajectory: Trajectory) -> Simulation:
+def _simulated(flags: TrajectoryFlags, design: Design, trajectory: Trajectory) -> Simulation:
     payload = design.payload.mass + flags.payload_mismatch
     robot = validate_limits(design.vary({"payload.mass": payload}))
     control = _CONTROLS[flags.simulate or "pd"]

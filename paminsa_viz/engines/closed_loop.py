@@ -19,7 +19,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.engines.mechanism import POSE_JOINTS, Mechanism, build_mechanism
+from paminsa_viz.engines.mechanism import POSE_JOINTS, MechanismTree, build_mechanism
 from paminsa_viz.engines.poses import joint_values, unclosed
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -43,7 +43,7 @@ class ClosedLoopRobot(ABC):
             InvalidDesign: If a bar's inertias belong to no rigid body.
         """
         self.design = design
-        self.mechanism: Mechanism = build_mechanism(design)
+        self.mechanism: MechanismTree = build_mechanism(design)
         self._names: tuple[str, ...] = ()
 
     def _set_order(self, names: Iterable[str]) -> None:

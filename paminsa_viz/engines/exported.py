@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from paminsa_viz.engines.mechanism import PLATFORM, Mechanism, build_mechanism
+from paminsa_viz.engines.mechanism import PLATFORM, MechanismTree, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.model.design import Design
@@ -62,7 +62,7 @@ def exported_mjcf(
     )  # fmt: skip
 
 
-def _check_inertia(mechanism: Mechanism) -> None:
+def _check_inertia(mechanism: MechanismTree) -> None:
     """Refuse links that nothing but the stiff closures would hold back.
 
     Links that carry others may be without mass, and so may the platform's turns.

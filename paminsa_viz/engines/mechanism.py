@@ -95,7 +95,7 @@ class Pin(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Mechanism:
+class MechanismTree:
     """The whole robot.
 
     Attributes:
@@ -126,7 +126,7 @@ def leg_name(leg: int, name: str) -> str:
     return f"leg{leg + 1}_{name}"
 
 
-def build_mechanism(design: Design) -> Mechanism:
+def build_mechanism(design: Design) -> MechanismTree:
     """Describe a design as a mechanism; both branches of the knee have the same one.
 
     Raises:
@@ -139,7 +139,7 @@ def build_mechanism(design: Design) -> Mechanism:
         links += _leg(design, leg)
         pins += _pins(design, leg)
     theta = (leg_name(0, "theta"), leg_name(1, "theta"), leg_name(2, "theta"))
-    return Mechanism(tuple(links), tuple(pins), (*theta, LIFT), design.gravity)
+    return MechanismTree(tuple(links), tuple(pins), (*theta, LIFT), design.gravity)
 
 
 def _upright(inertia: float) -> Point:

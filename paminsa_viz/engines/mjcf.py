@@ -26,7 +26,7 @@ from scipy.spatial.transform import Rotation
 from paminsa_viz.engines.mechanism import (
     PLATFORM,
     Link,
-    Mechanism,
+    MechanismTree,
     Part,
     Point,
     build_mechanism,
@@ -157,7 +157,7 @@ def _inertial(body: ET.Element, part: Part, *, moving: bool) -> None:
     )  # fmt: skip
 
 
-def _add_links(base: ET.Element, mechanism: Mechanism, values: dict[str, float]) -> None:
+def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, float]) -> None:
     """Add the tree of bodies, placed in the start pose."""
     bodies: dict[str | None, ET.Element] = {None: base}
     sites: dict[str, list[tuple[str, Point]]] = {}
@@ -213,7 +213,7 @@ def _color(link: Link) -> list[float]:
     return [*(round(channel / 255, 4) for channel in rgb(color)), 1.0]
 
 
-def _add_closures(root: ET.Element, mechanism: Mechanism) -> None:
+def _add_closures(root: ET.Element, mechanism: MechanismTree) -> None:
     equality = _add(root, "equality")
     for pin in mechanism.pins:
         _add(equality, "connect", name=pin.name, site1=f"{pin.name}_a", site2=f"{pin.name}_b")
@@ -221,7 +221,7 @@ def _add_closures(root: ET.Element, mechanism: Mechanism) -> None:
 
 def _add_actuators(
     root: ET.Element,
-    mechanism: Mechanism,
+    mechanism: MechanismTree,
     design: Design,
     values: dict[str, float],
     holding: Sequence[float],

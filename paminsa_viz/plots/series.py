@@ -63,7 +63,7 @@ class Trace:
 
 
 @dataclass(frozen=True, eq=False)
-class Panel:
+class SeriesPanel:
     """One set of axes.
 
     Attributes:
@@ -103,7 +103,7 @@ class SeriesData:
     title: str
     sources: SeriesSources
     time: Values
-    panels: tuple[Panel, ...]
+    panels: tuple[SeriesPanel, ...]
     failing: NDArray[np.bool_]
     until: int
 

@@ -15,9 +15,9 @@ from paminsa_viz.plots.series import (
     FIGURES,
     Dash,
     EngineTorques,
-    Panel,
     SeriesData,
     SeriesKind,
+    SeriesPanel,
     SeriesSources,
     Trace,
     Values,
@@ -77,12 +77,12 @@ def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
 
 
 def _compared(
-    panel: Panel,
+    panel: SeriesPanel,
     j: int,
     sources: SeriesSources,
     values: Callable[[TrajectoryAnalysis], Values],
     annotate: Callable[[ActuatorSummary, Trace], tuple[Trace, str]] | None = None,
-) -> Panel:
+) -> SeriesPanel:
     """Return the panel of actuator ``j`` with design, reference and published formulas.
 
     Args:
@@ -107,17 +107,17 @@ def _compared(
     return replace(panel, traces=(*traces[1:], traces[0]), notes=tuple(notes))
 
 
-def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[int, Panel]]:
+def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[int, SeriesPanel]]:
     for j in range(4):
-        yield j, Panel(f"M{j + 1}", f"M{j + 1}", symbols[j], units[j], ACTUATOR_COLORS[j])
+        yield j, SeriesPanel(f"M{j + 1}", f"M{j + 1}", symbols[j], units[j], ACTUATOR_COLORS[j])
 
 
-def _coordinates(suffix: str = "") -> Iterator[tuple[int, Panel]]:
+def _coordinates(suffix: str = "") -> Iterator[tuple[int, SeriesPanel]]:
     for i, (name, unit) in enumerate(zip(COORDINATES, COORDINATE_UNITS, strict=True)):
-        yield i, Panel(name, name, name, unit + suffix, INK)
+        yield i, SeriesPanel(name, name, name, unit + suffix, INK)
 
 
-def _torques(sources: SeriesSources) -> Iterator[Panel]:
+def _torques(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield torques of M1..M3 and force of M4, as in Figs. 6 and 7, with peaks and RMS."""
     for j, panel in _actuators(SYMBOLS, UNITS):
         drawn = _compared(panel, j, sources, lambda a: a.torque, partial(_with_torque, panel.unit))
@@ -142,7 +142,7 @@ def _marks(engine: EngineTorques, size: int, j: int) -> Trace:
     return Trace(engine.name, values, INK, suffix=engine.name, marks=True)
 
 
-def _power(sources: SeriesSources) -> Iterator[Panel]:
+def _power(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the power of each actuator, positive where it drives."""
     for j, panel in _actuators(("P₁", "P₂", "P₃", "P₄"), ("W",) * 4):
         annotate = partial(_with_power, "rad/s" if j < 3 else "m/s")
@@ -160,7 +160,7 @@ def _with_work(summary: ActuatorSummary, trace: Trace) -> tuple[Trace, str]:
     return trace, f"drives {_text(summary.driven, 'J')}, brakes {_text(summary.braked, 'J')}"
 
 
-def _energy(sources: SeriesSources) -> Iterator[Panel]:
+def _energy(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the work of each actuator, the robot's energy, and how well the two balance."""
     analysis = sources.analysis
     for j, panel in _actuators(("W₁", "W₂", "W₃", "W₄"), ("J",) * 4):
@@ -170,11 +170,11 @@ def _energy(sources: SeriesSources) -> Iterator[Panel]:
     residual = Trace("work − losses − gain", analysis.energy_residual, INK, width=0.8)
     gains = f"gains up to {_size_text(gain.values, 'J')}"
     balance = f"up to {_size_text(residual.values, 'J')}"
-    yield Panel("Robot", "Robot", "ΔE", "J", INK, (work, gain), ((gains, MUTED),))
-    yield Panel("Balance", "Balance", "W − ΔE", "J", INK, (residual,), ((balance, MUTED),))
+    yield SeriesPanel("Robot", "Robot", "ΔE", "J", INK, (work, gain), ((gains, MUTED),))
+    yield SeriesPanel("Balance", "Balance", "W − ΔE", "J", INK, (residual,), ((balance, MUTED),))
 
 
-def _breakdown(sources: SeriesSources) -> Iterator[Panel]:
+def _breakdown(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield each actuator's torque by its causes; friction only where there is any."""
     analysis = sources.analysis
     parts = analysis.breakdown
@@ -193,7 +193,7 @@ def _breakdown(sources: SeriesSources) -> Iterator[Panel]:
         yield replace(panel, traces=(*causes, total), notes=tuple((text, MUTED) for text in notes))
 
 
-def _pose(sources: SeriesSources) -> Iterator[Panel]:
+def _pose(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the platform's coordinates, the quantities of Figs. 8-11."""
     t = sources.analysis.trajectory
     for i, panel in _coordinates():
@@ -203,13 +203,13 @@ def _pose(sources: SeriesSources) -> Iterator[Panel]:
         yield replace(panel, traces=(_of_platform(t.pose[:, i]),), notes=((note, MUTED),))
 
 
-def _speed(sources: SeriesSources) -> Iterator[Panel]:
+def _speed(sources: SeriesSources) -> Iterator[SeriesPanel]:
     for i, panel in _coordinates("/s"):
         values = sources.analysis.trajectory.velocity[:, i]
         yield replace(panel, traces=(_of_platform(values),))
 
 
-def _acceleration(sources: SeriesSources) -> Iterator[Panel]:
+def _acceleration(sources: SeriesSources) -> Iterator[SeriesPanel]:
     for i, panel in _coordinates("/s²"):
         values = sources.analysis.trajectory.acceleration[:, i]
         yield replace(panel, traces=(_of_platform(values),))
@@ -219,7 +219,7 @@ def _of_platform(values: Values) -> Trace:
     return Trace("motion", values, INK, width=1.3, suffix="")
 
 
-def _tracking(sources: SeriesSources) -> Iterator[Panel]:
+def _tracking(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the simulated platform next to the wanted motion, and the error of each coordinate."""
     time, simulation = sources.simulated_time, sources.simulated
     wanted = sources.analysis.trajectory.at(time).pose
@@ -232,14 +232,14 @@ def _tracking(sources: SeriesSources) -> Iterator[Panel]:
         yield _difference(panel, "Error", time, actual[:, i] - wanted[:, i])
 
 
-def _errors(sources: SeriesSources) -> Iterator[Panel]:
+def _errors(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the error of each simulated coordinate alone."""
     simulation = sources.simulated
     for i, panel in _coordinates():
         yield _difference(panel, "Error", simulation.t, simulation.error[:, i])
 
 
-def _commands(sources: SeriesSources) -> Iterator[Panel]:
+def _commands(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the torques that the controller of a simulation commands."""
     torque = sources.simulated.torque
     for j, panel in _actuators(SYMBOLS, UNITS):
@@ -247,7 +247,7 @@ def _commands(sources: SeriesSources) -> Iterator[Panel]:
         yield replace(panel, traces=(command,))
 
 
-def _comparison(sources: SeriesSources) -> Iterator[Panel]:
+def _comparison(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield each actuator's torque from two sources, and their difference."""
     other = sources.other
     time, torque = other.pick(sources.analysis.trajectory.t), other.pick(sources.analysis.torque)
@@ -258,7 +258,7 @@ def _comparison(sources: SeriesSources) -> Iterator[Panel]:
         yield _difference(panel, "Difference", time, torque[:, j] - other.torque[:, j])
 
 
-def _differences(sources: SeriesSources) -> Iterator[Panel]:
+def _differences(sources: SeriesSources) -> Iterator[SeriesPanel]:
     """Yield the formulas' torques minus an engine's, with those of the formulas as published."""
     other, formulas = sources.other, replace(sources, reference=None)
     for j, panel in _actuators(SYMBOLS, UNITS):
@@ -266,7 +266,7 @@ def _differences(sources: SeriesSources) -> Iterator[Panel]:
         yield replace(drawn, traces=tuple(replace(trace, until=None) for trace in drawn.traces))
 
 
-def _difference(panel: Panel, what: str, t: Values, values: Values) -> Panel:
+def _difference(panel: SeriesPanel, what: str, t: Values, values: Values) -> SeriesPanel:
     """Return the panel of a difference, with its largest value marked and in words."""
     trace = Trace("difference", values, panel.color, width=0.9, suffix="")
     notes = ()
@@ -294,7 +294,7 @@ def _size_text(values: Values, unit: str) -> str:
     return _text(float(known.max()) if known.size else math.nan, unit)
 
 
-_BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[Panel]]]] = {
+_BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[SeriesPanel]]]] = {
     "torques": ("Actuator torques and force", _torques),
     "breakdown": ("Actuator torques by cause", _breakdown),
     "pose": ("Motion of the platform", _pose),

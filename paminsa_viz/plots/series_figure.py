@@ -28,8 +28,8 @@ from paminsa_viz.plots.formats import INCH, Credits, check_size, drawing, figure
 from paminsa_viz.plots.series import (
     EngineTorques,
     FigureKind,
-    Panel,
     SeriesData,
+    SeriesPanel,
     SeriesSources,
     Trace,
     largest_size,
@@ -196,7 +196,7 @@ def _line(size: float) -> float:
     return 1.25 * size * _POINT
 
 
-def value_range(panel: Panel) -> tuple[DisplayUnit, float, float]:
+def value_range(panel: SeriesPanel) -> tuple[DisplayUnit, float, float]:
     """Return the unit of a panel's value axis, and the axis' lower and upper end in that unit.
 
     It shows all of a panel's curves and levels. Where nothing changes but by rounding errors, it
@@ -216,7 +216,9 @@ def value_range(panel: Panel) -> tuple[DisplayUnit, float, float]:
     return unit, low - padding, high + padding
 
 
-def _draw_panel(area: Axes, data: SeriesData, panel: Panel, body: float, small: float) -> None:
+def _draw_panel(
+    area: Axes, data: SeriesData, panel: SeriesPanel, body: float, small: float
+) -> None:
     unit, low, high = value_range(panel)
     area.set_axisbelow(True)
     area.grid(**_GRID)

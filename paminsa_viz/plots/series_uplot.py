@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots.series import (
     Dash,
-    Panel,
     SeriesData,
     SeriesKind,
+    SeriesPanel,
     Trace,
     Values,
     largest_size,
@@ -106,7 +106,7 @@ def charts(data: SeriesData, actuator: int = 0) -> tuple[Chart, ...]:
     )
 
 
-def _chart(data: SeriesData, title: str, panels: tuple[Panel, ...]) -> Chart:
+def _chart(data: SeriesData, title: str, panels: tuple[SeriesPanel, ...]) -> Chart:
     traces = [(panel, trace) for panel in panels for trace in panel.traces]
     traces.sort(key=lambda item: trace_order(item[1]))
     unit = display_unit(panels[0].unit)
@@ -130,11 +130,11 @@ def trace_order(trace: Trace) -> int:
     return 3 if trace.marks else ("", "reference", "as published").index(trace.suffix or "")
 
 
-def _label(panel: Panel, trace: Trace) -> str:
+def _label(panel: SeriesPanel, trace: Trace) -> str:
     return trace.label if trace.suffix is None else f"{panel.source} {trace.suffix}".strip()
 
 
-def _color(panel: Panel, trace: Trace) -> str:
+def _color(panel: SeriesPanel, trace: Trace) -> str:
     """Return the color of a trace next to those of other panels."""
     if trace.suffix is None or trace.marks:
         return trace.color

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from paminsa_viz.cli import COMMANDS
-from paminsa_viz.cli.trajectory import Flags
+from paminsa_viz.cli.trajectory import TrajectoryFlags
 from paminsa_viz.files.columns import POSE, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
@@ -48,7 +48,7 @@ def preset(key: str, knee: KneeBranch = KneeBranch.LOWER, rate: float = 1000.0):
 
 def test_it_is_a_command_with_every_preset() -> None:
     assert "trajectory" in COMMANDS
-    literal, _ = get_args(get_type_hints(Flags)["preset"])
+    literal, _ = get_args(get_type_hints(TrajectoryFlags)["preset"])
     assert set(get_args(literal)) == set(PRESET)
 
 

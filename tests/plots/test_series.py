@@ -16,7 +16,14 @@ from PIL import Image
 from paminsa_viz.model import APPENDIX_4, Friction, InvalidInput, Misprint
 from paminsa_viz.plots import series_builders, series_text
 from paminsa_viz.plots.formats import drawing
-from paminsa_viz.plots.series import FIGURES, EngineTorques, Panel, SeriesSources, Trace, thinned
+from paminsa_viz.plots.series import (
+    FIGURES,
+    EngineTorques,
+    SeriesPanel,
+    SeriesSources,
+    Trace,
+    thinned,
+)
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import draw_series, figure_bytes, value_range
 from paminsa_viz.trajectory import (
@@ -276,7 +283,7 @@ def test_a_thinned_curve_keeps_ends_extremes_and_gaps(numbers, most) -> None:
 def test_a_value_axis_shows_all_values(numbers, unit) -> None:
     values = np.array(numbers)
     trace = Trace("x", values, "#000000")
-    axis, low, high = value_range(Panel("x", "x", "x", unit, "#000000", (trace,)))
+    axis, low, high = value_range(SeriesPanel("x", "x", "x", unit, "#000000", (trace,)))
     shown = values * axis.factor
     assert low < shown.min()
     assert shown.max() < high

@@ -20,7 +20,7 @@ MOST_SAMPLES = 250
 
 
 @dataclass(frozen=True, eq=False)
-class EngineCheck:
+class EngineAnswer:
     """An engine's torques along a motion.
 
     Attributes:
@@ -65,7 +65,7 @@ class Answer:
     """
 
     analysis: TrajectoryAnalysis
-    found: EngineCheck | None
+    found: EngineAnswer | None
     problem: str = ""
     missing: bool = False
 
@@ -89,7 +89,7 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
         engine = replace(engine_torques(thinned), samples=kept)
-        return Answer(analysis, EngineCheck(thinned, engine, TOLERANCE))
+        return Answer(analysis, EngineAnswer(thinned, engine, TOLERANCE))
     except EngineMissing as error:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:

@@ -49,7 +49,7 @@ CONFIG = {"displayModeBar": False, "doubleClick": False}
 Tree = dict[str, Any]
 
 
-class Figure(NamedTuple):
+class ChartFigure(NamedTuple):
     """A figure as viser takes it, of which it needs only the JSON."""
 
     tree: Tree
@@ -59,7 +59,7 @@ class Figure(NamedTuple):
         return json.dumps(self.tree)
 
 
-class Chart:
+class BalanceChart:
     """A chart that is drawn when there is something to show and nothing is dragged.
 
     The first one makes viser send Plotly to the page, so it is built only then.
@@ -92,7 +92,7 @@ class Chart:
         if dragging or key is None or key == self._drawn:
             return
         self._drawn = key
-        figure = cast(Any, Figure(self._figure(frame.state)))
+        figure = cast(Any, ChartFigure(self._figure(frame.state)))
         if self._plot is not None:
             self._plot.figure = figure
             return
@@ -108,9 +108,9 @@ def front_key(state: State) -> Hashable | None:
     return outcome, balancing.chosen_point(state)
 
 
-def front_chart(session: Session) -> Chart:
+def front_chart(session: Session) -> BalanceChart:
     """Return the chart of the Pareto front."""
-    return Chart(
+    return BalanceChart(
         session, front_key,
         lambda state: front_figure(state.balancing.front, balancing.chosen_point(state)),
         aspect=0.82,
@@ -170,9 +170,9 @@ def tornado_key(state: State) -> Hashable | None:
     return None if outcome is None or outcome.tornado is None else (outcome, state.balancing.output)
 
 
-def tornado_chart(session: Session) -> Chart:
+def tornado_chart(session: Session) -> BalanceChart:
     """Return the tornado chart."""
-    return Chart(
+    return BalanceChart(
         session, tornado_key,
         lambda state: tornado_figure(state.balancing.tornado, state.balancing.output),
         aspect=1.15,
