@@ -28,6 +28,9 @@ from paminsa_viz.model.errors import InvalidInput
 ROWS_AT_ONCE = 20_000
 """Rows in one block: enough for array speed, some 40 MB."""
 
+MOST_BLANK_ROWS = 20_000
+"""Blank rows that may end a table."""
+
 LONGEST_ROW = 100_000
 """Longest line [characters]; a file without line ends must not fill the memory."""
 
@@ -177,7 +180,7 @@ class TableReader:
 
         Raises:
             TableFileError: At a row that is blank or of another length, or a cell that is missing
-                or no finite number.
+                or no finite number; and if more than `MOST_BLANK_ROWS` blank rows end the table.
         """
         blank_row = 0
         while True:
@@ -188,6 +191,8 @@ class TableReader:
                 cells.pop()
             if cells and blank_row:
                 raise self._refused("the row is empty, but others follow it", blank_row)
+            if blank_row and self._row - blank_row > MOST_BLANK_ROWS:
+                raise self._refused(f"over {MOST_BLANK_ROWS} blank rows end the table", blank_row)
             if cells:
                 yield TableBlock(first_row, cells, self._values(cells, first_row))
             if first_row + len(cells) < self._row:

@@ -12,7 +12,7 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer import actions, maps
+from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.scene import floor
 from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
@@ -24,6 +24,7 @@ from paminsa_viz.meshes.frame import plinth_radius
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.plots import map_data
 from paminsa_viz.plots.scale import color_table
 from tests.samples import with_knee
 
@@ -178,7 +179,7 @@ class TestOnTheGround:
         desk.dispatch(lambda s: actions.set_layers(s, **off))
         desk.until(lambda: not desk.panel._map.visible)
         calls: list[int] = []
-        monkeypatch.setattr(maps, "solve_field", lambda *args, **kwargs: calls.append(1))
+        monkeypatch.setattr(map_data, "solve_field", lambda *args, **kwargs: calls.append(1))
         desk.dispatch(lambda s: actions.move(s, theta=1.2))
         desk.until(lambda: desk.state.standing.pose[2] == 1.2)
         desk.dispatch(lambda s: actions.move(s, theta=1.1))

@@ -10,9 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, cell_centers, go_to, half_width
+from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, check_reach
+from paminsa_viz.plots.map_data import COARSE, FULL, cell_centers, half_width
 from tests.explorer.map_poses import at
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import actions, maps
+from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -17,6 +17,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.plots import map_data
 from paminsa_viz.quantities import QUANTITIES
 from tests.explorer.map_poses import CELLS, at, poses_of
 from tests.samples import with_knee
@@ -26,13 +27,13 @@ from tests.samples import with_knee
 def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Count the cells of every field that is solved."""
     calls: list[int] = []
-    real = maps.solve_field
+    real = map_data.solve_field
 
     def counted(*args, **kwargs):  # type: ignore[no-untyped-def]
         calls.append(args[1].size)
         return real(*args, **kwargs)
 
-    monkeypatch.setattr(maps, "solve_field", counted)
+    monkeypatch.setattr(map_data, "solve_field", counted)
     return calls
 
 
