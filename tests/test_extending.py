@@ -35,6 +35,8 @@ from paminsa_viz.studies.sweeps import sweep
 from tests.cli import running
 from tests.explorer.panel_desk import desk_with
 
+pytestmark = pytest.mark.slow
+
 
 def eccentricity(m: Any, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any]:
     """A formula of a pose as it would stand in a file of its own."""

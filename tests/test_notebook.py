@@ -15,6 +15,9 @@ from paminsa_viz.notebook import InlinePage, curve_view, map_view, motion_view, 
 from paminsa_viz.plots.series_figure import figure_bytes
 from paminsa_viz.trajectory import PRESET, analyze
 
+pytestmark = pytest.mark.slow
+
+
 POSE = (0.05, -0.03, 0.4, -0.5)
 
 

@@ -33,6 +33,8 @@ from tests.balancing.weighted import on_the_bars, random_weights
 from tests.model.cases import BOTH, Case, assert_close, assert_within, cases
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
 
 def weighted(case: Case) -> Design:
     """The case's robot with random counterweights."""

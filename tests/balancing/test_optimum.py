@@ -32,6 +32,8 @@ from tests.balancing.measuring import RANDOM, measured, of_random, terms
 from tests.balancing.robots import PATHS, changes, field, random_choices, solved, trajectory
 from tests.model.cases import Case, cases
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize("term", terms(), ids=lambda term: term.label)
 def test_optimum_meets_its_dual_bound_and_beats_random_designs(term: Term) -> None:

@@ -36,6 +36,9 @@ from tests.balancing.weighted import on_the_bars
 from tests.model.cases import BOTH, Case, cases
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
+
 TIGHT = Changes((MassRange("joints.j7", 0.1, 1.5), MassRange("joints.j9", 0.2, 0.3)))
 """Bounds within which M_p2 cannot vanish."""
 

@@ -27,6 +27,9 @@ from paminsa_viz.model import (
 )
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
+
 NEEDS = Requirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45), counts=(3, 3, 3, 3))
 SHORT = {"generations": 6, "population": 6, "seed": 3}
 

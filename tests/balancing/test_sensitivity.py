@@ -22,6 +22,9 @@ from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.trajectory import analyze
 from tests.balancing.robots import trajectory, workspace
 
+pytestmark = pytest.mark.slow
+
+
 WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),))
 
 

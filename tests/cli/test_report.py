@@ -9,6 +9,8 @@ import pytest
 from paminsa_viz.cli import main
 from tests.cli import running
 
+pytestmark = pytest.mark.slow
+
 
 def test_one_command_makes_it(folder, capsys) -> None:
     words = "--out r.html --no-verify --preset arch --assembly mirror --pose 30 0 10 520 --seed 4"

@@ -28,6 +28,9 @@ from paminsa_viz.studies.running import PART, run_study
 from paminsa_viz.studies.study import Study
 from tests.cli import running
 
+pytestmark = pytest.mark.slow
+
+
 run = partial(running.run, "sweep")
 
 GRID = ("--vary", "links.b3=0.2:0.6:3", "--vary", "joints.j7=0.1,0.3", "--cells", "8")

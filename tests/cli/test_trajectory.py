@@ -22,6 +22,9 @@ from paminsa_viz.trajectory import PRESET, analyze, compare, home, point_to_poin
 from tests.cli import running
 from tests.samples import random_design, with_knee
 
+pytestmark = pytest.mark.slow
+
+
 run = partial(running.run, "trajectory")
 told = partial(running.told, "trajectory")
 

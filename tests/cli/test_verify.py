@@ -19,6 +19,9 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.trajectory import PRESET, paper_like
 
+pytestmark = pytest.mark.slow
+
+
 pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 

@@ -32,6 +32,9 @@ from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle, samples
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
+
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 RANDOM = samples.random_design(np.random.default_rng(31))
 SHARP = 1e-11

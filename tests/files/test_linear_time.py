@@ -15,6 +15,9 @@ from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.files.tables import LONGEST_ROW, TableReader
 
+pytestmark = pytest.mark.slow
+
+
 REPEATED = ["(", "[", '"', "=", ".", ",", "#", " ", "\t", "\n", "a", "1", "_"]
 MEGABYTE = 1_000_000
 

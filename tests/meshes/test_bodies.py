@@ -28,6 +28,9 @@ from paminsa_viz.meshes.solids import is_plain, plain_shapes
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from tests.samples import random_design, with_knee
 
+pytestmark = pytest.mark.slow
+
+
 GEOMETRY = APPENDIX_4.geometry
 ALL = (*STANDING, *BODIES)
 

@@ -21,6 +21,9 @@ from tests.meshes.make_parts import script
 from tests.meshes.winding import SolidBody
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
+
 GEOMETRY = APPENDIX_4.geometry
 
 PARALLEL = {frozenset({"b4", "b7"}), frozenset({"b3", "b8"})}

@@ -14,6 +14,9 @@ from paminsa_viz.meshes import library
 from paminsa_viz.meshes.materials import SURFACES
 from tests.meshes.make_parts import ASSETS, script
 
+pytestmark = pytest.mark.slow
+
+
 PARTS = pytest.mark.parametrize("fitting", script.CATALOG, ids=lambda fitting: fitting.name)
 
 

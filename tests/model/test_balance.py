@@ -29,6 +29,9 @@ from tests import oracle
 from tests.model.cases import BOTH, Case, assert_within, cases
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
+
 ADDED = st.sampled_from(["joints.j7", "links.b7"])
 """Masses on the far side of the leg axis: they have a negative share in M_p2."""
 

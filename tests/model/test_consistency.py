@@ -32,6 +32,8 @@ from paminsa_viz.model import (
 from tests.model.cases import BOTH, Case, cases
 from tests.samples import with_knee
 
+pytestmark = pytest.mark.slow
+
 
 def limited(case: Case, stroke: float, clearance: float) -> Design:
     """The case's robot with a guide and a clearance that matter."""

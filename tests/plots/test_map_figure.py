@@ -34,6 +34,9 @@ from paminsa_viz.plots.scale import Scale, map_pixels
 from paminsa_viz.quantities import QUANTITIES, TORQUES
 from tests.plots.samples import SOURCE, made_up, real
 
+pytestmark = pytest.mark.slow
+
+
 SCALE = Scale(-5.0, 5.0)
 SCALES = (SCALE,) * 3
 OWN = (Scale(-1.0, 1.0), Scale(-2.0, 2.0), Scale(-3.0, 3.0))

@@ -37,6 +37,9 @@ from paminsa_viz.trajectory import (
     simulate,
 )
 
+pytestmark = pytest.mark.slow
+
+
 RUBBING = replace(APPENDIX_4, friction=Friction(viscous_rotary=0.2, coulomb_linear=2.0))
 ACROSS = (0.45, 0.05, 0.3, 0.02)
 """From home across the singular circle."""

@@ -27,6 +27,9 @@ from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
 from paminsa_viz.units import format_value
 from tests.samples import random_design
 
+pytestmark = pytest.mark.slow
+
+
 HEAVY = replace(
     APPENDIX_4.vary({"links.b4": 0.9, "payload.mass": 2.5}),
     name="Heavier <arm> & more",

@@ -41,6 +41,9 @@ from paminsa_viz.studies.metrics import samples_hash
 from paminsa_viz.trajectory import PRESET, Trajectory, analyze, check_path
 from tests.samples import random_design, with_knee
 
+pytestmark = pytest.mark.slow
+
+
 NAMES = [metric.column for metric in METRICS]
 GRID = DesignGrid(
     (DesignAxis("links.b3", (0.2, 0.4)), DesignAxis("geometry.coupler_length", (0.1, 0.5, 0.63)))

@@ -25,6 +25,9 @@ from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies.sweeps import sweep, sweep_blocks
 from tests.model.cases import PROTOTYPES, Case, cases
 
+pytestmark = pytest.mark.slow
+
+
 ALL = tuple(QUANTITIES)
 AXES = {
     "x": np.linspace(-0.3, 0.3, 7),

@@ -40,6 +40,9 @@ from tests.model.cases import Case, assert_close, cases
 from tests.samples import with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
 
+pytestmark = pytest.mark.slow
+
+
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
 ASIDE = np.array([0.05, 0.02, 0.2, -0.5])
 LOADED = APPENDIX_4.vary({"payload.mass": 1.0})

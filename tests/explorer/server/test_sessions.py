@@ -16,6 +16,8 @@ from paminsa_viz.explorer.server.listening import Limits
 from ..raw_page import TIMEOUT, dial, eventually, update
 from .guarded import GuardedServer
 
+pytestmark = pytest.mark.slow
+
 
 def test_one_session_cannot_write_into_another(guarded: GuardedServer) -> None:
     (page, inputs), (other, theirs) = guarded.page(), guarded.page()
