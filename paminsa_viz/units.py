@@ -15,9 +15,6 @@ from typing import NamedTuple
 NONE = "–"
 """Stands where there is no number."""
 
-NBSP = "\u00a0"
-"""A space at which lines do not break."""
-
 MM = 1e3
 """Millimeters in a meter."""
 
