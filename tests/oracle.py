@@ -257,7 +257,7 @@ def pose_forces(
     velocity: Any,
     acceleration: Any,
 ) -> Any:
-    """Generalised forces (..., 4) on (x, y, theta, z) that cause the motion, gravity included."""
+    """Generalized forces (..., 4) on (x, y, theta, z) that cause the motion, gravity included."""
     pose, velocity, acceleration = np.broadcast_arrays(
         *(np.asarray(a, float) for a in (pose, velocity, acceleration))
     )
