@@ -39,7 +39,7 @@ from tests.balancing.robots import changes, field, solved, trajectory, workspace
 
 @pytest.mark.parametrize("term", [TrajectoryPeak(solved()), TrajectoryRms(solved())])
 def test_multipliers_equal_the_gain_of_relaxed_bounds(term: Term) -> None:
-    # no two of the same place, or what is taken away from the one could be had from the other
+    # no two of the same place, or mass could be exchanged between them
     masses = tuple(mass for mass in changes().masses if mass.path != "joints.j7")
     what = Changes(masses, changes().counterweights[:2])
     limit = (StaticPeak(field()), 0.5)

@@ -238,7 +238,7 @@ def test_the_scene_goes_first_then_the_numbers_then_what_is_slow(desk: Desk) -> 
         view = SimpleNamespace(draw=lambda frame, moving, name=name: order.append(name))
         views.append(cast(session.View, view))
     desk.session.dispatch("x", to(0.03))
-    eventually(lambda: len(order) == 6)  # while the hand moves, and once more when it rests
+    eventually(lambda: len(order) == 6)  # while dragging, and once more when idle
     assert order == 2 * ["immediate", "fast", "deferred"]
 
 

@@ -34,7 +34,7 @@ ABOVE: Final = {
 """Heights over the ground, above its soft shadows, so that nothing flickers through [m]."""
 
 PERIOD, PERIOD_PLAIN = 0.1, 0.3
-"""Time from one map to the next while the hand moves [s], with a graphics card and without: a new
+"""Time from one map to the next during a drag [s], with a graphics card and without: a new
 one takes two pictures of the scene, and the robot would wait for them. The panel's maps do not."""
 
 DASH: Final = 0.022
