@@ -14,7 +14,7 @@ from paminsa_viz import app
 from paminsa_viz.app import AppOptions
 from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.cli.arguments import one_line
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from tests.support import commands
 
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.history import DEPTH, PAUSE, History
+from paminsa_viz.explorer.session import DEPTH, PAUSE, History
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.model import APPENDIX_4
 from tests.support.documents import DOCUMENTS

@@ -11,6 +11,7 @@ import viser
 from viser import _messages
 from websockets.exceptions import InvalidStatus
 
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.explorer.server.listening import (
     CannotListen,
     PortTaken,
@@ -19,7 +20,6 @@ from paminsa_viz.explorer.server.listening import (
     open_server,
     server_url,
 )
-from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from tests.support.raw_page import TIMEOUT, dial, get
 
 

@@ -10,9 +10,8 @@ import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import perform
-from paminsa_viz.explorer.commands import commands
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.panels.view_panel import commands, view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
 from paminsa_viz.explorer.scene.skeleton import sticks
 from paminsa_viz.explorer.state import initial_state

@@ -9,8 +9,7 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.server.limits import Limits
-from paminsa_viz.explorer.server.message_filter import MessageFilter
-from paminsa_viz.explorer.server.messages import page_decoder
+from paminsa_viz.explorer.server.message_filter import MessageFilter, page_decoder
 from tests.support.guarded import GuardedServer
 from tests.support.raw_page import RawPage, eventually, pack, update
 

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 from viser import _messages
 
-from paminsa_viz.explorer.server.messages import PAGE_MESSAGES, page_decoder
+from paminsa_viz.explorer.server.message_filter import PAGE_MESSAGES, page_decoder
 from tests.support.raw_page import CAMERA, pack
 
 RAY = {"ray_origin": [1, 2, 3], "ray_direction": [0, 0, 1.5], "modifier": "cmd/ctrl"}
