@@ -125,7 +125,7 @@ class MapPanel:
         )  # fmt: skip
 
     def paint_cells(self, pixels: NDArray[np.uint8], data: MapData, scale: Scale) -> None:
-        """Color the cells on a canvas, RGBA pixels (height, width, 4), and say why if there are none.
+        """Color the cells on a canvas, RGBA (height, width, 4), and say why if there are none.
 
         A matplotlib image looks the same and takes ten times as long.
         """

@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
-from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
 from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
