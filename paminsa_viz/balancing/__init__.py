@@ -3,7 +3,7 @@
 `balance` is the paper's own (Eqs. 7-8). `optimize` minimizes any weighted sum of terms within the
 bounds of `Changes`, with a certificate; `pareto_front` trades two terms off.
 `fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance`
-measure sensitivity, and `search_geometry` optimizes lengths.
+measure sensitivity; `studies.search_geometry` optimizes lengths.
 """
 
 from __future__ import annotations
@@ -26,13 +26,6 @@ from paminsa_viz.balancing.errors import (
 from paminsa_viz.balancing.optimum import ActiveConstraint, Optimum, TermValue, optimize
 from paminsa_viz.balancing.paper_balance import balance, paper_changes
 from paminsa_viz.balancing.pareto import ParetoFront, ParetoPoint, pareto_front
-from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
-from paminsa_viz.balancing.search import (
-    SearchProgress,
-    SearchResult,
-    Weights,
-    search_geometry,
-)
 from paminsa_viz.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
 from paminsa_viz.balancing.springs import (
     Spring,
@@ -79,14 +72,10 @@ __all__ = [
     "MassChange",
     "MassRange",
     "MassTolerance",
-    "Measures",
     "Optimum",
     "ParetoFront",
     "ParetoPoint",
     "Relaxation",
-    "Requirements",
-    "SearchProgress",
-    "SearchResult",
     "Shortfall",
     "SolverFailed",
     "Spring",
@@ -102,7 +91,6 @@ __all__ = [
     "TrajectoryEnergy",
     "TrajectoryPeak",
     "TrajectoryRms",
-    "Weights",
     "along",
     "at_joint",
     "balance",
@@ -110,15 +98,12 @@ __all__ = [
     "fit_springs",
     "length_tolerance",
     "mass_tolerance",
-    "measure",
     "on_bar",
     "on_guide",
     "on_slider",
     "optimize",
     "paper_changes",
     "pareto_front",
-    "resized",
-    "search_geometry",
     "spring_energy",
     "spring_lengths",
     "spring_torques",

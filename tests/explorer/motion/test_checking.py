@@ -23,14 +23,9 @@ from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
 from paminsa_viz.units import power_of_ten
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
-
-
-@pytest.fixture
-def mujoco() -> Any:
-    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Timing
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
-from tests.explorer.raw_page import TIMEOUT, eventually
+from tests.support.raw_page import TIMEOUT, eventually
 
 
 class Watch:

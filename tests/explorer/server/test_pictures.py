@@ -11,8 +11,7 @@ from PIL import Image
 
 from paminsa_viz.explorer.server.limits import Limits
 from paminsa_viz.explorer.server.message_filter import MessageFilter, page_decoder, pixel_count
-
-from ..raw_page import pack
+from tests.support.raw_page import pack
 
 
 def _drawn(width: int, height: int, kind: str, **options: object) -> bytes:
