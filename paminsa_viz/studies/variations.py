@@ -21,7 +21,7 @@ class DesignAxis:
 
     Attributes:
         path: Dotted path of the value, such as ``links.b3``.
-        values: What it takes, at least one number [SI].
+        values: The numbers, at least one [SI].
 
     Raises:
         InvalidInput: If there is no such value, or no finite numbers for it.
@@ -37,7 +37,7 @@ class DesignAxis:
 
     @property
     def words(self) -> str:
-        """What it takes, in short, for the head of a table."""
+        """Its values in short, for the head of a table."""
         return f"{len(self.values)} values, {min(self.values)!r} to {max(self.values)!r}"
 
 
@@ -65,7 +65,7 @@ class DesignRange:
 
     @property
     def words(self) -> str:
-        """What it takes, in short, for the head of a table."""
+        """The range, for the head of a table."""
         return f"{self.low!r} to {self.high!r}"
 
     @classmethod
