@@ -65,12 +65,12 @@ def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
-    f = design.friction
-    losses = plant.Losses(
-        design.gravity, f.viscous_rotary, f.coulomb_rotary, f.viscous_linear, f.coulomb_linear,
-        f.transition_speed,
+    friction = design.actuator_friction
+    drivetrain = plant.Drivetrain(
+        design.gravity, friction.transition_speed,
+        *design.drive_inertia, *friction.viscous, *friction.coulomb,
     )  # fmt: skip
-    return m, e, losses
+    return m, e, drivetrain
 
 
 def equations(

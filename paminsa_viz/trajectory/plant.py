@@ -23,18 +23,26 @@ from paminsa_viz.model.robot import (
 )
 
 
-class Losses(NamedTuple):
-    """Gravity [m/s^2] and friction of the actuators, see `design.Friction`."""
+class Drivetrain(NamedTuple):
+    """Gravity [m/s^2], and of the actuators: inertia of their drives, friction with its step."""
 
     gravity: float
-    viscous_rotary: float
-    coulomb_rotary: float
-    viscous_linear: float
-    coulomb_linear: float
     transition: float
+    inertia1: float
+    inertia2: float
+    inertia3: float
+    inertia4: float
+    viscous1: float
+    viscous2: float
+    viscous3: float
+    viscous4: float
+    coulomb1: float
+    coulomb2: float
+    coulomb3: float
+    coulomb4: float
 
 
-Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
+Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Drivetrain]
 """A robot as the formulas take it."""
 
 
@@ -86,31 +94,33 @@ def speeds(m: Mechanism, a: Any, b: Any, d: Any, velocity: Any) -> Any:
 
 
 def _leg_load(
-    m: Mechanism, e: EnergyTerms, g: LegPosition, velocity: Any, acceleration: Any
+    m: Mechanism, e: EnergyTerms, inertia: Any, g: LegPosition, velocity: Any, acceleration: Any
 ) -> Any:
     """Return the load of a leg on the platform: forces along x, y, z and the moment about z."""
     vx, vy, vt, vz = velocity
     ax, ay, at, az = acceleration
-    f = leg_forces(m, e, g, leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az))
-    across = f.tangential + f.torque * g.inverse_rho
+    motion = leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az)
+    f = leg_forces(m, e, g, motion)
+    across = f.tangential + (f.torque + inertia * motion.beta_acc) * g.inverse_rho
     fx = f.radial * g.ux - across * g.uy
     fy = f.radial * g.uy + across * g.ux
     return fx, fy, g.px * fy - g.py * fx, f.vertical + f.lift * m.inverse_k
 
 
 def platform_load(
-    m: Mechanism, e: EnergyTerms, gravity: Any, a: Any, b: Any, d: Any,
+    m: Mechanism, e: EnergyTerms, o: Drivetrain, a: Any, b: Any, d: Any,
     velocity: Any, acceleration: Any,
 ) -> Any:  # fmt: skip
     """Return the generalized force (x, y, theta, z) that makes a motion of the whole robot."""
-    la = _leg_load(m, e, a, velocity, acceleration)
-    lb = _leg_load(m, e, b, velocity, acceleration)
-    ld = _leg_load(m, e, d, velocity, acceleration)
+    la = _leg_load(m, e, o.inertia1, a, velocity, acceleration)
+    lb = _leg_load(m, e, o.inertia2, b, velocity, acceleration)
+    ld = _leg_load(m, e, o.inertia3, d, velocity, acceleration)
+    lift = o.inertia4 * m.inverse_k * m.inverse_k * acceleration[3]
     return (
         la[0] + lb[0] + ld[0] + e.mass * acceleration[0],
         la[1] + lb[1] + ld[1] + e.mass * acceleration[1],
         la[2] + lb[2] + ld[2] + (e.inertia + 6.0 * e.turn) * acceleration[2],
-        la[3] + lb[3] + ld[3] + e.mass * (acceleration[3] + gravity),
+        la[3] + lb[3] + ld[3] + e.mass * (acceleration[3] + o.gravity) + lift,
     )
 
 
@@ -135,23 +145,23 @@ def to_platform(m: Mechanism, a: Any, b: Any, d: Any, torque: Any) -> Any:
     )
 
 
-def friction(o: Losses, speed: Any) -> Any:
+def friction(o: Drivetrain, speed: Any) -> Any:
     """Return the friction torques at the actuators' speeds."""
     inverse = 1.0 / o.transition
     return (
-        o.viscous_rotary * speed[0] + o.coulomb_rotary * math.tanh(speed[0] * inverse),
-        o.viscous_rotary * speed[1] + o.coulomb_rotary * math.tanh(speed[1] * inverse),
-        o.viscous_rotary * speed[2] + o.coulomb_rotary * math.tanh(speed[2] * inverse),
-        o.viscous_linear * speed[3] + o.coulomb_linear * math.tanh(speed[3] * inverse),
+        o.viscous1 * speed[0] + o.coulomb1 * math.tanh(speed[0] * inverse),
+        o.viscous2 * speed[1] + o.coulomb2 * math.tanh(speed[1] * inverse),
+        o.viscous3 * speed[2] + o.coulomb3 * math.tanh(speed[2] * inverse),
+        o.viscous4 * speed[3] + o.coulomb4 * math.tanh(speed[3] * inverse),
     )
 
 
 def inverse_torques(
-    m: Mechanism, e: EnergyTerms, o: Losses, pose: Any, velocity: Any, acceleration: Any
+    m: Mechanism, e: EnergyTerms, o: Drivetrain, pose: Any, velocity: Any, acceleration: Any
 ) -> Any:
     """Return the torques that make a motion, friction included."""
     a, b, d = legs(m, pose)
-    load = platform_load(m, e, o.gravity, a, b, d, velocity, acceleration)
+    load = platform_load(m, e, o, a, b, d, velocity, acceleration)
     drive = to_actuators(m, pose, a, b, d, load)
     loss = friction(o, speeds(m, a, b, d, velocity))
     return drive[0] + loss[0], drive[1] + loss[1], drive[2] + loss[2], drive[3] + loss[3]
@@ -178,14 +188,54 @@ def solve(w: Any, f: Any) -> Any:
     return q0, q1, q2, q3
 
 
+def drive_inertia(m: Mechanism, o: Drivetrain, a: Any, b: Any, d: Any) -> Any:
+    """Return the upper triangle of the drives' part in the mass matrix, G^T diag(N^2 J) G."""
+    ka, kb, kd = (
+        _turn_square(o.inertia1, a),
+        _turn_square(o.inertia2, b),
+        _turn_square(o.inertia3, d),
+    )
+    return (
+        ka[0] + kb[0] + kd[0],
+        ka[1] + kb[1] + kd[1],
+        ka[2] + kb[2] + kd[2],
+        0.0,
+        ka[3] + kb[3] + kd[3],
+        ka[4] + kb[4] + kd[4],
+        0.0,
+        ka[5] + kb[5] + kd[5],
+        0.0,
+        o.inertia4 * m.inverse_k * m.inverse_k,
+    )
+
+
+def _turn_square(inertia: Any, g: LegPosition) -> Any:
+    """Return inertia times the products of d theta_k / d (x, y, theta)."""
+    x, y = -g.uy * g.inverse_rho, g.ux * g.inverse_rho
+    t = (g.px * g.ux + g.py * g.uy) * g.inverse_rho
+    return (
+        inertia * x * x,
+        inertia * x * y,
+        inertia * x * t,
+        inertia * y * y,
+        inertia * y * t,
+        inertia * t * t,
+    )
+
+
 def acceleration_under(
-    m: Mechanism, e: EnergyTerms, gravity: Any, pose: Any, velocity: Any, torque: Any
+    m: Mechanism, e: EnergyTerms, o: Drivetrain, pose: Any, velocity: Any, torque: Any
 ) -> Any:
     """Return the platform's acceleration under torques that reach the mechanism."""
     a, b, d = legs(m, pose)
-    bias = platform_load(m, e, gravity, a, b, d, velocity, (0.0, 0.0, 0.0, 0.0))
+    bias = platform_load(m, e, o, a, b, d, velocity, (0.0, 0.0, 0.0, 0.0))
     force = to_platform(m, a, b, d, torque)
-    inertia = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
+    w = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
+    i = drive_inertia(m, o, a, b, d)
+    inertia = (
+        w[0] + i[0], w[1] + i[1], w[2] + i[2], w[3] + i[3], w[4] + i[4],
+        w[5] + i[5], w[6] + i[6], w[7] + i[7], w[8] + i[8], w[9] + i[9],
+    )  # fmt: skip
     return solve(
         inertia,
         (force[0] - bias[0], force[1] - bias[1], force[2] - bias[2], force[3] - bias[3]),
@@ -206,7 +256,7 @@ def _toward(k: Gains, i: int, wanted: Any, rate: Any, growth: Any, pose: Any, ve
 
 
 def command(
-    m: Mechanism, e: EnergyTerms, o: Losses, k: Gains,
+    m: Mechanism, e: EnergyTerms, o: Drivetrain, k: Gains,
     wanted: Any, wanted_velocity: Any, wanted_acceleration: Any, pose: Any, velocity: Any,
 ) -> Any:  # fmt: skip
     """Return the torques that the controller commands; m, e and o are its model."""
@@ -287,7 +337,7 @@ def derivative(
     speed = speeds(m, a, b, d, velocity)
     loss = friction(o, speed)
     net = (torque[0] - loss[0], torque[1] - loss[1], torque[2] - loss[2], torque[3] - loss[3])
-    growth = acceleration_under(m, e, o.gravity, pose, velocity, net)
+    growth = acceleration_under(m, e, o, pose, velocity, net)
     out[0], out[1], out[2], out[3] = velocity
     out[4], out[5], out[6], out[7] = growth
     out[8] = (

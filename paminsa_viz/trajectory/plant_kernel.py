@@ -15,11 +15,11 @@ from paminsa_viz.model.compiled import OPTIONS, register
 from paminsa_viz.model.lumped import EnergyTerms
 from paminsa_viz.trajectory import plant
 
-_MECHANISM, _TERMS, _LOSSES = (
-    len(kind._fields) for kind in (leg.Mechanism, EnergyTerms, plant.Losses)
+_MECHANISM, _TERMS, _DRIVETRAIN = (
+    len(kind._fields) for kind in (leg.Mechanism, EnergyTerms, plant.Drivetrain)
 )
 _GAINS = len(plant.Gains._fields)
-_ROBOT = _MECHANISM + _TERMS + _LOSSES
+_ROBOT = _MECHANISM + _TERMS + _DRIVETRAIN
 
 
 @register_jitable
@@ -28,7 +28,7 @@ def _robot(numbers):  # type: ignore[no-untyped-def]
     return (
         leg.Mechanism(*to_fixed_tuple(numbers, _MECHANISM)),  # type: ignore[call-arg]
         EnergyTerms(*to_fixed_tuple(numbers[_MECHANISM:], _TERMS)),
-        plant.Losses(*to_fixed_tuple(numbers[_MECHANISM + _TERMS :], _LOSSES)),
+        plant.Drivetrain(*to_fixed_tuple(numbers[_MECHANISM + _TERMS :], _DRIVETRAIN)),
     )
 
 
