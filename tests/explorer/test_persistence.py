@@ -22,8 +22,8 @@ from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, Pami
 from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.drive import Drive
-from tests.explorer.documents import DOCUMENTS, assert_same, designs
-from tests.samples import random_design
+from tests.support.documents import DOCUMENTS, assert_same, designs
+from tests.support.samples import random_design
 
 
 @given(document=DOCUMENTS)

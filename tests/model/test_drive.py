@@ -32,8 +32,8 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
 from paminsa_viz.trajectory import PRESET, Controller, ControlMode, analyze, simulate
-from tests import samples
-from tests.model.cases import Case, assert_close, cases
+from tests.support import samples
+from tests.support.cases import Case, assert_close, cases
 
 ROTARY = Drive("motor, gear", 4e-6, 1e-6, 100.0, 0.8, viscous=2e-6, coulomb=4e-3)
 SCREW = Drive(

@@ -18,7 +18,7 @@ from paminsa_viz.model import (
     inverse_dynamics,
     torque_breakdown,
 )
-from tests.model.cases import BY_HAND, Case, assert_close, assert_within, cases
+from tests.support.cases import BY_HAND, Case, assert_close, assert_within, cases
 
 SIZES = st.floats(0.0, 100.0)
 FRICTIONS = st.builds(
