@@ -108,7 +108,7 @@ def design_file() -> str:
                 if i.metadata
             ],
         ),
-        "`name` is a text, `transmission` for M4 is `screw` or `belt` in quotes, `brake` is true or "
+        "`name` is a text, `transmission` for M4 is `screw` or `belt` in quotes, `brake` true or "
         "false, and `envelope` lists corners of the largest torque [N m] over the speed [rad/s].",
         '```toml\n[drives.M1]\nname = "servo 100 W, gear 100:1"\nrotor_inertia_kg_m2 = 4e-6\n'
         "gear_ratio = 100.0\nefficiency = 0.8\nrated_torque_Nm = 0.32\npeak_torque_Nm = 0.95\n"
