@@ -11,7 +11,6 @@ import numpy as np
 
 from paminsa_viz import __version__
 from paminsa_viz.balancing.changes import whole_mass
-from paminsa_viz.balancing.requirements import resized
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
@@ -27,6 +26,7 @@ from paminsa_viz.studies.metrics import (
     measure_motion,
     samples_hash,
 )
+from paminsa_viz.studies.requirements import resized
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
 
