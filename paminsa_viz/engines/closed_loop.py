@@ -21,9 +21,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.engines.mechanism import POSE_JOINTS, MechanismTree, build_mechanism
 from paminsa_viz.engines.poses import joint_values, unclosed
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 
 
