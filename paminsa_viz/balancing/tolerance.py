@@ -61,11 +61,7 @@ def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
     return values
 
 
-def mass_tolerance(
-    design: Design,
-    tolerances: Tolerances,
-    pose: ArrayLike,
-) -> MassTolerance:
+def mass_tolerance(design: Design, tolerances: Tolerances, pose: ArrayLike) -> MassTolerance:
     """Return the spread of M_p2 and of the static torques of M1..M3 from masses.
 
     Args:
@@ -92,9 +88,8 @@ def mass_tolerance(
     by_leg = unit_torques_by_leg(geometry, pose)[..., :3, :]
     by_leg = np.where(np.isfinite(torque)[..., None], by_leg, np.nan)
     variance = reach**2
-    total = float(variance.sum())
     order = np.argsort(-variance, kind="stable")
-    shares = {paths[i]: float(variance[i] / total) for i in order if variance[i] > 0}
+    shares = {paths[i]: float(variance[i] / variance.sum()) for i in order if variance[i] > 0}
     return MassTolerance(
         nominal=static_imbalance(design),
         deviation=float(deviation),

@@ -56,7 +56,7 @@ class TrajectoryAnalysis:
     Attributes:
         design: The robot.
         solved: The motion, solved for its geometry.
-        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction included.
+        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction and drives included.
     """
 
     design: Design
@@ -135,7 +135,7 @@ class TrajectoryAnalysis:
         `misprints` it does not balance.
         """
         until = self.check.until
-        friction = self.solved.friction(self.design.friction)[:until]
+        friction = self.solved.friction(self.design)[:until]
         loss = (friction * self.solved.speed[:until]).sum(axis=1)
         lost = np.full(self.trajectory.size, np.nan)
         lost[:until] = running_integral(self.trajectory.t[:until], loss)
