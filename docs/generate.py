@@ -28,7 +28,7 @@ from paminsa_viz.cli.arguments import PROGRAM
 from paminsa_viz.files.design_schema import KNEE, SCHEMA_VERSION, TABLES, DesignKey
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model.parameters import BAR_ENDS
 
 FOLDER = Path(__file__).parent
 

@@ -9,17 +9,8 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 
-from paminsa_viz.model.design import (
-    APPENDIX_4,
-    Design,
-    Geometry,
-    Inertias,
-    JointMasses,
-    KneeBranch,
-    LinkMasses,
-    Payload,
-    Platform,
-)
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
+from paminsa_viz.model.parameters import Inertias, JointMasses, LinkMasses, Payload, Platform
 from tests import oracle
 
 MARGIN = 0.05

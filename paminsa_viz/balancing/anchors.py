@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.leg_points import (
     PointWeights,
     bar_point,
     point_weights,
 )
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.units import format_ascii
 
 KINDS = ("joint", "bar", "guide", "slider")

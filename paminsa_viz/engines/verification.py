@@ -24,9 +24,10 @@ from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.simulation import Played, play
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Friction
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.model.parameters import Friction
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.trajectory import Trajectory, check_path
 

@@ -27,8 +27,7 @@ from paminsa_viz.model import (
     KneeBranch,
     PaminsaError,
 )
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 
 VERSION = 1
 
@@ -118,8 +117,6 @@ def _design(data: dict[str, Any]) -> Design:
     """Read what `_described` returned."""
     design = APPENDIX_4.vary({path: _number(value) for path, value in data["design"].items()})
     weights = data.get("counterweights", [])
-    if len(weights) > MOST_COUNTERWEIGHTS:
-        raise InvalidInput("saved state", f"more than {MOST_COUNTERWEIGHTS} counterweights")
     return replace(
         design,
         name=printable(str(data["name"]))[:NAME_CHARACTERS],

@@ -10,7 +10,8 @@ import difflib
 import re
 from dataclasses import dataclass
 
-from paminsa_viz.model.parameters import PARAMETERS, Parameter
+from paminsa_viz.model.design import PARAMETERS
+from paminsa_viz.model.parameters import Parameter
 
 SCHEMA_VERSION = 1
 """Version of the layout; raised when a key changes its name, place or meaning, not when one is

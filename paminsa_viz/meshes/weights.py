@@ -11,10 +11,10 @@ import numpy as np
 from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import ACROSS, ALONG, moved, rod
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.counterweight_clearance import counterweight_clearance
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg_points import bar_length
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 DENSITY: Final = 7850.0
 """Of steel; turns a mass into the size of its disc [kg/m^3]."""

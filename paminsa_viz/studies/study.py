@@ -15,8 +15,7 @@ from paminsa_viz.balancing.requirements import resized
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.design import Design
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
+from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,

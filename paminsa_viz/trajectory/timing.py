@@ -19,9 +19,10 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
 from paminsa_viz.model.lumped import Misprint
+from paminsa_viz.model.parameters import Friction
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
 from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
 from paminsa_viz.trajectory.plan import Blend, Plan, UnitCurve

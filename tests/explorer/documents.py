@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import Document, State, initial_state
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 from tests.samples import random_design, random_poses
 
 COUNTERWEIGHTS = st.builds(

@@ -20,8 +20,7 @@ from paminsa_viz.model import (
     InvalidInput,
     KneeBranch,
 )
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from tests.explorer.documents import assert_same, standing_state
 from tests.samples import random_design
 
@@ -98,7 +97,7 @@ def test_a_name_that_no_file_can_hold_is_refused() -> None:
 @given(path=st.sampled_from([p.path for p in PARAMETERS]), factor=st.floats(1.0001, 1e300))
 def test_no_number_beyond_any_machine_is_taken(path: str, factor: float) -> None:
     state = initial_state()
-    huge = min(largest(path) * factor, 1e308)
+    huge = min(PARAMETER[path].largest * factor, 1e308)
     with pytest.raises(InvalidDesign):
         actions.vary(state, {path: huge})
     if PARAMETER[path].unit == "kg":
@@ -138,7 +137,7 @@ def test_the_page_refuses_counterweights_out_of_its_range() -> None:
         (Counterweight("b8", 8, 0.1, 1.0),) * (MOST_COUNTERWEIGHTS + 1),
     ):
         with pytest.raises(InvalidDesign, match="counterweights"):
-            validate_limits(replace(APPENDIX_4, counterweights=weights))
+            replace(APPENDIX_4, counterweights=weights)
 
 
 def test_swapping_with_the_reference_twice_changes_nothing() -> None:

@@ -19,8 +19,7 @@ from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from tests.explorer.documents import DOCUMENTS, assert_same, designs
 from tests.samples import random_design
 

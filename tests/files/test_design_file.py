@@ -13,9 +13,8 @@ from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
-from paminsa_viz.model.parameters import PARAMETERS
+from paminsa_viz.model.design import APPENDIX_4, PARAMETERS, Design, KneeBranch
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 VERSION = "schema_version = 1\n"
 NAMES = st.text(max_size=60).filter(str.isprintable)

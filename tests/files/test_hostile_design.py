@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from paminsa_viz.files.design_file import LARGEST_FILE, find_line, load_design, read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.parameters import Counterweight
 
 VERSION = "schema_version = 1\n"
 WEIGHT = '[[counterweights]]\nbar = "B8"\njoint = 8\nbeyond_m = 0.1\nmass_kg = 1\n'
