@@ -18,7 +18,7 @@ from paminsa_viz.cli.arguments import PROGRAM, UsageError, parse, print_error
 from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,

@@ -127,17 +127,19 @@ def _checked(value: Any, path: str, *, unit: str, positive: bool, signed: bool, 
             number = float(value)
         except OverflowError:
             number = math.inf
-    size = abs(number) if signed else number
-    if least <= size <= most or (number == 0 and not positive):
-        return number
     if signed:
+        possible = abs(number) <= most
         allowed = f"a finite number of at most {most:g} in size is needed"
     elif positive:
+        possible = least <= number <= most
         allowed = f"a finite number above 0, from {least:g} to {most:g}, is needed"
     else:
+        possible = number == 0 or least <= number <= most
         allowed = f"a finite number of at least 0 and at most {most:g} is needed"
+    if possible:
+        return number
     allowed += f" [{unit}]" if unit else ""
-    if 0 < size < least and not positive:
+    if 0 < number < least and not positive:
         allowed += f"; below {least:g} it has to be 0"
     raise InvalidDesign(path, value, allowed)
 
