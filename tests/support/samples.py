@@ -8,13 +8,31 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
-from paminsa_viz.model.parameters import Inertias, JointMasses, LinkMasses, Payload, Platform
+from paminsa_viz.model.parameters import (
+    SMALLEST,
+    SMALLEST_NONZERO,
+    Inertias,
+    JointMasses,
+    LinkMasses,
+    Parameter,
+    Payload,
+    Platform,
+)
 from tests import oracle
 
 MARGIN = 0.05
 """Share of a length that random poses keep from every limit."""
+
+
+def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
+    """Draw any number that a design takes at a place, if it contradicts no other one."""
+    if parameter.positive:
+        low = 1.0 if parameter.path == "geometry.magnification" else 0.0
+        return st.floats(low + SMALLEST, parameter.largest)
+    return st.just(0.0) | st.floats(SMALLEST_NONZERO, parameter.largest)
 
 
 def random_design(rng: np.random.Generator, *, payload: bool = True) -> Design:
