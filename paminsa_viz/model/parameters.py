@@ -22,10 +22,10 @@ LARGEST = {"": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3}
 LARGEST_OTHER = 1e4
 
 SMALLEST = 1e-6
-"""Smallest number where zero is refused."""
+"""Smallest length, k - 1 or speed where zero is refused."""
 
-SMALLEST_NONZERO = 1e-30
-"""Smallest number but zero where zero is possible: its square is still far from underflow."""
+SMALLEST_LOAD = 1e-30
+"""Smallest mass, inertia and gravity that is not zero: all torques are products of them."""
 
 MOST_COUNTERWEIGHTS = 12
 """Most counterweights of a leg: each is a body of the scene and a row of the page."""
@@ -89,7 +89,7 @@ class Parameter:
     @property
     def largest(self) -> float:
         """Largest possible number [SI]."""
-        return LARGEST.get(self.unit, LARGEST_OTHER)
+        return possible_range(self.unit, self.positive)[1]
 
 
 class Group:
@@ -113,14 +113,20 @@ class Group:
                 object.__setattr__(self, item.name, number)
 
 
+def possible_range(unit: str, positive: bool) -> tuple[float, float]:
+    """Return the smallest number that is not zero, and the largest [SI]."""
+    least = SMALLEST if positive else 0.0
+    loads = ("kg", "kg m^2", "m/s^2")
+    return (SMALLEST_LOAD if unit in loads else least), LARGEST.get(unit, LARGEST_OTHER)
+
+
 def _checked(value: Any, path: str, *, unit: str, positive: bool, signed: bool, **_: Any) -> float:
     """Return a number as a float.
 
     Raises:
         InvalidDesign: If it is none, or not in its range.
     """
-    most = LARGEST.get(unit, LARGEST_OTHER)
-    least = SMALLEST if positive else SMALLEST_NONZERO
+    least, most = possible_range(unit, positive)
     number = math.nan
     if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
         try:

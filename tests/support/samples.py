@@ -12,14 +12,13 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.parameters import (
-    SMALLEST,
-    SMALLEST_NONZERO,
     Inertias,
     JointMasses,
     LinkMasses,
     Parameter,
     Payload,
     Platform,
+    possible_range,
 )
 from tests import oracle
 
@@ -29,10 +28,11 @@ MARGIN = 0.05
 
 def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
     """Draw any number that a design takes at a place, if it contradicts no other one."""
-    if parameter.positive:
-        low = 1.0 if parameter.path == "geometry.magnification" else 0.0
-        return st.floats(low + SMALLEST, parameter.largest)
-    return st.just(0.0) | st.floats(SMALLEST_NONZERO, parameter.largest)
+    low, high = possible_range(parameter.unit, parameter.positive)
+    if parameter.path == "geometry.magnification":
+        low += 1.0
+    numbers = st.floats(low, high)
+    return numbers if parameter.positive else st.just(0.0) | numbers
 
 
 def random_design(rng: np.random.Generator, *, payload: bool = True) -> Design:
