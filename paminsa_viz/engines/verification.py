@@ -27,7 +27,6 @@ from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.model.parameters import Friction
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.trajectory import Trajectory, check_path
 
@@ -188,7 +187,7 @@ def verify(
     """
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise InvalidInput("tolerance", f"a finite number above 0 is needed, not {tolerance!r}")
-    design = replace(design, friction=Friction())
+    design = design.without_friction()
     check_path(design.geometry, trajectory).require()
     motion = _thinned(trajectory)
     places = (

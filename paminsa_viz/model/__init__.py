@@ -8,7 +8,15 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
+from paminsa_viz.model.design import (
+    APPENDIX_4,
+    PARAMETER,
+    PARAMETERS,
+    Design,
+    Geometry,
+    KneeBranch,
+)
+from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
     TorqueBreakdown,
@@ -29,6 +37,7 @@ from paminsa_viz.model.grids import (
     xy_grid,
 )
 from paminsa_viz.model.jacobians import (
+    actuator_acceleration,
     closure,
     closure_matrix,
     inverse_jacobian,
@@ -53,6 +62,7 @@ from paminsa_viz.model.lumped import (
 )
 from paminsa_viz.model.parameters import (
     BAR_ENDS,
+    ActuatorFriction,
     Counterweight,
     Friction,
     Inertias,
@@ -63,7 +73,7 @@ from paminsa_viz.model.parameters import (
     Platform,
 )
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
-from paminsa_viz.model.regressor import regressor_torques, torque_regressor
+from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (
     Singularity,
     measure_singularity,
@@ -84,12 +94,15 @@ __all__ = [
     "APPENDIX_4",
     "BAR_ENDS",
     "COEFFICIENTS",
+    "NO_DRIVES",
     "PARAMETER",
     "PARAMETERS",
+    "ActuatorFriction",
     "AssemblyModes",
     "Configuration",
     "Counterweight",
     "Design",
+    "Drive",
     "Field",
     "Friction",
     "Geometry",
@@ -104,6 +117,7 @@ __all__ = [
     "Limit",
     "LinkMasses",
     "Misprint",
+    "OutputLimits",
     "PaminsaError",
     "Parameter",
     "Payload",
@@ -113,11 +127,13 @@ __all__ = [
     "StaticBreakdown",
     "TorqueBreakdown",
     "UnreachablePose",
+    "actuator_acceleration",
     "actuator_power",
     "actuator_velocity",
     "check_reach",
     "closure",
     "closure_matrix",
+    "drive_regressor",
     "forward_dynamics",
     "forward_kinematics",
     "friction_torque",

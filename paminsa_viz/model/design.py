@@ -13,9 +13,19 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.drive import (
+    ACTUATORS,
+    NO_DRIVES,
+    UNLIMITED,
+    Drive,
+    Drives,
+    OutputLimits,
+    check_drives,
+)
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
     SMALLEST,
+    ActuatorFriction,
     Counterweight,
     Friction,
     Group,
@@ -127,6 +137,7 @@ class Design(Group, path="design"):
         geometry, joints, links, inertias, platform, payload, friction: Its numbers, in groups.
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
+        drives: Motors and gears of M1..M4; none in the paper.
         name: What a person calls it.
 
     Raises:
@@ -142,6 +153,7 @@ class Design(Group, path="design"):
     friction: Friction = Friction()
     gravity: float = parameter(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
+    drives: Drives = NO_DRIVES
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:
@@ -158,13 +170,15 @@ class Design(Group, path="design"):
         for number, weight in enumerate(self.counterweights):
             if not isinstance(weight, Counterweight):
                 raise InvalidDesign(f"counterweights.{number}", weight, "a Counterweight is needed")
+        check_drives(self.drives)
         super().__post_init__()
 
     def value(self, path: str) -> float:
         """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
 
-        ``"counterweights.0.mass"`` is that of the first counterweight, if there is one. The guide
-        stroke is returned as the length in force, also where it follows l_B10.
+        ``"counterweights.0.mass"`` is that of the first counterweight, if there is one, and
+        ``"drives.M1.gear_ratio"`` that of M1's drive. The guide stroke is returned as the length
+        in force, also where it follows l_B10.
 
         Raises:
             InvalidInput: If there is no such number.
@@ -183,7 +197,37 @@ class Design(Group, path="design"):
         if head == "counterweights":
             known = number.isdecimal() and int(number) < len(self.counterweights)
             return self.counterweights[int(number)] if known else None
+        if head == "drives":
+            return self.drives[ACTUATORS.index(number)] if number in ACTUATORS else None
         return getattr(self, name, None) if name else self
+
+    @property
+    def actuator_friction(self) -> ActuatorFriction:
+        """Friction of each actuator: that of its joint, and its drive's N^2 b and N c."""
+        joints = self.friction.by_actuator
+        if self.drives == NO_DRIVES:
+            return joints
+        own = [(0.0, 0.0) if d is None else d.reflected_friction for d in self.drives]
+        return ActuatorFriction(
+            tuple(b + more for b, (more, _) in zip(joints.viscous, own, strict=True)),
+            tuple(c + more for c, (_, more) in zip(joints.coulomb, own, strict=True)),
+            joints.transition_speed,
+        )
+
+    @property
+    def drive_inertia(self) -> tuple[float, ...]:
+        """Inertia of the drives at their actuators, N^2 J, (4,) [kg m^2, kg]; zero for none."""
+        return tuple(0.0 if drive is None else drive.reflected_inertia for drive in self.drives)
+
+    @property
+    def output_limits(self) -> tuple[OutputLimits, ...]:
+        """What the drives of M1..M4 give at their actuators; infinite without a drive."""
+        return tuple(UNLIMITED if drive is None else drive.output_limits for drive in self.drives)
+
+    def without_friction(self) -> Design:
+        """Return the design without friction, neither of the joints nor of the drives."""
+        drives: Any = tuple(d if d is None else d.without_friction() for d in self.drives)
+        return replace(self, friction=Friction(), drives=drives)
 
     def with_knee(self, knee: KneeBranch) -> Design:
         """Return the design with its knees on the given branch."""
@@ -205,14 +249,16 @@ class Design(Group, path="design"):
                 raise InvalidDesign(path, value, "there is no design value of this name")
             grouped.setdefault(group, {})[name] = value
         top: dict[str, Any] = dict(grouped.pop("", {}))
-        weights = list(self.counterweights)
+        weights, drives = list(self.counterweights), list(self.drives)
         for group, values in grouped.items():
             changed = replace(self._group(group), **values)
             if isinstance(changed, Counterweight):
                 weights[int(group.partition(".")[2])] = changed
+            elif isinstance(changed, Drive):
+                drives[ACTUATORS.index(group.partition(".")[2])] = changed
             else:
                 top[group] = changed
-        return replace(self, counterweights=tuple(weights), **top)
+        return replace(self, counterweights=tuple(weights), drives=tuple(drives), **top)
 
 
 def _numbers_of(owner: object) -> set[str]:

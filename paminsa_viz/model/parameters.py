@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, fields
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -100,16 +100,18 @@ class Group:
     """
 
     _path: ClassVar[str]
+    _limits: ClassVar[tuple[float, float] | None]
 
-    def __init_subclass__(cls, path: str) -> None:
-        cls._path = path
+    def __init_subclass__(cls, path: str, limits: tuple[float, float] | None = None) -> None:
+        """Name the group in error messages, and give it a range of its own for any number."""
+        cls._path, cls._limits = path, limits
 
     def __post_init__(self) -> None:
         # Whole numbers become floats, or each of them would have the formulas compiled again.
         for item in fields(self):  # type: ignore[arg-type]
             value = getattr(self, item.name)
             if "unit" in item.metadata and not (value is None and item.default is None):
-                number = _checked(value, f"{self._path}.{item.name}", **item.metadata)
+                number = _checked(value, f"{self._path}.{item.name}", self._limits, **item.metadata)
                 object.__setattr__(self, item.name, number)
 
 
@@ -120,13 +122,22 @@ def possible_range(unit: str, positive: bool) -> tuple[float, float]:
     return (SMALLEST_LOAD if unit in loads else least), LARGEST.get(unit, LARGEST_OTHER)
 
 
-def _checked(value: Any, path: str, *, unit: str, positive: bool, signed: bool, **_: Any) -> float:
+def _checked(
+    value: Any,
+    path: str,
+    limits: tuple[float, float] | None,
+    *,
+    unit: str,
+    positive: bool,
+    signed: bool,
+    **_: Any,
+) -> float:
     """Return a number as a float.
 
     Raises:
         InvalidDesign: If it is none, or not in its range.
     """
-    least, most = possible_range(unit, positive)
+    least, most = limits or possible_range(unit, positive)
     number = math.nan
     if isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool):
         try:
@@ -274,3 +285,31 @@ class Friction(Group, path="friction"):
     transition_speed: float = parameter(
         1e-3, "w_s", "rad/s, m/s", "speed scale of the Coulomb step", positive=True
     )
+
+    @property
+    def by_actuator(self) -> ActuatorFriction:
+        """The coefficients of M1..M4."""
+        return ActuatorFriction(
+            (self.viscous_rotary,) * 3 + (self.viscous_linear,),
+            (self.coulomb_rotary,) * 3 + (self.coulomb_linear,),
+            self.transition_speed,
+        )
+
+
+class ActuatorFriction(NamedTuple):
+    """Friction of each actuator, that of its joint and of its drive together.
+
+    Attributes:
+        viscous: (4,) [N m s/rad, N s/m].
+        coulomb: (4,) [N m, N].
+        transition_speed: Speed scale of the Coulomb step [rad/s, m/s].
+    """
+
+    viscous: tuple[float, ...]
+    coulomb: tuple[float, ...]
+    transition_speed: float
+
+    @property
+    def zero(self) -> bool:
+        """Whether there is none."""
+        return not (any(self.viscous) or any(self.coulomb))

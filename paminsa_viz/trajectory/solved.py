@@ -13,11 +13,11 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
-from paminsa_viz.model.jacobians import inverse_jacobian
+from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
+from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
-from paminsa_viz.model.parameters import Friction
+from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
 from paminsa_viz.trajectory.check import (
@@ -59,16 +59,31 @@ class SolvedTrajectory:
         torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
         if design.gravity != self.gravity:
             torque[:, 3] += self._extra_weight(design)
-        if friction and not frictionless(design.friction):
-            torque += self.friction(design.friction)
+        if any(design.drive_inertia):
+            torque += self.drive_inertia_torque(design)
+        if friction and not design.actuator_friction.zero:
+            torque += self.friction(design)
         return torque
 
-    def friction(self, friction: Friction) -> Array:
+    def drive_inertia_torque(self, design: Design) -> Array:
+        """Return what accelerates the drives' own inertia, (n, 4) [N m, N]."""
+        return np.array(design.drive_inertia) * self.actuator_acceleration
+
+    @cached_property
+    def actuator_acceleration(self) -> Array:
+        """Acceleration of the actuators, (n, 4) [rad/s^2, m/s^2]; NaN where the motion fails."""
+        t = self.trajectory
+        found = actuator_acceleration(self.geometry, t.pose, t.velocity, t.acceleration)
+        found[~self.check.good] = np.nan
+        return found
+
+    def friction(self, design: Design) -> Array:
         """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
+        friction = design.actuator_friction
         kept = self._friction.get(friction)
         if kept is None:
             kept = friction_torque(friction, self.speed)
-            if frictionless(friction):
+            if friction.zero:
                 kept[~self.check.good] = np.nan
             kept.setflags(write=False)
             self._friction.clear()
@@ -76,7 +91,7 @@ class SolvedTrajectory:
         return kept
 
     @cached_property
-    def _friction(self) -> dict[Friction, Array]:
+    def _friction(self) -> dict[ActuatorFriction, Array]:
         return {}
 
     def _extra_weight(self, design: Design) -> float:
@@ -110,8 +125,14 @@ class SolvedTrajectory:
         mass = design.platform.mass + design.payload.mass
         gravity[:, 3] += self.geometry.magnification * design.gravity * mass
         inertial = regressor_torques(self.inertial, c)
+        if any(design.drive_inertia):
+            still = np.zeros_like(self.trajectory.velocity)
+            growth = actuator_acceleration(
+                self.geometry, self.trajectory.pose, still, self.trajectory.acceleration
+            )
+            inertial = inertial + np.array(design.drive_inertia) * growth
         velocity = self.torques(design, friction=False) - gravity - inertial
-        friction = np.array(self.friction(design.friction))
+        friction = np.array(self.friction(design))
         return TorqueBreakdown(gravity, inertial, velocity, friction)
 
     @cached_property
