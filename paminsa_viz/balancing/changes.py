@@ -9,8 +9,7 @@ import numpy as np
 from paminsa_viz.balancing.program import Levers, Variable
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETER, Design, Geometry
 from paminsa_viz.model.leg_points import bar_length, bar_point, counterweight_point
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -19,7 +18,7 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 LEGS = 3
 """A mass of a leg is there three times."""

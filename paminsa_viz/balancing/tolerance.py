@@ -14,10 +14,9 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_column
-from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.statics import static_imbalance, static_torques, unit_torques_by_leg
 

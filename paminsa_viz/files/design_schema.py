@@ -10,8 +10,9 @@ import difflib
 import re
 from dataclasses import dataclass, fields
 
+from paminsa_viz.model.design import PARAMETERS
 from paminsa_viz.model.drive import Drive
-from paminsa_viz.model.parameters import PARAMETERS, Parameter
+from paminsa_viz.model.parameters import Parameter
 
 SCHEMA_VERSION = 1
 """Version of the layout; raised when a key changes its name, place or meaning, not when one is

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.design import Design
-from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.design import PARAMETER, Design
 
 
 @dataclass(frozen=True)

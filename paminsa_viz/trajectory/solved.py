@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import ActuatorFriction, Design, Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
 from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck, PathEvent, check_path
