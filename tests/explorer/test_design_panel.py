@@ -34,7 +34,6 @@ from paminsa_viz.model import (
     static_imbalance,
     static_torques,
 )
-from paminsa_viz.model.bounds import largest
 from paminsa_viz.units import number, symbol_text
 from tests.support.desk import Desk
 from tests.support.samples import random_design
@@ -68,7 +67,7 @@ def test_slider_reaches_appendix_4_and_only_possible_values(parameter: Parameter
 @given(path=st.sampled_from(sorted(ROWS)), fraction=st.floats(0, 1))
 def test_range_grows_to_a_typed_value_with_some_margin(path: str, fraction: float) -> None:
     low, high, _ = base_range(PARAMETER[path])
-    most = PARAMETER[path].display.from_si(largest(path))
+    most = PARAMETER[path].display.from_si(PARAMETER[path].largest)
     value = low + fraction * (most - low)
     grown = fitted_range(path, (low, high), value)
     assert grown[0] <= value <= grown[1] <= most
