@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
+from paminsa_viz.explorer.panels.design_panel import GROUPS, slider
 
 ROWS = {p.path: slider(p) for group in GROUPS for p in group.parameters}

@@ -18,7 +18,7 @@ from paminsa_viz.explorer.panels.compare_panel import (
     names_html,
     torques_html,
 )
-from paminsa_viz.explorer.panels.design_layout import is_changed
+from paminsa_viz.explorer.panels.design_panel import is_changed
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.panels.design_layout import GROUPS, base_range, fitted_range, round_up
+from paminsa_viz.explorer.panels.design_panel import GROUPS, base_range, fitted_range, round_up
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import PARAMETER, PARAMETERS, Parameter
 from paminsa_viz.model.bounds import largest
