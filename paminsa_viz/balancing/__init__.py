@@ -8,7 +8,6 @@ measure sensitivity; `studies.search_geometry` optimizes lengths.
 
 from __future__ import annotations
 
-from paminsa_viz.balancing.anchors import Anchor, at_joint, on_bar, on_guide, on_slider
 from paminsa_viz.balancing.changes import (
     Changes,
     CounterweightRange,
@@ -17,21 +16,29 @@ from paminsa_viz.balancing.changes import (
     beyond,
     whole_mass,
 )
-from paminsa_viz.balancing.errors import (
+from paminsa_viz.balancing.optimum import (
+    ActiveConstraint,
     InfeasibleBounds,
+    Optimum,
     Relaxation,
     Shortfall,
-    SolverFailed,
+    TermValue,
+    optimize,
 )
-from paminsa_viz.balancing.optimum import ActiveConstraint, Optimum, TermValue, optimize
 from paminsa_viz.balancing.paper_balance import balance, paper_changes
 from paminsa_viz.balancing.pareto import ParetoFront, ParetoPoint, pareto_front
+from paminsa_viz.balancing.program import SolverFailed
 from paminsa_viz.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
 from paminsa_viz.balancing.springs import (
+    Anchor,
     Spring,
     SpringFit,
     SpringPlace,
+    at_joint,
     fit_springs,
+    on_bar,
+    on_guide,
+    on_slider,
     spring_energy,
     spring_lengths,
     spring_torques,

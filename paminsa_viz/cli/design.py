@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +16,7 @@ from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import KEYS, KNEE, TABLES, DesignKey
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.drive import ACTUATORS
 
 DESCRIPTION = """\
 Work with design files: a robot's lengths, masses and inertias as readable TOML.
@@ -51,6 +52,7 @@ class Check:
                 code = 2
                 continue
             count = len(differences(APPENDIX_4, design)) + len(design.counterweights)
+            count += sum(drive is not None for drive in design.drives)
             count += design.geometry.knee is not APPENDIX_4.geometry.knee
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
@@ -73,7 +75,8 @@ class Show:
             weights = [vars(weight) for weight in design.counterweights]
             knee = design.geometry.knee.value
             values = {"name": design.name, "knee": knee, "values": _values(design)}
-            print_json(values | {"counterweights": weights})
+            values |= {"counterweights": weights}
+            print_json(values | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
         print(design.name)
         rows = [
@@ -86,6 +89,11 @@ class Show:
         rows += [
             ("counterweights", "mass_kg", f"{weight.mass:.10g}", weight.place)
             for weight in design.counterweights
+        ]
+        rows += [
+            ("drives", actuator, "", drive.summary)
+            for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
+            if drive is not None
         ]
         print_table(rows)
         return 0
@@ -126,6 +134,7 @@ class Diff:
         found = differences(first, second)
         knees = [design.geometry.knee.value for design in (first, second)]
         weighted = first.counterweights != second.counterweights
+        driven = first.drives != second.drives
         if self.json:
             changes: dict[str, Any] = {key.path: {"first": a, "second": b} for key, a, b in found}
             if knees[0] != knees[1]:
@@ -135,8 +144,11 @@ class Diff:
                 for name, design in (("first", first), ("second", second))
             }
             facts = {"first": first.name, "second": second.name, "differences": changes}
-            print_json(facts | ({"counterweights": weights} if weighted else {}))
-        elif not found and not weighted and knees[0] == knees[1]:
+            facts |= {"counterweights": weights} if weighted else {}
+            drives = {"first": _drives(first), "second": _drives(second)}
+            facts |= {"drives": drives} if driven else {}
+            print_json(facts)
+        elif not found and not weighted and not driven and knees[0] == knees[1]:
             print("the designs have the same values")
         else:
             rows: list[tuple[str, ...]] = [
@@ -158,6 +170,10 @@ class Diff:
                     for design in (first, second)
                 ]
                 rows.append(("counterweights", "", *held, "", ""))
+            for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
+                if pair[0] != pair[1]:
+                    texts = ["-" if drive is None else drive.summary for drive in pair]
+                    rows.append(("drives", actuator, *texts, "", ""))
             names = [str(file or APPENDIX_4.name) for file in files]
             print_table([("", "", *names, "change", ""), *rows])
         return 0
@@ -176,6 +192,12 @@ def main(words: list[str]) -> int:
 
 def _load(file: Path | None) -> Design:
     return APPENDIX_4 if file is None else load_design(file)
+
+
+def _drives(design: Design) -> dict[str, Any]:
+    """Return the drives by actuator, for JSON."""
+    pairs = zip(ACTUATORS, design.drives, strict=True)
+    return {name: asdict(drive) for name, drive in pairs if drive is not None}
 
 
 def _values(design: Design) -> dict[str, float]:

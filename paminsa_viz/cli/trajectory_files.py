@@ -91,7 +91,7 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> EngineTorques:
     robot = make(design)
     torque = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
     torque[~analysis.check.good] = float("nan")
-    return EngineTorques(name, torque + analysis.solved.friction(design.friction))
+    return EngineTorques(name, torque + analysis.solved.friction(design))
 
 
 def _content(

@@ -45,7 +45,7 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
         return (
             Mechanism(*to_fixed_tuple(robot, lengths)),  # type: ignore[call-arg]
             EnergyTerms(*to_fixed_tuple(robot[lengths:], terms)),
-            plant.Losses(rest[0], rest[1], rest[2:6], rest[6:]),
+            plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:]),
         )
 
     @njit(**OPTIONS)
@@ -86,10 +86,11 @@ def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
-    f = design.friction
-    viscous = np.array([f.viscous_rotary] * 3 + [f.viscous_linear])
-    coulomb = np.array([f.coulomb_rotary] * 3 + [f.coulomb_linear])
-    return m, e, plant.Losses(design.gravity, f.transition_speed, viscous, coulomb)
+    f = design.actuator_friction
+    viscous, coulomb = np.array(f.viscous), np.array(f.coulomb)
+    inertia = np.array(design.drive_inertia)
+    drivetrain = plant.Drivetrain(design.gravity, f.transition_speed, viscous, coulomb, inertia)
+    return m, e, drivetrain
 
 
 def equations(

@@ -11,9 +11,8 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import MILLIMETERS, PLAIN, Dropdown, Pair
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.state import State
-from paminsa_viz.meshes.weights import clearance_text
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.meshes.loads import clearance_text
+from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS
 
 PLACES = {
     f"{bar.upper()} past {joint}": (bar, joint) for bar, ends in BAR_ENDS.items() for joint in ends
