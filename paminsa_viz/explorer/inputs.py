@@ -212,7 +212,7 @@ class Pair(Input):
         return first, second
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
-        ranges = [in_unit(ends, unit) for ends, unit in zip(self.range, self.units, strict=True)]
+        ranges = map(in_unit, self.range, self.units)
         low, high = (None if None in ends else ends for ends in zip(*ranges, strict=True))
         step = given(self.step, state)
         return gui.add_vector2(label, self.shown(state), min=low, max=high, step=step, **properties)
