@@ -51,6 +51,7 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
+from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
     Misprint,
@@ -70,6 +71,7 @@ from paminsa_viz.model.singularity import (
 from paminsa_viz.model.statics import (
     StaticBreakdown,
     lift_constant,
+    load_torques,
     potential_energy,
     static_breakdown,
     static_imbalance,

@@ -47,7 +47,8 @@ def validate_limits(design: Design) -> Design:
                 )  # fmt: skip
     for parameter in PARAMETERS:
         path, value = parameter.path, design.value(parameter.path)
-        low, high = (SMALLEST if parameter.positive else 0.0), largest(path)
+        high = largest(path)
+        low = -high if parameter.signed else SMALLEST if parameter.positive else 0.0
         if not low <= value <= high:
             unit = f" [{parameter.unit}]" if parameter.unit else ""
             raise InvalidDesign(path, value, f"here, it is from {low:g} to {high:g}{unit}")

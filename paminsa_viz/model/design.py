@@ -1,4 +1,4 @@
-"""The robot's numbers: geometry, masses, inertias, payload, friction.
+"""The robot's numbers: geometry, masses, inertias, payload, friction, load.
 
 Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
 its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
@@ -14,6 +14,7 @@ from typing import Any
 
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.quantity import check_numbers, quantity
 
 
@@ -210,6 +211,7 @@ class Design:
 
     Attributes:
         geometry, joints, links, inertias, platform, payload, friction: Its numbers, in groups.
+        load: An external force and moment on the platform.
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
         name: What a person calls it.
@@ -225,6 +227,7 @@ class Design:
     platform: Platform = Platform()
     payload: Payload = Payload()
     friction: Friction = Friction()
+    load: LoadCase = NO_LOAD
     gravity: float = quantity(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
     name: str = field(default="PAMINSA", compare=False)

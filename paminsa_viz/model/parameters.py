@@ -19,6 +19,7 @@ class Parameter:
         label: Plain name.
         default: Appendix 4's value.
         positive: Whether zero is refused.
+        signed: Whether it may be negative.
     """
 
     path: str
@@ -27,6 +28,7 @@ class Parameter:
     label: str
     default: float
     positive: bool
+    signed: bool = False
 
     @property
     def display(self) -> DisplayUnit:
@@ -54,6 +56,7 @@ def _parameters() -> tuple[Parameter, ...]:
                     label=item.metadata["label"],
                     default=APPENDIX_4.value(path),
                     positive=item.metadata["positive"],
+                    signed=item.metadata["signed"],
                 )
             )
     return tuple(found)
