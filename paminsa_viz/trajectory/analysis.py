@@ -130,7 +130,7 @@ class TrajectoryAnalysis:
 
     @cached_property
     def energy_residual(self) -> Array:
-        """Work of all actuators minus growth of energy and friction losses, (n,) [J].
+        """Work of all actuators and the load minus growth of energy and friction losses, (n,) [J].
 
         Zero but for the integration over samples: the energy balance of the formulas. With
         `misprints` it does not balance.
@@ -145,6 +145,10 @@ class TrajectoryAnalysis:
             loss = (friction * self.solved.speed[:until]).sum(axis=1)
             lost = running_integral(self.trajectory.t[:until], loss)
         work = self.work[:until].sum(axis=1)
+        if self.solved.loaded(self.design):
+            force = self.solved.load_force(self.design)[:until]
+            push = (force * self.trajectory.velocity[:until]).sum(axis=1)
+            work = work + running_integral(self.trajectory.t[:until], push)
         residual[:until] = work - lost - (self.energy[:until] - self.energy[0])
         return residual
 

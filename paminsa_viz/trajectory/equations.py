@@ -65,10 +65,11 @@ def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
-    f = design.friction
+    f, w = design.friction, design.load
     losses = plant.Losses(
         design.gravity, f.viscous_rotary, f.coulomb_rotary, f.viscous_linear, f.coulomb_linear,
-        f.transition_speed,
+        f.transition_speed, w.force_x, w.force_y, w.force_z, w.moment_z, w.point_x, w.point_y,
+        w.turns,
     )  # fmt: skip
     return m, e, losses
 
@@ -79,16 +80,18 @@ def equations(
     gains: plant.Gains,
     trajectory: Trajectory,
 ) -> tuple[Callable[[float, Array], Array], Callable[[Array, Array], Array]]:
-    """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10)."""
+    """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10 or 11)."""
     true, believed = robot_numbers(design), robot_numbers(model)
     times = np.array(trajectory.t)
     track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration])
+    if trajectory.load is not None:
+        track = np.hstack([track, trajectory.load[:, [0, 1, 2, 5]]])
     kernel = _kernel.get()
     if kernel is not None:
         numbers = kernel.pack(true, believed, gains)
 
         def compiled(t: float, state: Array) -> Array:
-            growth = np.empty(10)
+            growth = np.empty(state.size)
             kernel.derivative(t, state, numbers, times, track, growth)
             return growth
 
@@ -101,7 +104,7 @@ def equations(
         return compiled, compiled_torques
 
     def derivative(t: float, state: Array) -> Array:
-        growth = np.full(10, np.nan)
+        growth = np.full(state.size, np.nan)
         with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
             plant.derivative(t, state, true, believed, gains, times, track, growth)
         return growth

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TypeAlias
 
 from paminsa_viz.model.leg import LegPosition, Mechanism, leg_motion, leg_position
 from paminsa_viz.model.leg_forces import leg_forces
+from paminsa_viz.model.load import wrench_at_center
 from paminsa_viz.model.lumped import EnergyTerms
 from paminsa_viz.model.robot import (
     AXIS_X,
@@ -24,7 +25,7 @@ from paminsa_viz.model.robot import (
 
 
 class Losses(NamedTuple):
-    """Gravity [m/s^2] and friction of the actuators, see `design.Friction`."""
+    """Gravity [m/s^2], friction of the actuators and the load, see `Friction` and `LoadCase`."""
 
     gravity: float
     viscous_rotary: float
@@ -32,6 +33,13 @@ class Losses(NamedTuple):
     viscous_linear: float
     coulomb_linear: float
     transition: float
+    fx: float
+    fy: float
+    fz: float
+    mz: float
+    px: float
+    py: float
+    turns: float
 
 
 Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
@@ -146,12 +154,27 @@ def friction(o: Losses, speed: Any) -> Any:
     )
 
 
+def push(o: Losses, theta: Any, extra: Any) -> Any:
+    """Return the load as a generalized force (x, y, theta, z).
+
+    ``extra`` is (F_x, F_y, F_z, M_z) on top of the load, at its point and in its directions.
+    """
+    fx, fy, fz, _, _, mz = wrench_at_center(
+        o.fx + extra[0], o.fy + extra[1], o.fz + extra[2], 0.0, 0.0, o.mz + extra[3],
+        o.px, o.py, 0.0, o.turns, math.cos(theta), math.sin(theta),
+    )  # fmt: skip
+    return fx, fy, mz, fz
+
+
 def inverse_torques(
-    m: Mechanism, e: EnergyTerms, o: Losses, pose: Any, velocity: Any, acceleration: Any
-) -> Any:
-    """Return the torques that make a motion, friction included."""
+    m: Mechanism, e: EnergyTerms, o: Losses, pose: Any, velocity: Any, acceleration: Any,
+    extra: Any,
+) -> Any:  # fmt: skip
+    """Return the torques that make a motion under the load, friction included."""
     a, b, d = legs(m, pose)
-    load = platform_load(m, e, o.gravity, a, b, d, velocity, acceleration)
+    own = platform_load(m, e, o.gravity, a, b, d, velocity, acceleration)
+    w = push(o, pose[2], extra)
+    load = (own[0] - w[0], own[1] - w[1], own[2] - w[2], own[3] - w[3])
     drive = to_actuators(m, pose, a, b, d, load)
     loss = friction(o, speeds(m, a, b, d, velocity))
     return drive[0] + loss[0], drive[1] + loss[1], drive[2] + loss[2], drive[3] + loss[3]
@@ -179,11 +202,12 @@ def solve(w: Any, f: Any) -> Any:
 
 
 def acceleration_under(
-    m: Mechanism, e: EnergyTerms, gravity: Any, pose: Any, velocity: Any, torque: Any
+    m: Mechanism, e: EnergyTerms, gravity: Any, pose: Any, velocity: Any, torque: Any, w: Any
 ) -> Any:
-    """Return the platform's acceleration under torques that reach the mechanism."""
+    """Return the platform's acceleration under torques that reach the mechanism, and a load w."""
     a, b, d = legs(m, pose)
-    bias = platform_load(m, e, gravity, a, b, d, velocity, (0.0, 0.0, 0.0, 0.0))
+    own = platform_load(m, e, gravity, a, b, d, velocity, (0.0, 0.0, 0.0, 0.0))
+    bias = (own[0] - w[0], own[1] - w[1], own[2] - w[2], own[3] - w[3])
     force = to_platform(m, a, b, d, torque)
     inertia = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
     return solve(
@@ -208,8 +232,12 @@ def _toward(k: Gains, i: int, wanted: Any, rate: Any, growth: Any, pose: Any, ve
 def command(
     m: Mechanism, e: EnergyTerms, o: Losses, k: Gains,
     wanted: Any, wanted_velocity: Any, wanted_acceleration: Any, pose: Any, velocity: Any,
+    extra: Any,
 ) -> Any:  # fmt: skip
-    """Return the torques that the controller commands; m, e and o are its model."""
+    """Return the torques that the controller commands; m, e and o are its model.
+
+    It knows the load that varies with time, ``extra``, as it knows the wanted motion.
+    """
     if k.mode == 2:  # computed torque
         growth = (
             _toward(k, 0, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
@@ -217,8 +245,8 @@ def command(
             _toward(k, 2, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
             _toward(k, 3, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
         )
-        return inverse_torques(m, e, o, pose, velocity, growth)
-    torque = inverse_torques(m, e, o, wanted, wanted_velocity, wanted_acceleration)
+        return inverse_torques(m, e, o, pose, velocity, growth, extra)
+    torque = inverse_torques(m, e, o, wanted, wanted_velocity, wanted_acceleration, extra)
     if k.mode == 0:  # feed-forward alone
         return torque
     a, b, d = legs(m, wanted)
@@ -247,8 +275,26 @@ def hermite(u: Any, h: Any, p0: Any, v0: Any, a0: Any, p1: Any, v1: Any, a1: Any
     )
 
 
-def reference(t: Any, times: Any, states: Any) -> Any:
-    """Return the wanted pose, velocity and acceleration; ``states`` (n, 12) at ``times`` (n,)."""
+def extra_load(t: Any, times: Any, states: Any) -> Any:
+    """Return the motion's own load (F_x, F_y, F_z, M_z), linear between ``times`` (n,).
+
+    It is in the last four columns of ``states`` (n, 16); with (n, 12) there is none.
+    """
+    if states.shape[1] < 16:
+        return 0.0, 0.0, 0.0, 0.0
+    low = interval(t, times)
+    u = min(max((t - times[low]) / (times[low + 1] - times[low]), 0.0), 1.0)
+    a, b = states[low], states[low + 1]
+    return (
+        a[12] + u * (b[12] - a[12]),
+        a[13] + u * (b[13] - a[13]),
+        a[14] + u * (b[14] - a[14]),
+        a[15] + u * (b[15] - a[15]),
+    )
+
+
+def interval(t: Any, times: Any) -> Any:
+    """Return the index of the last of ``times`` but the final one that is not after t."""
     low, high = 0, times.size - 1
     while high - low > 1:
         middle = (low + high) // 2
@@ -256,9 +302,15 @@ def reference(t: Any, times: Any, states: Any) -> Any:
             low = middle
         else:
             high = middle
-    h = times[high] - times[low]
+    return low
+
+
+def reference(t: Any, times: Any, states: Any) -> Any:
+    """Return the wanted pose, velocity and acceleration; ``states`` (n, 12+) at ``times`` (n,)."""
+    low = interval(t, times)
+    h = times[low + 1] - times[low]
     u = min(max((t - times[low]) / h, 0.0), 1.0)
-    a, b = states[low], states[high]
+    a, b = states[low], states[low + 1]
     x = hermite(u, h, a[0], a[4], a[8], b[0], b[4], b[8])
     y = hermite(u, h, a[1], a[5], a[9], b[1], b[5], b[9])
     o = hermite(u, h, a[2], a[6], a[10], b[2], b[6], b[10])
@@ -272,13 +324,17 @@ def commanded(t: Any, state: Any, believed: Any, k: Gains, times: Any, states: A
     pose = (state[0], state[1], state[2], state[3])
     velocity = (state[4], state[5], state[6], state[7])
     wanted, rate, growth = reference(t, times, states)
-    return command(m, e, o, k, wanted, rate, growth, pose, velocity)
+    extra = extra_load(t, times, states)
+    return command(m, e, o, k, wanted, rate, growth, pose, velocity, extra)
 
 
 def derivative(
     t: Any, state: Any, plant: Any, believed: Any, k: Gains, times: Any, states: Any, out: Any
 ) -> None:
-    """Write the derivative of (pose, velocity, work of the actuators, friction losses) (10,)."""
+    """Write the derivative of (pose, velocity, work of the actuators, friction losses) (10,).
+
+    A state (11,) has the work of the load as well.
+    """
     m, e, o = plant
     torque = commanded(t, state, believed, k, times, states)
     pose = (state[0], state[1], state[2], state[3])
@@ -287,10 +343,13 @@ def derivative(
     speed = speeds(m, a, b, d, velocity)
     loss = friction(o, speed)
     net = (torque[0] - loss[0], torque[1] - loss[1], torque[2] - loss[2], torque[3] - loss[3])
-    growth = acceleration_under(m, e, o.gravity, pose, velocity, net)
+    w = push(o, pose[2], extra_load(t, times, states))
+    growth = acceleration_under(m, e, o.gravity, pose, velocity, net, w)
     out[0], out[1], out[2], out[3] = velocity
     out[4], out[5], out[6], out[7] = growth
     out[8] = (
         torque[0] * speed[0] + torque[1] * speed[1] + torque[2] * speed[2] + torque[3] * speed[3]
     )
     out[9] = loss[0] * speed[0] + loss[1] * speed[1] + loss[2] * speed[2] + loss[3] * speed[3]
+    if out.size > 10:
+        out[10] = w[0] * velocity[0] + w[1] * velocity[1] + w[2] * velocity[2] + w[3] * velocity[3]

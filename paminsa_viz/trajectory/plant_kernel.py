@@ -55,7 +55,7 @@ def _kernels(digest: int) -> tuple[Any, Any]:
 
     @njit(**OPTIONS)
     def torques(t, state, numbers, times, states, out):  # type: ignore[no-untyped-def]
-        """Commanded torques at times (n,) and states (n, 10)."""
+        """Commanded torques at times (n,) and states (n, 10 or 11)."""
         if digest < 0:
             return
         robot, k = _robot(numbers[_ROBOT:]), _gains(numbers)

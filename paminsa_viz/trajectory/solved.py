@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Friction, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
-from paminsa_viz.model.jacobians import inverse_jacobian
+from paminsa_viz.model.jacobians import inverse_jacobian, jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
@@ -55,12 +56,40 @@ class SolvedTrajectory:
 
     def torques(self, design: Design, *, friction: bool = True) -> Array:
         """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
+        torque = self._mass_torques(design)
+        if friction and not frictionless(design.friction):
+            torque += self.friction(design.friction)
+        if self.loaded(design):
+            torque += self.load_torques(design)
+        return torque
+
+    def _mass_torques(self, design: Design) -> Array:
+        """Return the torques of masses and weights, (n, 4) [N m, N]."""
         torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
         if design.gravity != self.gravity:
             torque[:, 3] += self._extra_weight(design)
-        if friction and not frictionless(design.friction):
-            torque += self.friction(design.friction)
         return torque
+
+    def loaded(self, design: Design) -> bool:
+        """Whether a load acts on the platform: the design's or the motion's own."""
+        return design.load.acts or self.trajectory.load is not None
+
+    def load_torques(self, design: Design) -> Array:
+        """Return what the actuators need against the load, (n, 4) [N m, N]."""
+        w = self.load_force(design)
+        torque = -np.einsum("nij,ni->nj", self.jacobian, w)
+        torque[~self.check.good] = np.nan
+        return torque
+
+    def load_force(self, design: Design) -> Array:
+        """Return the load's force in the coordinates (x, y, theta, z), (n, 4) [N, N, N m, N]."""
+        t = self.trajectory
+        return generalized_force(design.load, t.pose[:, 2], t.load)
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """J along the motion, (n, 4, 4); solved for the first load and kept."""
+        return jacobian(self.geometry, self.trajectory.pose)
 
     def friction(self, friction: Friction) -> Array:
         """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
@@ -109,9 +138,10 @@ class SolvedTrajectory:
         mass = design.platform.mass + design.payload.mass
         gravity[:, 3] += self.geometry.magnification * design.gravity * mass
         inertial = regressor_torques(self.inertial, c)
-        velocity = self.torques(design, friction=False) - gravity - inertial
         friction = np.array(self.friction(design.friction))
-        return TorqueBreakdown(gravity, inertial, velocity, friction)
+        loads = self.load_torques(design) if self.loaded(design) else np.zeros_like(gravity)
+        velocity = self._mass_torques(design) - gravity - inertial
+        return TorqueBreakdown(gravity, inertial, velocity, friction, loads)
 
     @cached_property
     def actuators(self) -> Array:
