@@ -17,7 +17,7 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli.arguments import PROGRAM, parse
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
     import viser

@@ -19,10 +19,10 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import APPENDIX_4, Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, home
 
 if TYPE_CHECKING:

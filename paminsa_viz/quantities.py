@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import LEAST_MARGIN
 from paminsa_viz.model.singularity import DEXTERITY

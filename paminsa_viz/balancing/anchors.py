@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg_points import (
     PointWeights,
     bar_point,

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.balancing.program import Levers, Variable
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg_points import bar_length, bar_point, counterweight_point
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 
 
 @dataclass(frozen=True)

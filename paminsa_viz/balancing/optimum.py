@@ -14,8 +14,8 @@ from paminsa_viz.balancing.errors import InfeasibleBounds, Relaxation, Shortfall
 from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import Term, deviations
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 
 WIDER = 100.0
 """How far bounds are widened to see which would have to move [kg]."""

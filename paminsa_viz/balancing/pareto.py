@@ -15,8 +15,8 @@ import numpy as np
 from paminsa_viz.balancing.changes import Changes
 from paminsa_viz.balancing.optimum import Optimum, optimize
 from paminsa_viz.balancing.terms import Term
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 
 SLACK = 1e-9
 """What the ends of a front give up of the one term for the other, relative to the one."""

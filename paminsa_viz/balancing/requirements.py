@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import ROTARY_TORQUES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_points import bar_length

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult

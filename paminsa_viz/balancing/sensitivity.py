@@ -18,9 +18,9 @@ from paminsa_viz.balancing.terms import (
     TrajectoryPeak,
     TrajectoryRms,
 )
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS

@@ -26,9 +26,9 @@ from paminsa_viz.balancing.anchors import Anchor
 from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.statics import static_torques, torques_of_legs

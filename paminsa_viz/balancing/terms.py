@@ -13,9 +13,9 @@ import numpy as np
 
 from paminsa_viz.balancing.changes import AMOUNTS, MASS, MassSpace
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs, Norm, PositivePartSum
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.dynamics import frictionless
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
 from paminsa_viz.model.reach import Limit

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_column
 from paminsa_viz.model.parameters import PARAMETER

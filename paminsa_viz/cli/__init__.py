@@ -19,7 +19,7 @@ from collections.abc import Sequence
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import PROGRAM, UsageError, print_error
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 
 COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 
 import tyro
 
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 
 PROGRAM = "paminsa-viz"
 

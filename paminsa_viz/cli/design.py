@@ -11,11 +11,11 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import KEYS, KNEE, TABLES, DesignKey
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
-from paminsa_viz.model.errors import PaminsaError
 
 DESCRIPTION = """\
 Work with design files: a robot's lengths, masses and inertias as readable TOML.

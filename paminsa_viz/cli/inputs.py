@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, TypeAlias
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
-from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.trajectory import PRESET, Trajectory
 
 Assembly: TypeAlias = Literal["printed", "mirror"]

@@ -12,7 +12,7 @@ import numpy as np
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.trajectory import (
     MinimumTime,
     PathEvent,

@@ -16,9 +16,9 @@ from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import as_file_error, write_bytes
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.units import format_ascii
 

@@ -12,7 +12,7 @@ The engines are optional: ``pip install 'paminsa-viz[verify]'``.
 
 from __future__ import annotations
 
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 
 
 class EngineMissing(PaminsaError, ImportError):

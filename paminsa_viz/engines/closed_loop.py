@@ -23,9 +23,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.engines.mechanism import POSE_JOINTS, MechanismTree, build_mechanism
 from paminsa_viz.engines.poses import joint_values, unclosed
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 
 
@@ -121,9 +121,8 @@ class ClosedLoopRobot(ABC):
         torque = np.full(x.shape, np.nan)
         if good.any():
             wrench = self._wrenches(load, shape)
-            torque[good] = self._project(
-                q, u[good], du[good], None if wrench is None else wrench[good]
-            )
+            wrench = None if wrench is None else wrench[good]
+            torque[good] = self._project(q, u[good], du[good], wrench)
         return torque.reshape(shape)
 
     def _wrenches(self, load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:

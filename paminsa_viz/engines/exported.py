@@ -9,9 +9,9 @@ import numpy as np
 from paminsa_viz.engines.mechanism import PLATFORM, MechanismTree, build_mechanism
 from paminsa_viz.engines.mjcf import Servos, mjcf_text
 from paminsa_viz.engines.poses import start_pose
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.singularity import measure_singularity

@@ -23,9 +23,9 @@ import math
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 
 Point = tuple[float, float, float]

@@ -7,9 +7,9 @@ import math
 import numpy as np
 
 from paminsa_viz.engines.mechanism import LIFT, POSE_JOINTS, leg_name
+from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 from paminsa_viz.model.reach import check_reach, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import measure_singularity, singular_rotation

@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 
 
 class Played(NamedTuple):

@@ -22,10 +22,10 @@ from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
 from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.simulation import Played, play
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import inverse_dynamics
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.trajectory import Trajectory, check_path

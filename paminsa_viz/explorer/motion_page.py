@@ -18,13 +18,13 @@ import numpy as np
 import viser
 
 from paminsa_viz import __version__, palette
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.robot_page import standing_robot, titled
 from paminsa_viz.explorer.scene.bodies import Position, Quaternion
 from paminsa_viz.explorer.scene.curves import Curve
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis, analyze
 from paminsa_viz.trajectory.check import ImpossibleTrajectory

@@ -16,6 +16,7 @@ import numpy as np
 import viser
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer.browser import asset
 from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.frame import compute
@@ -29,7 +30,6 @@ from paminsa_viz.explorer.server.viser_patch import quiet
 from paminsa_viz.explorer.state import LastReachable, initial_state
 from paminsa_viz.model.arrays import as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from paminsa_viz.model.reach import require_reachable
 

@@ -25,6 +25,7 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 from typing import Any
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
@@ -37,7 +38,6 @@ from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
-from paminsa_viz.model.errors import InvalidDesign
 
 LARGEST_FILE = 200_000
 """Largest design file [bytes], thirty times a complete one. Bounds what an upload can cost."""

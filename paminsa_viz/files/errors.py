@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 
 SHOWN_CHARACTERS = 60
 """Longest piece of a file's own text that a message repeats."""

@@ -20,10 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz import __version__
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import as_file_error
 from paminsa_viz.files.columns import Column, TableKind, match_columns
 from paminsa_viz.files.errors import TableFileError, printable, shown
-from paminsa_viz.model.errors import InvalidInput
 
 ROWS_AT_ONCE = 20_000
 """Rows in one block: enough for array speed, some 40 MB."""

@@ -12,6 +12,7 @@ from typing import TextIO
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
@@ -29,7 +30,6 @@ from paminsa_viz.files.columns import (
 from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.tables import DataTable, TableReader, open_table, provenance
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.parameters import PARAMETERS
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis

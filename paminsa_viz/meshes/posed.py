@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 from trimesh.transformations import quaternion_matrix
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import bodies, load
 from paminsa_viz.meshes.library import Z_UP, fixed_part
 from paminsa_viz.meshes.part import add_part, glb_bytes
@@ -13,7 +14,6 @@ from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
 from paminsa_viz.meshes.solids import Array
 from paminsa_viz.meshes.weights import counterweight
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Configuration
 
 

@@ -23,6 +23,7 @@ from trimesh.exchange.obj import export_obj
 
 from paminsa_viz import palette
 from paminsa_viz.engines.mechanism import LIFT, PLATFORM
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import bodies, load
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.materials import ACCENT, SURFACES
@@ -31,7 +32,6 @@ from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.meshes.posed import transform
 from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import Configuration
 
 ROOT: Final = "base"

@@ -2,17 +2,87 @@
 
 Poses are (..., 4) arrays (x, y, theta, z), actuator positions (theta_1, theta_2, theta_3, Z),
 torques (tau_1, tau_2, tau_3, F_4), in SI units in the base frame; z is up. See the modules for
-the paper's equations behind each function, and `api` for the names that this package offers: they
-are loaded when the first one is used, so that a command's help does not wait for NumPy.
+the paper's equations behind each function.
 """
 
 from __future__ import annotations
 
-from importlib import import_module
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from paminsa_viz.model.api import *
+from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
+from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.model.design import (
+    APPENDIX_4,
+    Design,
+    Friction,
+    Geometry,
+    Inertias,
+    JointMasses,
+    KneeBranch,
+    LinkMasses,
+    Payload,
+    Platform,
+)
+from paminsa_viz.model.dynamics import (
+    InverseDynamics,
+    TorqueBreakdown,
+    actuator_power,
+    actuator_velocity,
+    forward_dynamics,
+    friction_torque,
+    inverse_dynamics,
+    kinetic_energy,
+    mass_matrix,
+    torque_breakdown,
+)
+from paminsa_viz.model.grids import (
+    Field,
+    Grid,
+    rotary_torques,
+    solve_field,
+    xy_grid,
+)
+from paminsa_viz.model.jacobians import (
+    closure,
+    closure_matrix,
+    inverse_jacobian,
+    inverse_jacobian_rate,
+    jacobian,
+)
+from paminsa_viz.model.kinematics import (
+    AssemblyModes,
+    Configuration,
+    JointMotion,
+    forward_kinematics,
+    inverse_kinematics,
+    joint_rates,
+    nearest_solution,
+)
+from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
+from paminsa_viz.model.lumped import (
+    COEFFICIENTS,
+    Misprint,
+    lumped_coefficients,
+    lumped_matrix,
+    mass_vector,
+)
+from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
+from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
+from paminsa_viz.model.regressor import regressor_torques, torque_regressor
+from paminsa_viz.model.singularity import (
+    Singularity,
+    measure_singularity,
+    singular_radius,
+    singular_rotation,
+)
+from paminsa_viz.model.statics import (
+    StaticBreakdown,
+    lift_constant,
+    load_torques,
+    potential_energy,
+    static_breakdown,
+    static_imbalance,
+    static_torques,
+    unit_torques,
+)
 
 __all__ = [
     "APPENDIX_4",
@@ -89,9 +159,3 @@ __all__ = [
     "unit_torques",
     "xy_grid",
 ]
-
-
-def __getattr__(name: str) -> object:
-    if name not in __all__:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module("paminsa_viz.model.api"), name)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 
 LARGEST = {"": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3}

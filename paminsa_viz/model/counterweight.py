@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from paminsa_viz.model.errors import InvalidDesign
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.quantity import check_numbers, quantity
 from paminsa_viz.units import format_ascii
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
 from typing import Any
 
+from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.quantity import check_numbers, quantity
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Design, Friction, Geometry
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.kinematics import LEG_AXES, leg_states
 from paminsa_viz.model.leg import leg_vector, mechanism

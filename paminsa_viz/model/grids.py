@@ -16,11 +16,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.load import LoadCase, generalized_force
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode

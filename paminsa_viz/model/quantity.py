@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.model.errors import InvalidDesign
+from paminsa_viz.errors import InvalidDesign
 
 _NUMBERS = (int, float, np.integer, np.floating)
 

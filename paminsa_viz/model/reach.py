@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import UnreachablePose
 from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry, KneeBranch
-from paminsa_viz.model.errors import UnreachablePose
 from paminsa_viz.model.leg import mechanism
 
 LEAST_MARGIN = backend.Formula(measures.least_margin, 2)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

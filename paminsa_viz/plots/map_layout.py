@@ -10,7 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import Scale
 

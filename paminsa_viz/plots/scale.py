@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import colors, ticks

@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.plots.caption import shown
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.integrals import rms

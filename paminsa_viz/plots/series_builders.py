@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
 from paminsa_viz.plots.series import (
     FIGURES,

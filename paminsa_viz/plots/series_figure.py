@@ -21,7 +21,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from paminsa_viz import __version__
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import series_text
 from paminsa_viz.plots.formats import INCH, Credits, check_size, drawing, figure_file

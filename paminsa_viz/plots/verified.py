@@ -8,7 +8,7 @@ import numpy as np
 
 from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
 from paminsa_viz.engines.verification import MOST_STATES, Verification
-from paminsa_viz.model.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.series import EngineTorques, SeriesData, SeriesSources
 from paminsa_viz.plots.series_builders import build_series

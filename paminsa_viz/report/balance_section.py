@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from paminsa_viz.balancing import balance, whole_mass
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory import Trajectory
 
 Progress = Callable[[str], None]

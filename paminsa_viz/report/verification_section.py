@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import Verification, verify
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.plots.series_figure import render_series

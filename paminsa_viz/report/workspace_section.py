@@ -7,8 +7,8 @@ import math
 import numpy as np
 
 from paminsa_viz.engines.poses import WORST_CONDITION, workspace_poses
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design, Geometry
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius

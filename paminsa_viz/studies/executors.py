@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from multiprocessing.connection import wait
 from typing import Any, TypeVar
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
-from paminsa_viz.model.errors import InvalidInput
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

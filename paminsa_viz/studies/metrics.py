@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.balancing.changes import whole_mass
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation

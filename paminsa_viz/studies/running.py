@@ -8,8 +8,8 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, field
 
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.resumable_csv import ResumableCsv
-from paminsa_viz.model.errors import PaminsaError
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.studies.metrics import METRICS, MOTION_METRICS, RUNS, Metric
 from paminsa_viz.studies.study import OK, Study

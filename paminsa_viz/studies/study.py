@@ -12,10 +12,10 @@ import numpy as np
 from paminsa_viz import __version__
 from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.balancing.requirements import resized
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 from paminsa_viz.studies.metrics import (
     METRICS,

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.parameters import PARAMETER
 
 

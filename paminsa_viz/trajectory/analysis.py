@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import MARGINS, Limit, check_reach, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation

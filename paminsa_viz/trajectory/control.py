@@ -8,10 +8,10 @@ from enum import Enum
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.trajectory.plant import Gains
 

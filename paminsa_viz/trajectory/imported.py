@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory.sampled import Trajectory
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.errors import InvalidInput
 
 ACTUATOR_NAMES = ("M1", "M2", "M3", "M4")
 

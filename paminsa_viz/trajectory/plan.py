@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory.sampled import RATE, States, Trajectory, sample_times
 from paminsa_viz.trajectory.time_laws import TimeLaw
 

@@ -11,8 +11,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory.plan import (
     Arc,
     Blend,

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.trajectory.plant import hermite
 
 RATE = 1000.0

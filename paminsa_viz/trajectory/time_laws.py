@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.errors import InvalidInput
 
 if TYPE_CHECKING:
     from scipy.interpolate import PPoly

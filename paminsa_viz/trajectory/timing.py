@@ -5,9 +5,9 @@ jerks by T^3. The actuators' torques are exactly
 
     Q(u; T) = gravity(u) + friction(u; T) + dynamic(u) / T^2,
 
-where gravity includes the design's load, the dynamic part holds inertia and velocity terms, both of second order in 1/T, and viscous
-friction is of first order. So every instant u has its own shortest duration in closed form, and
-that of the motion is the largest of them.
+where gravity includes the design's load, the dynamic part holds inertia and velocity terms, both of
+second order in 1/T, and viscous friction is of first order. So every instant u has its own shortest
+duration in closed form, and that of the motion is the largest of them.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Friction
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
-from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path

@@ -25,7 +25,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 pytestmark = pytest.mark.slow
 

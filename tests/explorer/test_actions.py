@@ -22,8 +22,8 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
 from paminsa_viz.model.counterweight import Counterweight
-from tests.explorer.documents import assert_same, standing_state
-from tests.samples import random_design
+from tests.support.documents import assert_same, standing_state
+from tests.support.samples import random_design
 
 
 @given(seed=st.integers(0, 10**6))

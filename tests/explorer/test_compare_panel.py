@@ -26,8 +26,7 @@ from paminsa_viz.model import (
     static_imbalance,
     static_torques,
 )
-
-from .panel_desk import Desk
+from tests.support.desk import Desk
 
 PANEL = COMPARE
 

@@ -19,9 +19,8 @@ from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, PARAMETERS, static_imbalance, static_torques
 from paminsa_viz.units import number
 from tests.explorer.design_rows import ROWS
-from tests.samples import random_design
-
-from .panel_desk import Desk
+from tests.support.desk import Desk
+from tests.support.samples import random_design
 
 MASSES = [p.path for p in PARAMETERS if p.unit == "kg"]
 

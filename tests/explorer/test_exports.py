@@ -24,8 +24,7 @@ from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, static_torques
-
-from .panel_desk import Desk, desk_with
+from tests.support.desk import Desk, desk_with
 
 STORE = MapStore()
 

@@ -16,8 +16,7 @@ from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, Design
-
-from .panel_desk import Desk
+from tests.support.desk import Desk
 
 LIGHT = APPENDIX_4.vary({"links.b3": 0.25, "geometry.base_radius": 0.3})
 

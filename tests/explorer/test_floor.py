@@ -26,9 +26,8 @@ from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.plots import map_data
 from paminsa_viz.plots.scale import color_table
-from tests.samples import with_knee
-
-from .panel_desk import Desk, desk_with
+from tests.support.desk import Desk, desk_with
+from tests.support.samples import with_knee
 
 STORE = MapStore()
 ANY = st.floats(-5.0, 5.0)

@@ -14,7 +14,7 @@ from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, check_reach
 from paminsa_viz.plots.map_data import COARSE, FULL, cell_centers, half_width
-from tests.explorer.map_poses import at
+from tests.support.map_states import at
 
 
 class TestExtent:

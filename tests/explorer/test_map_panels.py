@@ -18,8 +18,7 @@ from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.quantities import QUANTITIES
-
-from .panel_desk import Desk
+from tests.support.desk import Desk
 
 STORE = MapStore()
 

@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, choose
 from paminsa_viz.explorer.state import MapView, RangeMode
-from tests.explorer.map_poses import CELLS, at
+from tests.support.map_states import CELLS, at
 
 
 class TestColors:

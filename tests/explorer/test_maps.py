@@ -19,8 +19,8 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.plots import map_data
 from paminsa_viz.quantities import QUANTITIES
-from tests.explorer.map_poses import CELLS, at, poses_of
-from tests.samples import with_knee
+from tests.support.map_states import CELLS, at, poses_of
+from tests.support.samples import with_knee
 
 
 @pytest.fixture

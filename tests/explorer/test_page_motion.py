@@ -13,7 +13,7 @@ from paminsa_viz.explorer.motion.description import Kind, Timing
 from paminsa_viz.explorer.panels.motion_panel import TIME
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze
-from tests.explorer.chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -228,8 +228,5 @@ def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
     until(lambda: planned(motion).duration == 2.5, "another duration")
     wanted = motion.state.document.motion
     motion.wait_saved()
-    known = set(motion.app.sessions)
-    motion.page.reload()
-    number = until(lambda: set(motion.app.sessions) - known, "a new session").pop()
-    motion.session = motion.app.sessions[number]
+    motion.reload()
     until(lambda: motion.state.document.motion == wanted, "the motion is back")

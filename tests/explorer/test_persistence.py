@@ -21,8 +21,8 @@ from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
 from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
 from paminsa_viz.model.counterweight import Counterweight
-from tests.explorer.documents import DOCUMENTS, assert_same, designs
-from tests.samples import random_design
+from tests.support.documents import DOCUMENTS, assert_same, designs
+from tests.support.samples import random_design
 
 
 @given(document=DOCUMENTS)

@@ -14,9 +14,8 @@ from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
-from tests.samples import random_design, with_knee
-
-from .panel_desk import Desk
+from tests.support.desk import Desk
+from tests.support.samples import random_design, with_knee
 
 HOME = -552.0
 

@@ -11,6 +11,7 @@ import viser
 from viser import _messages
 from websockets.exceptions import InvalidStatus
 
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.explorer.server.listening import (
     CannotListen,
     PortTaken,
@@ -19,9 +20,7 @@ from paminsa_viz.explorer.server.listening import (
     open_server,
     server_url,
 )
-from paminsa_viz.model.errors import InvalidInput, PaminsaError
-
-from .raw_page import TIMEOUT, dial, get
+from tests.support.raw_page import TIMEOUT, dial, get
 
 
 def test_it_listens_on_this_machine_only_by_default(server: viser.ViserServer) -> None:

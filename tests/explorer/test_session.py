@@ -21,8 +21,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
-
-from .raw_page import TIMEOUT, eventually
+from tests.support.raw_page import TIMEOUT, eventually
 
 
 @dataclass

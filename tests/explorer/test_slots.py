@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer.panels.slots import NARROWEST, WIDEST, Slots
-from paminsa_viz.explorer.placing import start_width
+from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Slots
+from paminsa_viz.explorer.browser.style import start_width
 from paminsa_viz.explorer.state import initial_state
 
 

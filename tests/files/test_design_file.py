@@ -8,13 +8,13 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
-from paminsa_viz.model.errors import InvalidDesign
 from paminsa_viz.model.parameters import PARAMETERS
 
 VERSION = "schema_version = 1\n"

@@ -26,7 +26,7 @@ from paminsa_viz.meshes.materials import ACCENT, SURFACES, srgb_to_linear
 from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.meshes.solids import is_plain, plain_shapes
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
-from tests.samples import random_design, with_knee
+from tests.support.samples import random_design, with_knee
 
 pytestmark = pytest.mark.slow
 

@@ -19,7 +19,7 @@ from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.meshes.make_parts import script
 from tests.meshes.winding import SolidBody
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 pytestmark = pytest.mark.slow
 

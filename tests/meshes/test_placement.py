@@ -11,7 +11,7 @@ from paminsa_viz.meshes.placement import BODIES, ORIGIN, Placement, about_z, ele
 from paminsa_viz.meshes.posed import transform
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
-from tests.samples import random_design, random_poses, with_knee
+from tests.support.samples import random_design, random_poses, with_knee
 
 seeds = st.integers(0, 10_000)
 knees = st.sampled_from(KneeBranch)

@@ -11,6 +11,7 @@ import pytest
 import trimesh
 
 from paminsa_viz import palette
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.bodies import STANDING
 from paminsa_viz.meshes.layout import layout
@@ -18,7 +19,6 @@ from paminsa_viz.meshes.load import LOAD_DENSITY, PAYLOAD_HEIGHT
 from paminsa_viz.meshes.materials import srgb_to_linear
 from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.model.kinematics import inverse_kinematics
 
 LOADED = APPENDIX_4.vary({"payload.mass": 8.0})

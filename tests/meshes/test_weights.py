@@ -25,7 +25,7 @@ from paminsa_viz.meshes.weights import (
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
-from tests.samples import random_design, random_poses, with_knee
+from tests.support.samples import random_design, random_poses, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
 

@@ -24,7 +24,7 @@ from paminsa_viz.model.counterweight_clearance import (
 )
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit
-from tests.samples import random_design, with_knee
+from tests.support.samples import random_design, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
 

@@ -30,7 +30,7 @@ from paminsa_viz.model import (
     Platform,
 )
 from paminsa_viz.model.parameters import Parameter
-from tests import samples
+from tests.support import samples
 
 EACH = pytest.mark.parametrize("parameter", PARAMETERS, ids=lambda p: p.path)
 GROUPS = (Geometry, JointMasses, LinkMasses, Inertias, Platform, Payload, Friction)

@@ -19,7 +19,7 @@ from paminsa_viz.model import (
     torque_breakdown,
 )
 from paminsa_viz.model.dynamics import frictionless
-from tests.model.cases import BY_HAND, Case, assert_close, assert_within, cases
+from tests.support.cases import BY_HAND, Case, assert_close, assert_within, cases
 
 SIZES = st.floats(0.0, 100.0)
 FRICTIONS = st.builds(

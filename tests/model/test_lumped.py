@@ -31,10 +31,11 @@ from paminsa_viz.model.lumped import (
     potential_constant,
     term_matrix,
 )
-from tests import oracle, samples
+from tests import oracle
 from tests.model import paper
-from tests.model.cases import Case, cases
-from tests.samples import with_knee
+from tests.support import samples
+from tests.support.cases import Case, cases
+from tests.support.samples import with_knee
 
 GOLDEN = {
     # Appendix 2 [N]

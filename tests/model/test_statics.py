@@ -22,7 +22,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests import oracle
-from tests.model.cases import (
+from tests.support.cases import (
     BY_HAND,
     OTHER,
     PROTOTYPES,
@@ -31,7 +31,7 @@ from tests.model.cases import (
     assert_within,
     cases,
 )
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 BODIES = tuple(p.path for p in PARAMETERS if p.group in ("joints", "links"))
 

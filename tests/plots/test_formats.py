@@ -9,12 +9,12 @@ import pytest
 from PIL import Image
 
 from paminsa_viz.cli import main
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.explorer import exports
 from paminsa_viz.explorer.entries import ButtonGroup
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots.formats import FIGURE_FORMATS, FigureFormat, check_size, figure_format
 from paminsa_viz.plots.map_figure import render
 from paminsa_viz.plots.scale import Scale

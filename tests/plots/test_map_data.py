@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import paminsa_viz
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model import APPENDIX_4, solve_field, static_torques, xy_grid
-from paminsa_viz.model.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.grids import Grid
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS

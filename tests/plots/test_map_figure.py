@@ -19,8 +19,8 @@ import pytest
 from matplotlib.testing.compare import compare_images
 from PIL import Image
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.model.errors import InvalidInput
 from paminsa_viz.plots import map_panel
 from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.contours import NO_LINE

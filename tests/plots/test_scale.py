@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import colors

@@ -25,7 +25,7 @@ from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
 from paminsa_viz.units import format_value
-from tests.samples import random_design
+from tests.support.samples import random_design
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics
 from paminsa_viz.palette import LEG_COLORS
 from paminsa_viz.report.sketch import sketch
-from tests import samples
+from tests.support import samples
 
 SVG = "{http://www.w3.org/2000/svg}"
 

@@ -36,8 +36,8 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory import plant as formulas
 from paminsa_viz.trajectory.equations import robot_numbers
-from tests.model.cases import Case, assert_close, cases
-from tests.samples import with_knee
+from tests.support.cases import Case, assert_close, cases
+from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
 
 pytestmark = pytest.mark.slow

@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.actions import renamed_if_changed, with_document
-from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import Goal
+from paminsa_viz.explorer.balancing.jobs import Goal, Job, Outcome, Task
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State

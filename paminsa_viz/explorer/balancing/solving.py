@@ -23,8 +23,15 @@ from paminsa_viz.balancing import (
     tornado,
     whole_mass,
 )
-from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import BalanceSettings, Goal, changes_of
+from paminsa_viz.explorer.balancing.jobs import (
+    BalanceSettings,
+    Effect,
+    Goal,
+    Job,
+    Outcome,
+    Task,
+    changes_of,
+)
 from paminsa_viz.explorer.frame import near_singularity
 from paminsa_viz.explorer.maps import COARSE
 from paminsa_viz.model import (

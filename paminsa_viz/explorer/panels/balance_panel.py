@@ -11,8 +11,15 @@ from viser import Icon
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import SLOTS, CounterweightSlot, FreeMasses, Goal
+from paminsa_viz.explorer.balancing.jobs import (
+    SLOTS,
+    CounterweightSlot,
+    FreeMasses,
+    Goal,
+    Job,
+    Outcome,
+    Task,
+)
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
@@ -38,8 +45,8 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.panels import balance_charts as charts
 from paminsa_viz.explorer.panels import balance_text as text
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_panel import gauge_html
-from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput

@@ -10,10 +10,9 @@ import numpy as np
 from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
-from paminsa_viz.explorer.balancing.jobs import Outcome, Task
-from paminsa_viz.explorer.balancing.settings import Goal
+from paminsa_viz.explorer.balancing.jobs import Goal, Outcome, Task
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.meshes.weights import clearance_text
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS

@@ -13,8 +13,7 @@ from paminsa_viz.explorer import exports
 from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Entry, Html, Number, Run
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
-from paminsa_viz.explorer.motion import exporting
-from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
@@ -90,10 +89,10 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
 
     def curves(kind: str, session: Session) -> exports.File:
         state = session.state
-        return exporting.figure(state, kind, state.export.width, state.export.dpi)
+        return exports.motion_figure(state, kind, state.export.width, state.export.dpi)
 
     def series(kind: str, session: Session) -> exports.File:
-        return exporting.table(session.state, kind)
+        return exports.motion_table(session.state, kind)
 
     def view(session: Session) -> exports.File:
         return exports.view(session.state, session.client, session.state.export.view_size)
@@ -183,7 +182,8 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             "export.series", "data",
             choices=tables(series) | {
                 "HTML page": exporter.run(
-                    "a page that plays the motion", lambda session: exporting.page(session.state)
+                    "a page that plays the motion",
+                    lambda session: exports.motion_page(session.state),
                 )
             },
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
@@ -200,7 +200,7 @@ def _maps_heading(frame: Frame) -> str:
 
 
 def _motion_heading(frame: Frame) -> str:
-    kind = exporting.figure_kind(frame.state)
+    kind = exports.motion_figure_kind(frame.state)
     text = f"as chosen in “Motion”; the figure is: {kind}, as in “Motion plots”"
     return render("heading.j2", kind="", title="Motion", text=text)
 

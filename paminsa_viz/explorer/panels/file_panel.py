@@ -9,7 +9,7 @@ from viser import Icon
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
-from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError

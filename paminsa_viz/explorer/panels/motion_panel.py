@@ -43,9 +43,9 @@ from paminsa_viz.explorer.motion.simulation import (
     run,
 )
 from paminsa_viz.explorer.panels import motion_text as text
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_file import MotionFile
 from paminsa_viz.explorer.panels.motion_simulation import SIMULATION
-from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.trajectory import PRESETS, Profile

@@ -7,7 +7,7 @@ from typing import Any
 
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
 from paminsa_viz.explorer.entries import Checkbox, Dropdown
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
@@ -17,7 +17,6 @@ from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_text as text
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
 from paminsa_viz.explorer.panels.motion_panel import ACTUATORS
-from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.plots.series import Statistics, Trace, statistics

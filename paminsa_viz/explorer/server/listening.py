@@ -22,7 +22,7 @@ from collections.abc import Iterable
 
 import viser
 
-from paminsa_viz.model.errors import PaminsaError
+from paminsa_viz.errors import PaminsaError
 
 from . import viser_patch
 from .connection import ConnectionGuard

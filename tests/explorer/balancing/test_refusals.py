@@ -6,7 +6,7 @@ import pytest
 
 from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.settings import CounterweightSlot, Goal
+from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Goal
 from paminsa_viz.explorer.entries import inputs_in
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_panel import BALANCE

@@ -11,9 +11,8 @@ import pytest
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
-from paminsa_viz.explorer import actions
+from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion import exporting
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
@@ -24,14 +23,9 @@ from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
 from paminsa_viz.units import power_of_ten
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
-
-
-@pytest.fixture
-def mujoco() -> Any:
-    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
 @pytest.fixture
@@ -158,7 +152,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     table = difference_html(drawn, found, 0.1)
     assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
     assert "misprints" in caption(found, state)
-    figure = exporting.figure(state, "svg", 120.0, 100.0)
+    figure = exports.motion_figure(state, "svg", 120.0, 100.0)
     assert "comparison" in figure.name
     assert b"Formulas as published and MuJoCo" in figure.content
 
@@ -202,7 +196,7 @@ def test_a_missing_engine_is_told_once_for_all_designs(
             drawn_charts(motions.set_plots(other, plot="differences"), found), found, 0.0
         )
     with pytest.raises(InvalidInput, match="pip install"):
-        exporting.figure(motions.set_plots(state, plot="differences"), "png", 120.0, 100.0)
+        exports.motion_figure(motions.set_plots(state, plot="differences"), "png", 120.0, 100.0)
 
 
 class Asked:

@@ -58,12 +58,43 @@ def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> 
         time.sleep(0.03)
 
 
-class Tab:
-    """One browser tab on the explorer, and the session behind it."""
+def watch_errors(page: Any) -> list[str]:
+    """Return a list that collects what goes wrong in a page."""
+    errors: list[str] = []
+    page.on("pageerror", lambda error: errors.append(str(error)))
+    page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+    return errors
 
-    def __init__(self, page: Any, app: Any, session: Any, complaints: list[str]) -> None:
-        self.page, self.app, self.session = page, app, session
-        self.complaints = complaints
+
+class Tab:
+    """One browser tab on the explorer, and the session behind it.
+
+    Attributes:
+        page: The page in the browser.
+        app: The explorer.
+        session: The session of the page.
+        errors: What went wrong in the page.
+    """
+
+    session: Any
+
+    def __init__(self, page: Any, app: Any) -> None:
+        self.page, self.app = page, app
+        self.errors = watch_errors(page)
+        page.set_default_timeout(1000 * TIMEOUT)
+        self._load(lambda: page.goto(app.url + "?fixedDpr=1"))
+
+    def reload(self) -> None:
+        """Load the page again, in a new session."""
+        self._load(self.page.reload)
+
+    def _load(self, load: Callable[[], Any]) -> None:
+        known = set(self.app.sessions)
+        load()
+        number = until(lambda: set(self.app.sessions) - known, "a session for the tab").pop()
+        self.session = self.app.sessions[number]
+        self.page.get_by_test_id("status").wait_for()
+        assert self.session.built.wait(TIMEOUT)
 
     @property
     def state(self) -> Any:

@@ -11,7 +11,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import Document, State, initial_state
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from tests.samples import random_design, random_poses
+from tests.support.samples import random_design, random_poses
 
 COUNTERWEIGHTS = st.builds(
     lambda place, end, beyond, mass: Counterweight(place[0], place[1][end], beyond, mass),

@@ -1,4 +1,4 @@
-"""What tests of a scene share: frames, and what the browser is sent or would see."""
+"""Frames to draw, and what a browser is sent of a scene or would see."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def frame_at(
     design: Design = APPENDIX_4,
     layers: Iterable[str] | None = None,
 ) -> Frame:
-    """Return the frame of a robot that stands at a pose."""
+    """Return the frame of a robot at a pose."""
     x, y, theta, z = map(float, pose)
     shown = default_layers() if layers is None else frozenset(layers)
     standing = LastReachable(design.geometry, (x, y, theta, z))
@@ -39,10 +39,10 @@ def frame_at(
 
 
 class Scene:
-    """Views of layers in the scene of a server."""
+    """Views of layers in a scene."""
 
-    def __init__(self, server: viser.ViserServer, views: list[Any]) -> None:
-        self._scene, self._views = server.scene, views
+    def __init__(self, scene: viser.SceneApi, views: list[Any]) -> None:
+        self._scene, self._views = scene, views
 
     def draw(
         self,

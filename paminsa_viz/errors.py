@@ -1,4 +1,4 @@
-"""Errors of the model; each carries the data that a page or a command line needs to explain it."""
+"""Errors of the package; each carries the data that a page or command line needs to explain it."""
 
 from __future__ import annotations
 

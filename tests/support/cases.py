@@ -12,7 +12,8 @@ import pytest
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, KneeBranch
-from tests import oracle, samples
+from tests import oracle
+from tests.support import samples
 
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 """Runs a test on both branches of the knee."""

@@ -8,8 +8,7 @@ from typing import Any
 import viser
 
 from paminsa_viz.explorer.server.listening import Limits, open_server
-
-from ..raw_page import RawPage, eventually, get, update
+from tests.support.raw_page import RawPage, eventually, get, update
 
 
 @dataclass

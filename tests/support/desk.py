@@ -13,8 +13,7 @@ from paminsa_viz.explorer.entries import Entry
 from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design
-
-from .raw_page import TIMEOUT, RawPage, eventually, update
+from tests.support.raw_page import TIMEOUT, RawPage, eventually, update
 
 Make = Sequence[Entry] | Callable[[Session], View]
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
-import viser
 
-from paminsa_viz.explorer.server.listening import open_server
-from paminsa_viz.explorer.state import initial_state
-from tests.explorer.chromium import TIMEOUT, Tab, until
-from tests.explorer.panel_desk import Desk, desk_with
+if TYPE_CHECKING:
+    import viser
+
+    from tests.support.chromium import Tab
+    from tests.support.desk import Desk
+    from tests.support.scene import Scene
 
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[viser.ViserServer]:
     """A guarded server on any free port."""
+    from paminsa_viz.explorer.server.listening import open_server
+
     running = open_server(port=0)
     yield running
     running.stop()
@@ -25,8 +28,22 @@ def server() -> Iterator[viser.ViserServer]:
 @pytest.fixture
 def desk(server: viser.ViserServer, request: pytest.FixtureRequest) -> Iterator[Desk]:
     """The module's ``PANEL`` on a session: a table of entries, or what makes a view."""
+    from tests.support.desk import desk_with
+
     with desk_with(server, request.module.PANEL) as desk:
         yield desk
+
+
+@pytest.fixture
+def scene(server: viser.ViserServer) -> Iterator[Scene]:
+    """All animated layers in the scene of a tab; nothing is drawn yet."""
+    from paminsa_viz.explorer.scene.layers import SceneContext, build_views
+    from tests.support.raw_page import RawPage
+    from tests.support.scene import Scene
+
+    page = RawPage(server)
+    yield Scene(page.client.scene, build_views(SceneContext(page.client.scene), animated=True))
+    page.socket.close()
 
 
 @pytest.fixture(scope="module")
@@ -41,9 +58,24 @@ def app() -> Iterator[Any]:
     running.stop()
 
 
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless browser."""
+    from tests.support.chromium import FLAGS, browser_path
+
+    playwright = pytest.importorskip("playwright.sync_api")
+    path = browser_path()
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=path, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
 @pytest.fixture(scope="module")
 def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
-    """A function that opens a tab; at the end no tab may have complained."""
+    """A function that opens a tab; at the end nothing may have gone wrong in any page."""
+    from tests.support.chromium import Tab
+
     contexts: list[Any] = []
     tabs: list[Tab] = []
 
@@ -53,30 +85,14 @@ def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
                 viewport={"width": width, "height": height}, accept_downloads=True
             )
             contexts.append(context)
-        page = context.new_page()
-        page.set_default_timeout(1000 * TIMEOUT)
-        complaints: list[str] = []
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda message: _complain(complaints, message))
-        known = set(app.sessions)
-        page.goto(app.url + "?fixedDpr=1")
-        number = until(lambda: set(app.sessions) - known, "a session for the tab").pop()
-        tab = Tab(page, app, app.sessions[number], complaints)
-        page.get_by_test_id("status").wait_for()
-        assert tab.session.built.wait(TIMEOUT)
-        tabs.append(tab)
-        return tab
+        tabs.append(Tab(context.new_page(), app))
+        return tabs[-1]
 
     yield start
     for context in contexts:
         context.close()
     for tab in tabs:
-        assert tab.complaints == []
-
-
-def _complain(complaints: list[str], message: Any) -> None:
-    if message.type == "error":
-        complaints.append(message.text)
+        assert tab.errors == []
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +104,9 @@ def one_tab(open_tab: Callable[..., Tab]) -> Tab:
 @pytest.fixture
 def tab(one_tab: Tab) -> Tab:
     """The shared tab, as it was at the start."""
+    from paminsa_viz.explorer.state import initial_state
+    from tests.support.chromium import until
+
     one_tab.page.bring_to_front()
     one_tab.session.dispatch("test", lambda _: initial_state())
     one_tab.open_tab("Pose")
