@@ -84,10 +84,10 @@ class MujocoRobot(ClosedLoopRobot):
         ]
         bias = data.qfrc_bias.copy()
         if wrench is not None:
-            pushed = np.zeros(model.nv)
             self.push(wrench)
-            mujoco.mj_xfrcAccumulate(model, data, pushed)
-            bias -= pushed
+            mujoco.mj_fwdAcceleration(model, data)
+            # All forces on the joints but the closures': the bias and what was applied.
+            bias = data.qfrc_passive + data.qfrc_applied + data.qfrc_actuator - data.qfrc_smooth
         return np.concatenate(drift), bias
 
     def push(self, wrench: Array) -> None:
