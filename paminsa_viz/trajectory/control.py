@@ -26,11 +26,6 @@ class ControlMode(Enum):
     COMPUTED_TORQUE = "computed torque"
     """The torques that, by the model, give the platform the acceleration which brings it back."""
 
-    @property
-    def mode(self) -> float:
-        """Number of the mode for `plant.Gains`."""
-        return float(list(ControlMode).index(self))
-
 
 @dataclass(frozen=True)
 class Controller:
@@ -80,8 +75,9 @@ class Controller:
             inertia = actuator_inertia(model, pose)
             p, d = stiffness * inertia, damping * inertia
         else:
-            p, d = np.array(self.proportional), np.array(self.derivative)
-        return Gains(self.control.mode, stiffness, damping, *map(float, p), *map(float, d))
+            p, d = np.array(self.proportional, float), np.array(self.derivative, float)
+        mode = float(list(ControlMode).index(self.control))
+        return Gains(mode, stiffness, damping, p, d)
 
 
 def actuator_inertia(design: Design, pose: ArrayLike) -> Array:

@@ -1,8 +1,9 @@
-"""The robot and its controller as plain formulas of numbers, for simulation in time.
+"""The robot and its controller as plain formulas of one state, for simulation in time.
 
-The same source runs in Python and compiled (`plant_kernel`). Unlike `robot.drive` it works in the
-platform's coordinates and never divides by the closure's determinant, so that it stays exact close
-to a type-2 singularity.
+The same source runs in Python and compiled (`equations`). Unlike `robot.inverse_dynamics_kernel`
+the motion is worked out in the platform's coordinates, without the closure's determinant, so that
+it stays exact close to a type-2 singularity. Vectors (4,) are (x, y, theta, z) of the platform or
+M1..M4 of the actuators.
 """
 
 from __future__ import annotations
@@ -10,36 +11,29 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.leg import LegPosition, Mechanism, leg_motion, leg_position
 from paminsa_viz.model.leg_forces import leg_forces
 from paminsa_viz.model.load import wrench_at_center
 from paminsa_viz.model.lumped import EnergyTerms
-from paminsa_viz.model.robot import (
-    AXIS_X,
-    AXIS_Y,
-    _vector,
-    mass_matrix,
-    platform_determinant,
-    solve_wrench,
-)
+from paminsa_viz.model.robot import AXIS_X, AXIS_Y, mass_matrix
+
+Legs: TypeAlias = tuple[LegPosition, LegPosition, LegPosition]
 
 
 class Losses(NamedTuple):
-    """Gravity [m/s^2], friction of the actuators and the load, see `Friction` and `LoadCase`."""
+    """Gravity [m/s^2], friction (4,) of the actuators, and the load, see `Friction`, `LoadCase`.
+
+    ``load`` (10,) is its wrench, its point, and whether it turns with the platform.
+    """
 
     gravity: float
-    viscous_rotary: float
-    coulomb_rotary: float
-    viscous_linear: float
-    coulomb_linear: float
     transition: float
-    fx: float
-    fy: float
-    fz: float
-    mz: float
-    px: float
-    py: float
-    turns: float
+    viscous: Array
+    coulomb: Array
+    load: Array
 
 
 Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
@@ -50,24 +44,18 @@ class Gains(NamedTuple):
     """Gains of the controller; ``mode`` is the index in `control.ControlMode`.
 
     With computed torque ``rate`` and ``damping`` turn errors of the pose into an acceleration
-    [1/s^2, 1/s]; with PD the others turn errors of the actuators into torques.
+    [1/s^2, 1/s]; with PD the others (4,) turn errors of the actuators into torques.
     """
 
     mode: float
     rate: float
     damping: float
-    p1: float
-    p2: float
-    p3: float
-    p4: float
-    d1: float
-    d2: float
-    d3: float
-    d4: float
+    proportional: Array
+    derivative: Array
 
 
-def legs(m: Mechanism, pose: Any) -> tuple[LegPosition, LegPosition, LegPosition]:
-    """Solve the three legs at a pose (x, y, theta, z)."""
+def solve_legs(m: Mechanism, pose: Array) -> Legs:
+    """Solve the three legs at a pose."""
     x, y, theta, z = pose
     c, s = math.cos(theta), math.sin(theta)
     return (
@@ -77,146 +65,62 @@ def legs(m: Mechanism, pose: Any) -> tuple[LegPosition, LegPosition, LegPosition
     )
 
 
-def turn_rate(g: LegPosition, vx: Any, vy: Any, vt: Any) -> Any:
-    """Return theta_k' for a platform velocity."""
-    return (vy * g.ux - vx * g.uy + vt * (g.px * g.ux + g.py * g.uy)) * g.inverse_rho
-
-
-def speeds(m: Mechanism, a: Any, b: Any, d: Any, velocity: Any) -> Any:
-    """Return the actuators' speeds."""
-    vx, vy, vt, vz = velocity
-    return (
-        turn_rate(a, vx, vy, vt),
-        turn_rate(b, vx, vy, vt),
-        turn_rate(d, vx, vy, vt),
-        vz * m.inverse_k,
-    )
-
-
-def _leg_load(
-    m: Mechanism, e: EnergyTerms, g: LegPosition, velocity: Any, acceleration: Any
-) -> Any:
-    """Return the load of a leg on the platform: forces along x, y, z and the moment about z."""
-    vx, vy, vt, vz = velocity
-    ax, ay, at, az = acceleration
-    f = leg_forces(m, e, g, leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az))
-    across = f.tangential + f.torque * g.inverse_rho
-    fx = f.radial * g.ux - across * g.uy
-    fy = f.radial * g.uy + across * g.ux
-    return fx, fy, g.px * fy - g.py * fx, f.vertical + f.lift * m.inverse_k
+def actuator_rows(m: Mechanism, legs: Legs) -> Array:
+    """Return the matrix (4, 4) that turns the platform's velocity into the actuators' speeds."""
+    rows = np.zeros((4, 4))
+    for i, g in enumerate(legs):
+        rows[i, 0] = -g.uy * g.inverse_rho
+        rows[i, 1] = g.ux * g.inverse_rho
+        rows[i, 2] = (g.px * g.ux + g.py * g.uy) * g.inverse_rho
+    rows[3, 3] = m.inverse_k
+    return rows
 
 
 def platform_load(
-    m: Mechanism, e: EnergyTerms, gravity: Any, a: Any, b: Any, d: Any,
-    velocity: Any, acceleration: Any,
-) -> Any:  # fmt: skip
-    """Return the generalized force (x, y, theta, z) that makes a motion of the whole robot."""
-    la = _leg_load(m, e, a, velocity, acceleration)
-    lb = _leg_load(m, e, b, velocity, acceleration)
-    ld = _leg_load(m, e, d, velocity, acceleration)
-    return (
-        la[0] + lb[0] + ld[0] + e.mass * acceleration[0],
-        la[1] + lb[1] + ld[1] + e.mass * acceleration[1],
-        la[2] + lb[2] + ld[2] + (e.inertia + 6.0 * e.turn) * acceleration[2],
-        la[3] + lb[3] + ld[3] + e.mass * (acceleration[3] + gravity),
+    m: Mechanism, e: EnergyTerms, gravity: float, legs: Legs, velocity: Array, acceleration: Array
+) -> Array:
+    """Return the generalized force on the platform that makes a motion of the whole robot."""
+    vx, vy, vt, vz = velocity
+    ax, ay, at, az = acceleration
+    load = np.array(
+        [e.mass * ax, e.mass * ay, (e.inertia + 6 * e.turn) * at, e.mass * (az + gravity)]
     )
+    for g in legs:
+        f = leg_forces(m, e, g, leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az))
+        across = f.tangential + f.torque * g.inverse_rho
+        fx = f.radial * g.ux - across * g.uy
+        fy = f.radial * g.uy + across * g.ux
+        load += np.array([fx, fy, g.px * fy - g.py * fx, f.vertical + f.lift * m.inverse_k])
+    return load
 
 
-def to_actuators(m: Mechanism, pose: Any, a: Any, b: Any, d: Any, load: Any) -> Any:
-    """Return the torques with the same power as a generalized force of the platform."""
-    va, vb, vd = _vector(a), _vector(b), _vector(d)
-    determinant = platform_determinant(m, pose[0], pose[1], math.cos(pose[2]))
-    t = solve_wrench(determinant, va, vb, vd, load[0], load[1], load[2])
-    return t.t1 * va.rho2, t.t2 * vb.rho2, t.t3 * vd.rho2, load[3] * m.k
-
-
-def to_platform(m: Mechanism, a: Any, b: Any, d: Any, torque: Any) -> Any:
-    """Return the generalized force of the platform with the same power as torques."""
-    fa, fb, fd = torque[0] * a.inverse_rho, torque[1] * b.inverse_rho, torque[2] * d.inverse_rho
-    return (
-        -fa * a.uy - fb * b.uy - fd * d.uy,
-        fa * a.ux + fb * b.ux + fd * d.ux,
-        fa * (a.px * a.ux + a.py * a.uy)
-        + fb * (b.px * b.ux + b.py * b.uy)
-        + fd * (d.px * d.ux + d.py * d.uy),
-        torque[3] * m.inverse_k,
-    )
-
-
-def friction(o: Losses, speed: Any) -> Any:
+def friction(o: Losses, speed: Array) -> Array:
     """Return the friction torques at the actuators' speeds."""
-    inverse = 1.0 / o.transition
-    return (
-        o.viscous_rotary * speed[0] + o.coulomb_rotary * math.tanh(speed[0] * inverse),
-        o.viscous_rotary * speed[1] + o.coulomb_rotary * math.tanh(speed[1] * inverse),
-        o.viscous_rotary * speed[2] + o.coulomb_rotary * math.tanh(speed[2] * inverse),
-        o.viscous_linear * speed[3] + o.coulomb_linear * math.tanh(speed[3] * inverse),
-    )
+    return o.viscous * speed + o.coulomb * np.tanh(speed / o.transition)
 
 
-def push(o: Losses, theta: Any, extra: Any) -> Any:
-    """Return the load as a generalized force (x, y, theta, z).
-
-    ``extra`` is (F_x, F_y, F_z, M_z) on top of the load, at its point and in its directions.
-    """
-    fx, fy, fz, _, _, mz = wrench_at_center(
-        o.fx + extra[0], o.fy + extra[1], o.fz + extra[2], 0.0, 0.0, o.mz + extra[3],
-        o.px, o.py, 0.0, o.turns, math.cos(theta), math.sin(theta),
+def push(o: Losses, theta: float, extra: Array) -> Array:
+    """Return the load with an extra wrench (6,) as a generalized force on the platform."""
+    w, p = o.load[:6] + extra, o.load[6:]
+    force = wrench_at_center(
+        w[0], w[1], w[2], w[3], w[4], w[5], p[0], p[1], p[2], p[3],
+        math.cos(theta), math.sin(theta),
     )  # fmt: skip
-    return fx, fy, mz, fz
+    return np.array([force[0], force[1], force[5], force[2]])
 
 
 def inverse_torques(
-    m: Mechanism, e: EnergyTerms, o: Losses, pose: Any, velocity: Any, acceleration: Any,
-    extra: Any,
-) -> Any:  # fmt: skip
-    """Return the torques that make a motion under the load, friction included."""
-    a, b, d = legs(m, pose)
-    own = platform_load(m, e, o.gravity, a, b, d, velocity, acceleration)
-    w = push(o, pose[2], extra)
-    load = (own[0] - w[0], own[1] - w[1], own[2] - w[2], own[3] - w[3])
-    drive = to_actuators(m, pose, a, b, d, load)
-    loss = friction(o, speeds(m, a, b, d, velocity))
-    return drive[0] + loss[0], drive[1] + loss[1], drive[2] + loss[2], drive[3] + loss[3]
+    robot: Robot, pose: Array, velocity: Array, acceleration: Array, extra: Array
+) -> Array:
+    """Return the torques that make a motion under the load and an extra one (6,), with friction."""
+    m, e, o = robot
+    legs = solve_legs(m, pose)
+    rows = actuator_rows(m, legs)
+    load = platform_load(m, e, o.gravity, legs, velocity, acceleration) - push(o, pose[2], extra)
+    return np.linalg.solve(rows.T, load) + friction(o, rows @ velocity)
 
 
-def solve(w: Any, f: Any) -> Any:
-    """Solve M q = f for a symmetric positive definite M (4, 4), given as its upper triangle."""
-    m00, m01, m02, m03, m11, m12, m13, m22, m23, m33 = w
-    l00 = math.sqrt(m00)
-    l10, l20, l30 = m01 / l00, m02 / l00, m03 / l00
-    l11 = math.sqrt(m11 - l10 * l10)
-    l21, l31 = (m12 - l20 * l10) / l11, (m13 - l30 * l10) / l11
-    l22 = math.sqrt(m22 - l20 * l20 - l21 * l21)
-    l32 = (m23 - l30 * l20 - l31 * l21) / l22
-    l33 = math.sqrt(m33 - l30 * l30 - l31 * l31 - l32 * l32)
-    y0 = f[0] / l00
-    y1 = (f[1] - l10 * y0) / l11
-    y2 = (f[2] - l20 * y0 - l21 * y1) / l22
-    y3 = (f[3] - l30 * y0 - l31 * y1 - l32 * y2) / l33
-    q3 = y3 / l33
-    q2 = (y2 - l32 * q3) / l22
-    q1 = (y1 - l21 * q2 - l31 * q3) / l11
-    q0 = (y0 - l10 * q1 - l20 * q2 - l30 * q3) / l00
-    return q0, q1, q2, q3
-
-
-def acceleration_under(
-    m: Mechanism, e: EnergyTerms, gravity: Any, pose: Any, velocity: Any, torque: Any, w: Any
-) -> Any:
-    """Return the platform's acceleration under torques that reach the mechanism, and a load w."""
-    a, b, d = legs(m, pose)
-    own = platform_load(m, e, gravity, a, b, d, velocity, (0.0, 0.0, 0.0, 0.0))
-    bias = (own[0] - w[0], own[1] - w[1], own[2] - w[2], own[3] - w[3])
-    force = to_platform(m, a, b, d, torque)
-    inertia = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
-    return solve(
-        inertia,
-        (force[0] - bias[0], force[1] - bias[1], force[2] - bias[2], force[3] - bias[3]),
-    )
-
-
-def turn_error(wanted: LegPosition, actual: LegPosition) -> Any:
+def turn_error(wanted: LegPosition, actual: LegPosition) -> float:
     """Return theta_k wanted minus actual, without jumps of a full turn."""
     return math.atan2(
         actual.ux * wanted.uy - actual.uy * wanted.ux,
@@ -224,41 +128,25 @@ def turn_error(wanted: LegPosition, actual: LegPosition) -> Any:
     )
 
 
-def _toward(k: Gains, i: int, wanted: Any, rate: Any, growth: Any, pose: Any, velocity: Any) -> Any:
-    """Return the acceleration of a coordinate that brings its error back."""
-    return growth[i] + k.rate * (wanted[i] - pose[i]) + k.damping * (rate[i] - velocity[i])
+def command(model: Robot, k: Gains, wanted: Any, pose: Array, velocity: Array) -> Array:
+    """Return the torques that the controller commands for a wanted state, by its model.
 
-
-def command(
-    m: Mechanism, e: EnergyTerms, o: Losses, k: Gains,
-    wanted: Any, wanted_velocity: Any, wanted_acceleration: Any, pose: Any, velocity: Any,
-    extra: Any,
-) -> Any:  # fmt: skip
-    """Return the torques that the controller commands; m, e and o are its model.
-
-    It knows the load that varies with time, ``extra``, as it knows the wanted motion.
+    What is wanted comes with the load that varies with time, which the controller knows.
     """
+    goal, rate, growth, extra = wanted
     if k.mode == 2:  # computed torque
-        growth = (
-            _toward(k, 0, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-            _toward(k, 1, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-            _toward(k, 2, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-            _toward(k, 3, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-        )
-        return inverse_torques(m, e, o, pose, velocity, growth, extra)
-    torque = inverse_torques(m, e, o, wanted, wanted_velocity, wanted_acceleration, extra)
+        growth = growth + k.rate * (goal - pose) + k.damping * (rate - velocity)
+        return inverse_torques(model, pose, velocity, growth, extra)
+    torque = inverse_torques(model, goal, rate, growth, extra)
     if k.mode == 0:  # feed-forward alone
         return torque
-    a, b, d = legs(m, wanted)
-    aa, bb, dd = legs(m, pose)
-    w, v = speeds(m, a, b, d, wanted_velocity), speeds(m, aa, bb, dd, velocity)
-    lift = (wanted[3] - pose[3]) * m.inverse_k
-    return (
-        torque[0] + k.p1 * turn_error(a, aa) + k.d1 * (w[0] - v[0]),
-        torque[1] + k.p2 * turn_error(b, bb) + k.d2 * (w[1] - v[1]),
-        torque[2] + k.p3 * turn_error(d, dd) + k.d3 * (w[2] - v[2]),
-        torque[3] + k.p4 * lift + k.d4 * (w[3] - v[3]),
-    )
+    m = model[0]
+    there, here = solve_legs(m, goal), solve_legs(m, pose)
+    error = (goal - pose) * m.inverse_k
+    for i in range(3):
+        error[i] = turn_error(there[i], here[i])
+    slip = actuator_rows(m, there) @ rate - actuator_rows(m, here) @ velocity
+    return torque + k.proportional * error + k.derivative * slip
 
 
 def hermite(u: Any, h: Any, p0: Any, v0: Any, a0: Any, p1: Any, v1: Any, a1: Any) -> Any:
@@ -275,81 +163,58 @@ def hermite(u: Any, h: Any, p0: Any, v0: Any, a0: Any, p1: Any, v1: Any, a1: Any
     )
 
 
-def extra_load(t: Any, times: Any, states: Any) -> Any:
-    """Return the motion's own load (F_x, F_y, F_z, M_z), linear between ``times`` (n,).
+def wanted_at(t: float, times: Array, states: Array) -> Any:
+    """Return the wanted pose, velocity, acceleration and load; ``states`` (n, 18) at ``times``."""
+    right = min(max(np.searchsorted(times, t, "right"), 1), times.size - 1)
+    a, b = states[right - 1], states[right]
+    h = times[right] - times[right - 1]
+    u = min(max((t - times[right - 1]) / h, 0.0), 1.0)
+    motion = hermite(u, h, a[:4], a[4:8], a[8:12], b[:4], b[4:8], b[8:12])
+    return motion[0], motion[1], motion[2], a[12:] + u * (b[12:] - a[12:])
 
-    It is in the last four columns of ``states`` (n, 16); with (n, 12) there is none.
+
+def commanded(t: float, state: Array, model: Robot, k: Gains, times: Array, states: Array) -> Array:
+    """Return the commanded torques at a time and a state (pose, velocity, ...).
+
+    The wanted motion is given by ``states`` (n, 18) at ``times`` (n,), see `wanted_at`.
     """
-    if states.shape[1] < 16:
-        return 0.0, 0.0, 0.0, 0.0
-    low = interval(t, times)
-    u = min(max((t - times[low]) / (times[low + 1] - times[low]), 0.0), 1.0)
-    a, b = states[low], states[low + 1]
-    return (
-        a[12] + u * (b[12] - a[12]),
-        a[13] + u * (b[13] - a[13]),
-        a[14] + u * (b[14] - a[14]),
-        a[15] + u * (b[15] - a[15]),
-    )
+    return command(model, k, wanted_at(t, times, states), state[:4], state[4:8])
 
 
-def interval(t: Any, times: Any) -> Any:
-    """Return the index of the last of ``times`` but the final one that is not after t."""
-    low, high = 0, times.size - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if times[middle] <= t:
-            low = middle
-        else:
-            high = middle
-    return low
-
-
-def reference(t: Any, times: Any, states: Any) -> Any:
-    """Return the wanted pose, velocity and acceleration; ``states`` (n, 12+) at ``times`` (n,)."""
-    low = interval(t, times)
-    h = times[low + 1] - times[low]
-    u = min(max((t - times[low]) / h, 0.0), 1.0)
-    a, b = states[low], states[low + 1]
-    x = hermite(u, h, a[0], a[4], a[8], b[0], b[4], b[8])
-    y = hermite(u, h, a[1], a[5], a[9], b[1], b[5], b[9])
-    o = hermite(u, h, a[2], a[6], a[10], b[2], b[6], b[10])
-    z = hermite(u, h, a[3], a[7], a[11], b[3], b[7], b[11])
-    return (x[0], y[0], o[0], z[0]), (x[1], y[1], o[1], z[1]), (x[2], y[2], o[2], z[2])
-
-
-def commanded(t: Any, state: Any, believed: Any, k: Gains, times: Any, states: Any) -> Any:
-    """Return the commanded torques at a time and a state (pose, velocity, ...)."""
-    m, e, o = believed
-    pose = (state[0], state[1], state[2], state[3])
-    velocity = (state[4], state[5], state[6], state[7])
-    wanted, rate, growth = reference(t, times, states)
-    extra = extra_load(t, times, states)
-    return command(m, e, o, k, wanted, rate, growth, pose, velocity, extra)
+def acceleration_under(
+    robot: Robot, pose: Array, velocity: Array, torque: Array, force: Array
+) -> Array:
+    """Return the acceleration under torques that reach the mechanism, and a platform's force."""
+    m, e, o = robot
+    legs = solve_legs(m, pose)
+    bias = platform_load(m, e, o.gravity, legs, velocity, np.zeros(4))
+    upper = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
+    inertia = np.empty((4, 4))
+    number = 0
+    for i in range(4):
+        for j in range(i, 4):
+            inertia[i, j] = inertia[j, i] = upper[number]
+            number += 1
+    return np.linalg.solve(inertia, actuator_rows(m, legs).T @ torque + force - bias)
 
 
 def derivative(
-    t: Any, state: Any, plant: Any, believed: Any, k: Gains, times: Any, states: Any, out: Any
-) -> None:
-    """Write the derivative of (pose, velocity, work of the actuators, friction losses) (10,).
+    t: float, state: Array, robot: Robot, model: Robot, k: Gains, times: Array, states: Array
+) -> Array:
+    """Return the derivative of (pose, velocity, work of the actuators, friction losses) (10,).
 
     A state (11,) has the work of the load as well.
     """
-    m, e, o = plant
-    torque = commanded(t, state, believed, k, times, states)
-    pose = (state[0], state[1], state[2], state[3])
-    velocity = (state[4], state[5], state[6], state[7])
-    a, b, d = legs(m, pose)
-    speed = speeds(m, a, b, d, velocity)
-    loss = friction(o, speed)
-    net = (torque[0] - loss[0], torque[1] - loss[1], torque[2] - loss[2], torque[3] - loss[3])
-    w = push(o, pose[2], extra_load(t, times, states))
-    growth = acceleration_under(m, e, o.gravity, pose, velocity, net, w)
-    out[0], out[1], out[2], out[3] = velocity
-    out[4], out[5], out[6], out[7] = growth
-    out[8] = (
-        torque[0] * speed[0] + torque[1] * speed[1] + torque[2] * speed[2] + torque[3] * speed[3]
-    )
-    out[9] = loss[0] * speed[0] + loss[1] * speed[1] + loss[2] * speed[2] + loss[3] * speed[3]
-    if out.size > 10:
-        out[10] = w[0] * velocity[0] + w[1] * velocity[1] + w[2] * velocity[2] + w[3] * velocity[3]
+    pose, velocity = state[:4], state[4:8]
+    wanted = wanted_at(t, times, states)
+    torque = command(model, k, wanted, pose, velocity)
+    speed = actuator_rows(robot[0], solve_legs(robot[0], pose)) @ velocity
+    loss = friction(robot[2], speed)
+    force = push(robot[2], pose[2], wanted[3])
+    growth = np.empty(state.size)
+    growth[:4] = velocity
+    growth[4:8] = acceleration_under(robot, pose, velocity, torque - loss, force)
+    growth[8], growth[9] = torque @ speed, loss @ speed
+    if state.size > 10:
+        growth[10] = force @ velocity
+    return growth
