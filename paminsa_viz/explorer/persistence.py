@@ -25,6 +25,7 @@ from paminsa_viz.model import (
     Design,
     InvalidInput,
     KneeBranch,
+    LoadFrame,
     PaminsaError,
 )
 from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
@@ -62,7 +63,9 @@ def _numbers(design: Design) -> dict[str, float]:
 def _described(design: Design) -> dict[str, Any]:
     """Return a design as plain data: its name, its numbers, its counterweights if it has any."""
     weights = [[w.bar, w.joint, w.beyond, w.mass] for w in design.counterweights]
-    described = {"name": design.name, "design": _numbers(design)}
+    described: dict[str, Any] = {"name": design.name, "design": _numbers(design)}
+    if design.load.frame is not LoadFrame.WORLD:
+        described["load_frame"] = design.load.frame.value
     return described | ({"counterweights": weights} if weights else {})
 
 
@@ -123,6 +126,7 @@ def _design(data: dict[str, Any]) -> Design:
     return replace(
         design,
         name=printable(str(data["name"]))[:NAME_CHARACTERS],
+        load=replace(design.load, frame=LoadFrame(data.get("load_frame", "world"))),
         counterweights=tuple(
             Counterweight(bar, joint, _number(beyond), _number(mass))
             for bar, joint, beyond, mass in weights

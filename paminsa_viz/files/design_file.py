@@ -28,16 +28,16 @@ from typing import Any
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
+    CHOICES,
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
     KEY_OF,
     KEYS,
-    KNEE,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design
 
 LARGEST_FILE = 200_000
 """Largest design file [bytes], thirty times a complete one. Bounds what an upload can cost."""
@@ -171,10 +171,14 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
         for key in KEYS
         if key.name in (content.get(key.table, {}) if key.table else content)
     }
-    geometry, entries = content.get("geometry", {}), content.get(COUNTERWEIGHTS, [])
-    knee = KneeBranch(geometry.get(KNEE, APPENDIX_4.geometry.knee))
+    entries = content.get(COUNTERWEIGHTS, [])
+    chosen = {
+        (table, name): kind(content[table][name])
+        for (table, name), kind in CHOICES.items()
+        if name in content.get(table, {})
+    }
     count = content.get("value_count", 0)
-    found = len(numbers) + (KNEE in geometry) + sum(map(len, entries))
+    found = len(numbers) + len(chosen) + sum(map(len, entries))
     if found < count:
         problem = (
             f"only {found} values are there, so the file was cut short; if you removed some to use "
@@ -191,7 +195,10 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
             path = f"{COUNTERWEIGHTS}.{index}.{key}"
             raise refused(path, error.value, error.allowed) from error
     try:
-        design = APPENDIX_4.vary(numbers).with_knee(knee)
+        design = APPENDIX_4.vary(numbers)
+        for (table, name), value in chosen.items():
+            group = replace(getattr(design, table), **{name: value})
+            design = replace(design, **{table: group})
         return replace(design, name=name, counterweights=tuple(weights))
     except InvalidDesign as error:
         known = KEY_OF.get(error.field.removeprefix("design."))

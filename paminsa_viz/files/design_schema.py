@@ -9,7 +9,10 @@ from __future__ import annotations
 import difflib
 import re
 from dataclasses import dataclass
+from enum import Enum
 
+from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.parameters import PARAMETERS, Parameter
 
 SCHEMA_VERSION = 1
@@ -27,6 +30,25 @@ COUNTERWEIGHT_KEYS = {"bar": "bar", "joint": "joint", "beyond": "beyond_m", "mas
 
 KNEE = "knee"
 """Key of the knee's branch in ``[geometry]``; written where it is not the default."""
+
+FRAME = "frame"
+"""Key in ``[load]`` of what the load's direction is fixed in; written where it is not the world."""
+
+CHOICES: dict[tuple[str, str], type[Enum]] = {
+    ("geometry", KNEE): KneeBranch,
+    ("load", FRAME): LoadFrame,
+}
+"""Keys whose values are words, by table and name."""
+
+CHOICE_MEANINGS = {
+    KNEE: "branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image",
+    FRAME: "what the load's direction is fixed in: the world, or the platform",
+}
+
+
+def choice(design: Design, table: str, name: str) -> Enum:
+    """Return a value of `CHOICES`."""
+    return getattr(getattr(design, table), name)
 
 
 def unit_suffix(unit: str) -> str:
