@@ -33,7 +33,7 @@ def test_slider_reaches_appendix_4_and_only_possible_values(parameter: Parameter
     low, high, step = base_range(parameter)
     default = shown.from_si(parameter.default)
     assert low <= default <= high
-    steps = (default - low) / step if low == 0 else default / step
+    steps = (default - low) / step if low <= 0 else default / step
     assert steps == pytest.approx(round(steps), abs=1e-6)  # it can be dragged back to it
     for end in (low, high):
         state = ROWS[path].apply(initial_state(), ROWS[path].parse(initial_state(), end))
@@ -47,6 +47,8 @@ def test_range_grows_to_a_typed_value_and_leaves_room(path: str, fraction: float
     value = low + fraction * (most - low)
     grown = fitted_range(path, (low, high), value)
     assert grown[0] <= value <= grown[1] <= most
+    if low < 0:
+        assert fitted_range(path, (low, high), 5 * low)[0] == 5 * low
     assert grown == (low, high) or value > high
     assert fitted_range(path, grown, value) == grown
     if high < value < most / 1.6:
