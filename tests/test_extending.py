@@ -19,7 +19,7 @@ import paminsa_viz
 from paminsa_viz.cli import map as map_command
 from paminsa_viz.explorer import exports
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import ButtonGroup
+from paminsa_viz.explorer.entries import ButtonGroup, given
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
@@ -100,7 +100,7 @@ def buttons(key: str) -> set[str]:
     entries = {entry.key: entry for entry in export_entries(MapStore())}
     row = entries[key]
     assert isinstance(row, ButtonGroup)
-    return set(row.effects(initial_state()))
+    return set(given(row.choices, initial_state()))
 
 
 def test_a_table_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:

@@ -15,7 +15,6 @@ from paminsa_viz.balancing.changes import AMOUNTS, MASS, MassSpace
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.dynamics import frictionless
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
 from paminsa_viz.model.reach import Limit
@@ -152,7 +151,7 @@ def trajectory_rows(
 ) -> tuple[Array, Array]:
     """Return torques on a trajectory as matrix . s + offset: (n, actuators, d), (n, actuators).
 
-    The offset is friction.
+    The offset is friction and the inertia of the drives.
 
     Raises:
         InvalidInput: If the trajectory fails somewhere, is another robot's, or has misprints.
@@ -170,10 +169,11 @@ def trajectory_rows(
         extra = space.design.gravity - solved.gravity
         k = space.design.geometry.magnification
         matrix[:, actuators.index(3), PLATFORM] += k * extra
-    friction = space.design.friction
     offset = np.zeros(matrix.shape[:2])
-    if not frictionless(friction):
-        offset += solved.friction(friction)[:, actuators]
+    if any(space.design.drive_inertia):
+        offset += solved.drive_inertia_torque(space.design)[:, actuators]
+    if not space.design.actuator_friction.zero:
+        offset += solved.friction(space.design)[:, actuators]
     return matrix, offset
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -16,6 +16,7 @@ from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, DesignKey, choice
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.drive import ACTUATORS
 
 DESCRIPTION = """\
 Work with design files: a robot's lengths, masses and inertias as readable TOML.
@@ -50,6 +51,7 @@ class Check:
                 continue
             count = len(differences(APPENDIX_4, design)) + len(design.counterweights)
             count += len(_different_choices(APPENDIX_4, design))
+            count += sum(drive is not None for drive in design.drives)
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
         return code
@@ -74,8 +76,9 @@ class Show:
                 "knee": design.geometry.knee.value,
                 "load_frame": design.load.frame.value,
                 "values": _values(design),
+                "counterweights": weights,
             }
-            print_json(values | {"counterweights": weights})
+            print_json(values | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
         print(design.name)
         rows = [
@@ -89,6 +92,11 @@ class Show:
         rows += [
             ("counterweights", "mass_kg", f"{weight.mass:.10g}", weight.place)
             for weight in design.counterweights
+        ]
+        rows += [
+            ("drives", actuator, "", drive.summary)
+            for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
+            if drive is not None
         ]
         print_table(rows)
         return 0
@@ -129,6 +137,7 @@ class Diff:
         found = differences(first, second)
         chosen = _different_choices(first, second)
         weighted = first.counterweights != second.counterweights
+        driven = first.drives != second.drives
         if self.json:
             changes: dict[str, Any] = {key.path: {"first": a, "second": b} for key, a, b in found}
             for table, name, a, b in chosen:
@@ -138,8 +147,11 @@ class Diff:
                 for name, design in (("first", first), ("second", second))
             }
             facts = {"first": first.name, "second": second.name, "differences": changes}
-            print_json(facts | ({"counterweights": weights} if weighted else {}))
-        elif not (found or weighted or chosen):
+            facts |= {"counterweights": weights} if weighted else {}
+            drives = {"first": _drives(first), "second": _drives(second)}
+            facts |= {"drives": drives} if driven else {}
+            print_json(facts)
+        elif not (found or weighted or driven or chosen):
             print("the designs have the same values")
         else:
             rows: list[tuple[str, ...]] = [
@@ -160,6 +172,10 @@ class Diff:
                     for design in (first, second)
                 ]
                 rows.append(("counterweights", "", *held, "", ""))
+            for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
+                if pair[0] != pair[1]:
+                    texts = ["-" if drive is None else drive.summary for drive in pair]
+                    rows.append(("drives", actuator, *texts, "", ""))
             names = [str(file or APPENDIX_4.name) for file in files]
             print_table([("", "", *names, "change", ""), *rows])
         return 0
@@ -187,6 +203,12 @@ def _different_choices(first: Design, second: Design) -> list[tuple[str, str, st
         for table, name in CHOICES
     ]
     return [row for row in found if row[2] != row[3]]
+
+
+def _drives(design: Design) -> dict[str, Any]:
+    """Return the drives by actuator, for JSON."""
+    pairs = zip(ACTUATORS, design.drives, strict=True)
+    return {name: asdict(drive) for name, drive in pairs if drive is not None}
 
 
 def _values(design: Design) -> dict[str, float]:

@@ -93,7 +93,7 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> EngineTorques:
         motion.pose, motion.velocity, motion.acceleration, load=motion.load
     )
     torque[~analysis.check.good] = float("nan")
-    return EngineTorques(name, torque + analysis.solved.friction(design.friction))
+    return EngineTorques(name, torque + analysis.solved.friction(design))
 
 
 def _content(

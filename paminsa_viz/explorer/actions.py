@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
 
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.scene.layers import with_layers
@@ -56,7 +55,7 @@ def stop_following(state: State) -> State:
     """Take the robot off its motion, which stops being played."""
     if not state.playback.following:
         return state
-    return replace(state, playback=replace(state.playback, playing=False, following=False))
+    return state.updated("playback", playing=False, following=False)
 
 
 def go_home(state: State) -> State:
@@ -140,7 +139,7 @@ def pin_reference(state: State) -> State:
 def unpin_reference(state: State) -> State:
     """Forget the reference design; maps show values again."""
     cleared = with_document(state, replace(state.document, reference=None))
-    return replace(cleared, map_view=replace(cleared.map_view, difference=False))
+    return cleared.updated("map_view", difference=False)
 
 
 def swap_reference(state: State) -> State:
@@ -175,13 +174,8 @@ def restore(state: State, document: Document) -> State:
         validate_limits(design)
     changed = with_document(stop_following(state), document)
     if document.reference is None and changed.map_view.difference:
-        changed = replace(changed, map_view=replace(changed.map_view, difference=False))
+        changed = changed.updated("map_view", difference=False)
     return changed
-
-
-def set_map_view(state: State, **changes: Any) -> State:
-    """Change how maps are drawn."""
-    return replace(state, map_view=replace(state.map_view, **changes))
 
 
 def set_layers(state: State, **visible: bool) -> State:

@@ -226,9 +226,9 @@ class Session:
             pending, self._actions = self._actions, {}
             jobs, self._jobs = self._jobs, []
         for source, (action, step) in pending.items():
-            self._guard(partial(self._apply, source, action, step))
+            self.guard(partial(self._apply, source, action, step))
         for job in jobs:
-            self._guard(job)
+            self.guard(job)
 
     def _apply(self, source: str, action: Action, step: bool) -> None:
         before = self._state
@@ -252,8 +252,8 @@ class Session:
         elif self._frame_due is None:
             self._frame_due = now + FRAME_PERIOD
 
-    def _guard(self, job: Callable[[], None]) -> None:
-        """Run one request; its failure is notified and stops no other request."""
+    def guard(self, job: Callable[[], None]) -> None:
+        """Run a request on this thread; its failure is notified and stops no other request."""
         try:
             job()
         except PaminsaError as error:

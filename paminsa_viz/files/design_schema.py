@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import difflib
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from enum import Enum
 
 from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.parameters import PARAMETERS, Parameter
 
@@ -30,6 +31,9 @@ COUNTERWEIGHT_KEYS = {"bar": "bar", "joint": "joint", "beyond": "beyond_m", "mas
 
 KNEE = "knee"
 """Key of the knee's branch in ``[geometry]``; written where it is not the default."""
+
+DRIVES = "drives"
+"""Name of the tables ``[drives.M1]`` .. ``[drives.M4]``; only those that are there are written."""
 
 FRAME = "frame"
 """Key in ``[load]`` of what the load's direction is fixed in; written where it is not the world."""
@@ -82,6 +86,11 @@ def _key(parameter: Parameter) -> DesignKey:
     table, _, field = parameter.path.rpartition(".")
     return DesignKey(table, field + unit_suffix(parameter.unit), parameter)
 
+
+DRIVE_KEYS: dict[str, str] = {
+    item.name: item.name + unit_suffix(item.metadata.get("unit", "")) for item in fields(Drive)
+}
+"""Keys of a drive by the names of its fields; all may be left out but the lead of M4's."""
 
 KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETERS)
 """Every number that a design file can hold, in the design's order."""

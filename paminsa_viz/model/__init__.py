@@ -11,6 +11,7 @@ from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, Unreac
 from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import (
     APPENDIX_4,
+    ActuatorFriction,
     Design,
     Friction,
     Geometry,
@@ -21,6 +22,7 @@ from paminsa_viz.model.design import (
     Payload,
     Platform,
 )
+from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
     TorqueBreakdown,
@@ -41,6 +43,7 @@ from paminsa_viz.model.grids import (
     xy_grid,
 )
 from paminsa_viz.model.jacobians import (
+    actuator_acceleration,
     closure,
     closure_matrix,
     inverse_jacobian,
@@ -66,7 +69,7 @@ from paminsa_viz.model.lumped import (
 )
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
-from paminsa_viz.model.regressor import regressor_torques, torque_regressor
+from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (
     Singularity,
     measure_singularity,
@@ -88,12 +91,15 @@ __all__ = [
     "APPENDIX_4",
     "BAR_ENDS",
     "COEFFICIENTS",
+    "NO_DRIVES",
     "PARAMETER",
     "PARAMETERS",
+    "ActuatorFriction",
     "AssemblyModes",
     "Configuration",
     "Counterweight",
     "Design",
+    "Drive",
     "Field",
     "Friction",
     "Geometry",
@@ -110,6 +116,7 @@ __all__ = [
     "LoadCase",
     "LoadFrame",
     "Misprint",
+    "OutputLimits",
     "PaminsaError",
     "Parameter",
     "Payload",
@@ -119,12 +126,14 @@ __all__ = [
     "StaticBreakdown",
     "TorqueBreakdown",
     "UnreachablePose",
+    "actuator_acceleration",
     "actuator_power",
     "actuator_velocity",
     "center_wrench",
     "check_reach",
     "closure",
     "closure_matrix",
+    "drive_regressor",
     "forward_dynamics",
     "forward_kinematics",
     "friction_torque",

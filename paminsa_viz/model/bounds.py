@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 
 LARGEST = {"": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3}
@@ -16,6 +19,9 @@ SMALLEST = 1e-6
 
 MOST_COUNTERWEIGHTS = 12
 """Most counterweights of a leg: each is a body of the scene and a row of the page."""
+
+DRIVE_RANGE = (1e-12, 1e9)
+"""Range of any number of a drive that is not zero [SI]."""
 
 
 def largest(path: str) -> float:
@@ -44,6 +50,14 @@ def validate_limits(design: Design) -> Design:
                 raise InvalidDesign(
                     f"counterweights.{number}.{name}", value,
                     f"here, its size is at most {LARGEST[unit]:g} [{unit}]",
+                )  # fmt: skip
+    for name, drive in zip(ACTUATORS, design.drives, strict=True):
+        for item in fields(Drive) if drive is not None else ():
+            value = getattr(drive, item.name)
+            if "unit" in item.metadata and value and not DRIVE_RANGE[0] <= value <= DRIVE_RANGE[1]:
+                raise InvalidDesign(
+                    f"drives.{name}.{item.name}", value,
+                    f"here, it is from {DRIVE_RANGE[0]:g} to {DRIVE_RANGE[1]:g}",
                 )  # fmt: skip
     for parameter in PARAMETERS:
         path, value = parameter.path, design.value(parameter.path)

@@ -10,10 +10,19 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.drive import (
+    ACTUATORS,
+    NO_DRIVES,
+    UNLIMITED,
+    Drive,
+    Drives,
+    OutputLimits,
+    check_drives,
+)
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.quantity import check_numbers, quantity
 
@@ -204,6 +213,34 @@ class Friction:
     def __post_init__(self) -> None:
         check_numbers(self, "friction")
 
+    @property
+    def by_actuator(self) -> ActuatorFriction:
+        """The coefficients of M1..M4."""
+        return ActuatorFriction(
+            (self.viscous_rotary,) * 3 + (self.viscous_linear,),
+            (self.coulomb_rotary,) * 3 + (self.coulomb_linear,),
+            self.transition_speed,
+        )
+
+
+class ActuatorFriction(NamedTuple):
+    """Friction of each actuator, that of its joint and of its drive together.
+
+    Attributes:
+        viscous: (4,) [N m s/rad, N s/m].
+        coulomb: (4,) [N m, N].
+        transition_speed: Speed scale of the Coulomb step [rad/s, m/s].
+    """
+
+    viscous: tuple[float, ...]
+    coulomb: tuple[float, ...]
+    transition_speed: float
+
+    @property
+    def zero(self) -> bool:
+        """Whether there is none."""
+        return not (any(self.viscous) or any(self.coulomb))
+
 
 @dataclass(frozen=True)
 class Design:
@@ -214,6 +251,7 @@ class Design:
         load: An external force and moment on the platform.
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
+        drives: Motors and gears of M1..M4; none in the paper.
         name: What a person calls it.
 
     Raises:
@@ -230,6 +268,7 @@ class Design:
     load: LoadCase = NO_LOAD
     gravity: float = quantity(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
+    drives: Drives = NO_DRIVES
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:
@@ -242,13 +281,15 @@ class Design:
         for number, weight in enumerate(self.counterweights):
             if not isinstance(weight, Counterweight):
                 raise InvalidDesign(f"counterweights.{number}", weight, "a Counterweight is needed")
+        check_drives(self.drives)
         check_numbers(self, "design")
 
     def value(self, path: str) -> float:
         """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
 
-        ``"counterweights.0.mass"`` is that of the first counterweight, if there is one. The guide
-        stroke is returned as the length in force, also where it follows l_B10.
+        ``"counterweights.0.mass"`` is that of the first counterweight, if there is one, and
+        ``"drives.M1.gear_ratio"`` that of M1's drive. The guide stroke is returned as the length
+        in force, also where it follows l_B10.
 
         Raises:
             InvalidInput: If there is no such number.
@@ -267,7 +308,37 @@ class Design:
         if head == "counterweights":
             known = number.isdecimal() and int(number) < len(self.counterweights)
             return self.counterweights[int(number)] if known else None
+        if head == "drives":
+            return self.drives[ACTUATORS.index(number)] if number in ACTUATORS else None
         return getattr(self, name, None) if name else self
+
+    @property
+    def actuator_friction(self) -> ActuatorFriction:
+        """Friction of each actuator: that of its joint, and its drive's N^2 b and N c."""
+        joints = self.friction.by_actuator
+        if self.drives == NO_DRIVES:
+            return joints
+        own = [(0.0, 0.0) if d is None else d.reflected_friction for d in self.drives]
+        return ActuatorFriction(
+            tuple(b + more for b, (more, _) in zip(joints.viscous, own, strict=True)),
+            tuple(c + more for c, (_, more) in zip(joints.coulomb, own, strict=True)),
+            joints.transition_speed,
+        )
+
+    @property
+    def drive_inertia(self) -> tuple[float, ...]:
+        """Inertia of the drives at their actuators, N^2 J, (4,) [kg m^2, kg]; zero for none."""
+        return tuple(0.0 if drive is None else drive.reflected_inertia for drive in self.drives)
+
+    @property
+    def output_limits(self) -> tuple[OutputLimits, ...]:
+        """What the drives of M1..M4 give at their actuators; infinite without a drive."""
+        return tuple(UNLIMITED if drive is None else drive.output_limits for drive in self.drives)
+
+    def without_friction(self) -> Design:
+        """Return the design without friction, neither of the joints nor of the drives."""
+        drives: Any = tuple(d if d is None else d.without_friction() for d in self.drives)
+        return replace(self, friction=Friction(), drives=drives)
 
     def with_knee(self, knee: KneeBranch) -> Design:
         """Return the design with its knees on the given branch."""
@@ -289,14 +360,16 @@ class Design:
                 raise InvalidDesign(path, value, "there is no design value of this name")
             grouped.setdefault(group, {})[name] = value
         top: dict[str, Any] = dict(grouped.pop("", {}))
-        weights = list(self.counterweights)
+        weights, drives = list(self.counterweights), list(self.drives)
         for group, values in grouped.items():
             changed = replace(self._group(group), **values)
             if isinstance(changed, Counterweight):
                 weights[int(group.partition(".")[2])] = changed
+            elif isinstance(changed, Drive):
+                drives[ACTUATORS.index(group.partition(".")[2])] = changed
             else:
                 top[group] = changed
-        return replace(self, counterweights=tuple(weights), **top)
+        return replace(self, counterweights=tuple(weights), drives=tuple(drives), **top)
 
 
 def _numbers_of(owner: object) -> set[str]:

@@ -11,7 +11,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
+from paminsa_viz.model.dynamics import TorqueBreakdown, kinetic_energy
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
@@ -57,7 +57,7 @@ class TrajectoryAnalysis:
     Attributes:
         design: The robot.
         solved: The motion, solved for its geometry.
-        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction included.
+        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction and drives included.
     """
 
     design: Design
@@ -140,8 +140,8 @@ class TrajectoryAnalysis:
         if until == 0:
             return residual
         lost = np.zeros(until)
-        if not frictionless(self.design.friction):
-            friction = self.solved.friction(self.design.friction)[:until]
+        if not self.design.actuator_friction.zero:
+            friction = self.solved.friction(self.design)[:until]
             loss = (friction * self.solved.speed[:until]).sum(axis=1)
             lost = running_integral(self.trajectory.t[:until], loss)
         work = self.work[:until].sum(axis=1)

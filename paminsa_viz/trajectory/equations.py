@@ -45,7 +45,7 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
         return (
             Mechanism(*to_fixed_tuple(robot, lengths)),  # type: ignore[call-arg]
             EnergyTerms(*to_fixed_tuple(robot[lengths:], terms)),
-            plant.Losses(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:]),
+            plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:14], rest[14:]),
         )
 
     @njit(**OPTIONS)
@@ -86,11 +86,16 @@ def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
-    f = design.friction
-    viscous = np.array([f.viscous_rotary] * 3 + [f.viscous_linear])
-    coulomb = np.array([f.coulomb_rotary] * 3 + [f.coulomb_linear])
-    load = np.array([*design.load.wrench, *design.load.point, design.load.turns])
-    return m, e, plant.Losses(design.gravity, f.transition_speed, viscous, coulomb, load)
+    f = design.actuator_friction
+    drivetrain = plant.Drivetrain(
+        design.gravity,
+        f.transition_speed,
+        np.array(f.viscous),
+        np.array(f.coulomb),
+        np.array(design.drive_inertia),
+        np.array([*design.load.wrench, *design.load.point, design.load.turns]),
+    )
+    return m, e, drivetrain
 
 
 def equations(

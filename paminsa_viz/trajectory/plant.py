@@ -23,20 +23,21 @@ from paminsa_viz.model.robot import AXIS_X, AXIS_Y, mass_matrix
 Legs: TypeAlias = tuple[LegPosition, LegPosition, LegPosition]
 
 
-class Losses(NamedTuple):
-    """Gravity [m/s^2], friction (4,) of the actuators, and the load, see `Friction`, `LoadCase`.
+class Drivetrain(NamedTuple):
+    """Gravity [m/s^2], friction and drives' inertia (4,) at the actuators, and the load.
 
-    ``load`` (10,) is its wrench, its point, and whether it turns with the platform.
+    ``load`` (10,) is its wrench, its point, and whether it turns with the platform; see `Design`.
     """
 
     gravity: float
     transition: float
     viscous: Array
     coulomb: Array
+    inertia: Array
     load: Array
 
 
-Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
+Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Drivetrain]
 """A robot as the formulas take it."""
 
 
@@ -76,30 +77,31 @@ def actuator_rows(m: Mechanism, legs: Legs) -> Array:
     return rows
 
 
-def platform_load(
-    m: Mechanism, e: EnergyTerms, gravity: float, legs: Legs, velocity: Array, acceleration: Array
-) -> Array:
+def platform_load(robot: Robot, legs: Legs, velocity: Array, acceleration: Array) -> Array:
     """Return the generalized force on the platform that makes a motion of the whole robot."""
+    m, e, o = robot
     vx, vy, vt, vz = velocity
     ax, ay, at, az = acceleration
     load = np.array(
-        [e.mass * ax, e.mass * ay, (e.inertia + 6 * e.turn) * at, e.mass * (az + gravity)]
+        [e.mass * ax, e.mass * ay, (e.inertia + 6 * e.turn) * at, e.mass * (az + o.gravity)]
     )
-    for g in legs:
-        f = leg_forces(m, e, g, leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az))
-        across = f.tangential + f.torque * g.inverse_rho
+    load[3] += o.inertia[3] * m.inverse_k * m.inverse_k * az
+    for i, g in enumerate(legs):
+        motion = leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az)
+        f = leg_forces(m, e, g, motion)
+        across = f.tangential + (f.torque + o.inertia[i] * motion.beta_acc) * g.inverse_rho
         fx = f.radial * g.ux - across * g.uy
         fy = f.radial * g.uy + across * g.ux
         load += np.array([fx, fy, g.px * fy - g.py * fx, f.vertical + f.lift * m.inverse_k])
     return load
 
 
-def friction(o: Losses, speed: Array) -> Array:
+def friction(o: Drivetrain, speed: Array) -> Array:
     """Return the friction torques at the actuators' speeds."""
     return o.viscous * speed + o.coulomb * np.tanh(speed / o.transition)
 
 
-def push(o: Losses, theta: float, extra: Array) -> Array:
+def push(o: Drivetrain, theta: float, extra: Array) -> Array:
     """Return the load with an extra wrench (6,) as a generalized force on the platform."""
     w, p = o.load[:6] + extra, o.load[6:]
     force = wrench_at_center(
@@ -113,11 +115,10 @@ def inverse_torques(
     robot: Robot, pose: Array, velocity: Array, acceleration: Array, extra: Array
 ) -> Array:
     """Return the torques that make a motion under the load and an extra one (6,), with friction."""
-    m, e, o = robot
-    legs = solve_legs(m, pose)
-    rows = actuator_rows(m, legs)
-    load = platform_load(m, e, o.gravity, legs, velocity, acceleration) - push(o, pose[2], extra)
-    return np.linalg.solve(rows.T, load) + friction(o, rows @ velocity)
+    legs = solve_legs(robot[0], pose)
+    rows = actuator_rows(robot[0], legs)
+    load = platform_load(robot, legs, velocity, acceleration) - push(robot[2], pose[2], extra)
+    return np.linalg.solve(rows.T, load) + friction(robot[2], rows @ velocity)
 
 
 def turn_error(wanted: LegPosition, actual: LegPosition) -> float:
@@ -187,7 +188,7 @@ def acceleration_under(
     """Return the acceleration under torques that reach the mechanism, and a platform's force."""
     m, e, o = robot
     legs = solve_legs(m, pose)
-    bias = platform_load(m, e, o.gravity, legs, velocity, np.zeros(4))
+    bias = platform_load(robot, legs, velocity, np.zeros(4))
     upper = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
     inertia = np.empty((4, 4))
     number = 0
@@ -195,7 +196,9 @@ def acceleration_under(
         for j in range(i, 4):
             inertia[i, j] = inertia[j, i] = upper[number]
             number += 1
-    return np.linalg.solve(inertia, actuator_rows(m, legs).T @ torque + force - bias)
+    rows = actuator_rows(m, legs)
+    inertia += rows.T @ (np.diag(o.inertia) @ rows)
+    return np.linalg.solve(inertia, rows.T @ torque + force - bias)
 
 
 def derivative(

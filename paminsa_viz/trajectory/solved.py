@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction, Geometry
-from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
-from paminsa_viz.model.jacobians import inverse_jacobian, jacobian
+from paminsa_viz.model.design import ActuatorFriction, Design, Geometry
+from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
+from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian, jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
@@ -57,8 +57,8 @@ class SolvedTrajectory:
     def torques(self, design: Design, *, friction: bool = True) -> Array:
         """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
         torque = self._mass_torques(design)
-        if friction and not frictionless(design.friction):
-            torque += self.friction(design.friction)
+        if friction and not design.actuator_friction.zero:
+            torque += self.friction(design)
         if self.loaded(design):
             torque += self.load_torques(design)
         return torque
@@ -68,7 +68,21 @@ class SolvedTrajectory:
         torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
         if design.gravity != self.gravity:
             torque[:, 3] += self._extra_weight(design)
+        if any(design.drive_inertia):
+            torque += self.drive_inertia_torque(design)
         return torque
+
+    def drive_inertia_torque(self, design: Design) -> Array:
+        """Return what accelerates the drives' own inertia, (n, 4) [N m, N]."""
+        return np.array(design.drive_inertia) * self.actuator_acceleration
+
+    @cached_property
+    def actuator_acceleration(self) -> Array:
+        """Acceleration of the actuators, (n, 4) [rad/s^2, m/s^2]; NaN where the motion fails."""
+        t = self.trajectory
+        found = actuator_acceleration(self.geometry, t.pose, t.velocity, t.acceleration)
+        found[~self.check.good] = np.nan
+        return found
 
     def loaded(self, design: Design) -> bool:
         """Whether a load acts on the platform: the design's or the motion's own."""
@@ -91,12 +105,13 @@ class SolvedTrajectory:
         """J along the motion, (n, 4, 4); solved for the first load and kept."""
         return jacobian(self.geometry, self.trajectory.pose)
 
-    def friction(self, friction: Friction) -> Array:
+    def friction(self, design: Design) -> Array:
         """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
+        friction = design.actuator_friction
         kept = self._friction.get(friction)
         if kept is None:
             kept = friction_torque(friction, self.speed)
-            if frictionless(friction):
+            if friction.zero:
                 kept[~self.check.good] = np.nan
             kept.setflags(write=False)
             self._friction.clear()
@@ -104,7 +119,7 @@ class SolvedTrajectory:
         return kept
 
     @cached_property
-    def _friction(self) -> dict[Friction, Array]:
+    def _friction(self) -> dict[ActuatorFriction, Array]:
         return {}
 
     def _extra_weight(self, design: Design) -> float:
@@ -138,9 +153,15 @@ class SolvedTrajectory:
         mass = design.platform.mass + design.payload.mass
         gravity[:, 3] += self.geometry.magnification * design.gravity * mass
         inertial = regressor_torques(self.inertial, c)
-        friction = np.array(self.friction(design.friction))
-        loads = self.load_torques(design) if self.loaded(design) else np.zeros_like(gravity)
+        if any(design.drive_inertia):
+            still = np.zeros_like(self.trajectory.velocity)
+            growth = actuator_acceleration(
+                self.geometry, self.trajectory.pose, still, self.trajectory.acceleration
+            )
+            inertial = inertial + np.array(design.drive_inertia) * growth
         velocity = self._mass_torques(design) - gravity - inertial
+        friction = np.array(self.friction(design))
+        loads = self.load_torques(design) if self.loaded(design) else np.zeros_like(gravity)
         return TorqueBreakdown(gravity, inertial, velocity, friction, loads)
 
     @cached_property

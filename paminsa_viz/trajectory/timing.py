@@ -19,7 +19,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
@@ -186,16 +186,15 @@ def _parts(
     curve: UnitCurve, design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
     """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
-    friction = design.friction
-    plain = replace(design, friction=Friction())
+    friction = design.actuator_friction
+    plain = design.without_friction()
     pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
     gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
     weightless = replace(plain, gravity=0.0, load=NO_LOAD)
     dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
     speed = actuator_velocity(design, pose, rate)
-    coulomb = np.array([friction.coulomb_rotary] * 3 + [friction.coulomb_linear])
-    viscous = np.array([friction.viscous_rotary] * 3 + [friction.viscous_linear])
+    coulomb, viscous = np.array(friction.coulomb), np.array(friction.viscous)
     return gravity + coulomb * np.sign(speed), viscous * speed, dynamic
 
 

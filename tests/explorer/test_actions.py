@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
+from paminsa_viz.explorer.panels.file_panel import uploaded_design
 from paminsa_viz.explorer.state import Document, initial_state
+from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -51,6 +53,17 @@ def test_a_design_with_the_other_knee_turns_the_machine_over() -> None:
         actions.set_knee(state, KneeBranch.UPPER).document.pose,
     )
     assert loaded.reference == APPENDIX_4.with_knee(KneeBranch.UPPER)
+
+
+@pytest.mark.parametrize("knee", KneeBranch, ids=lambda knee: knee.name)
+def test_an_opened_file_decides_on_the_knee_whatever_it_was(knee: KneeBranch) -> None:
+    state = actions.pin_reference(actions.set_knee(initial_state(), KneeBranch.UPPER))
+    text = write_design(APPENDIX_4.with_knee(knee))
+    assert ("knee =" in text) == (knee is KneeBranch.UPPER)  # the lower knee is not written
+    opened = actions.load_design(state, uploaded_design("robot.toml", text.encode()))
+    assert opened.document.design == APPENDIX_4.with_knee(knee)
+    assert opened.document.reference == APPENDIX_4.with_knee(knee)
+    assert opened.standing.geometry.knee is knee
 
 
 def test_home_is_within_reach_with_both_knees() -> None:
@@ -153,7 +166,7 @@ def test_swapping_with_the_reference_twice_changes_nothing() -> None:
 
 
 def test_without_a_reference_maps_show_no_difference() -> None:
-    state = actions.set_map_view(actions.pin_reference(initial_state()), difference=True)
+    state = actions.pin_reference(initial_state()).updated("map_view", difference=True)
     assert not actions.unpin_reference(state).map_view.difference
     assert not actions.restore(state, Document()).map_view.difference
     assert actions.restore(state, Document(reference=APPENDIX_4)).map_view.difference

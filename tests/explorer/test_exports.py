@@ -65,7 +65,7 @@ class TestNames:
 class TestContents:
     @pytest.mark.parametrize("single", [True, False])
     def test_numbers_equal_the_model_s(self, single: bool) -> None:
-        state = actions.set_map_view(state_at(theta=0.3), quantity="f_4")
+        state = state_at(theta=0.3).updated("map_view", quantity="f_4")
         file = exports.table(state, STORE, "npz", single)
         arrays = np.load(io.BytesIO(file.content))
         names = ["f4_N"] if single else ["tau1_Nm", "tau2_Nm", "tau3_Nm"]
@@ -112,7 +112,7 @@ class TestContents:
 
     def test_a_difference_is_said_to_be_one(self) -> None:
         state = actions.vary(actions.pin_reference(state_at()), {"links.b3": 1.0})
-        state = actions.set_map_view(state, difference=True)
+        state = state.updated("map_view", difference=True)
         file = exports.table(state, STORE, "npz", False)
         assert "difference" in file.name
         assert "delta_tau1_Nm" in np.load(io.BytesIO(file.content)).files
@@ -246,7 +246,7 @@ class TestPanel:
 
     def test_the_newest_state_is_saved(self, desk: Desk) -> None:
         desk.dispatch(lambda s: actions.move(s, theta=0.7))
-        desk.dispatch(lambda s: actions.set_map_view(s, quantity="tau_3"))
+        desk.dispatch(lambda s: s.updated("map_view", quantity="tau_3"))
         desk.set(desk.handle("export.single"), "single map")
         desk.until(lambda: desk.state.export.single)
         desk.set(desk.handle("export.table"), "NPZ")

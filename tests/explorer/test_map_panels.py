@@ -52,12 +52,12 @@ class TestClicks:
 
 class TestIntents:
     def test_a_manual_range_does_not_outlive_its_unit(self) -> None:
-        state = actions.set_map_view(initial_state(), range_mode=RangeMode.MANUAL)
+        state = initial_state().updated("map_view", range_mode=RangeMode.MANUAL)
         assert choose_quantity(state, "tau_2").map_view.range_mode is RangeMode.MANUAL
         assert choose_quantity(state, "f_4").map_view.range_mode is RangeMode.AUTO
 
     def test_the_preset_of_fig_3(self) -> None:
-        state = actions.set_map_view(actions.move(initial_state(), x=0.03), shared=False)
+        state = actions.move(initial_state(), x=0.03).updated("map_view", shared=False)
         shown = show_figure_3(state)
         assert shown.document.pose[2] == pytest.approx(math.radians(60))
         assert shown.document.pose[0] == 0.03
@@ -81,7 +81,7 @@ def test_a_caption_says_what_is_compared_and_keeps_names_harmless() -> None:
     design = state.document.design
     evil = maps.replace(design, name="<script>")
     state = maps.replace(state, document=maps.replace(state.document, reference=evil))
-    state = actions.set_map_view(state, difference=True)
+    state = state.updated("map_view", difference=True)
     text = caption(state, STORE.data(state, COARSE))
     assert "difference from “&lt;script&gt;”" in text
     assert "<script>" not in text

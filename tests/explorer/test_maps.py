@@ -103,7 +103,7 @@ class TestWhatIsSolved:
         store, state = MapStore(), at()
         store.data(state, CELLS)
         moved = store.data(actions.move(state, x=0.05, y=-0.02), CELLS)
-        store.data(actions.set_map_view(state, shared=False), CELLS)
+        store.data(state.updated("map_view", shared=False), CELLS)
         assert solved == [CELLS**2]
         assert tuple(moved.pose[:2]) == (0.05, -0.02)
 
@@ -135,7 +135,7 @@ class TestWhatIsSolved:
     def test_a_drag_over_the_default_store_keeps_what_a_mass_needs(self, solved: list[int]) -> None:
         """Coarse and full of design and reference stay while masses move."""
         state = actions.pin_reference(at())
-        state = actions.set_map_view(state, difference=True)
+        state = state.updated("map_view", difference=True)
         state = actions.vary(state, {"geometry.crank_length": 0.41})
         store = MapStore()
         for cells in (COARSE, FULL):
@@ -151,7 +151,7 @@ class TestDifference:
     def test_other_masses(self) -> None:
         store = MapStore()
         state = actions.vary(actions.pin_reference(at()), {"links.b8": 0.9})
-        shown = actions.set_map_view(state, difference=True)
+        shown = state.updated("map_view", difference=True)
         delta = store.data(shown, CELLS)
         now, reference = (
             static_torques(design, poses_of(delta))
@@ -166,7 +166,7 @@ class TestDifference:
     def test_another_geometry_is_solved_with_its_own_lengths(self) -> None:
         store = MapStore()
         state = actions.vary(actions.pin_reference(at()), {"geometry.coupler_length": 0.6})
-        delta = store.data(actions.set_map_view(state, difference=True), CELLS)
+        delta = store.data(state.updated("map_view", difference=True), CELLS)
         poses = poses_of(delta)
         reachable = [
             check_reach(geometry, poses).ok
@@ -186,6 +186,6 @@ class TestDifference:
 
     def test_the_present_design_can_be_had_in_any_case(self) -> None:
         store = MapStore()
-        state = actions.set_map_view(actions.pin_reference(at()), difference=True)
+        state = actions.pin_reference(at()).updated("map_view", difference=True)
         assert np.nanmax(np.abs(store.data(state, CELLS).values)) == 0
         assert np.nanmax(np.abs(store.present(state, CELLS).values)) > 1

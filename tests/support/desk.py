@@ -10,12 +10,22 @@ import viser
 
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.entries import Entry
+from paminsa_viz.explorer.inputs import Input
 from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design
 from tests.support.raw_page import TIMEOUT, RawPage, eventually, update
 
 Make = Sequence[Entry] | Callable[[Session], View]
+
+
+def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
+    """Yield all inputs of a table, those in folders and tabs as well."""
+    for entry in entries:
+        if isinstance(entry, Input):
+            yield entry
+        for inner in (getattr(entry, "entries", ()), *getattr(entry, "tabs", {}).values()):
+            yield from inputs_in(inner)
 
 
 class Desk:

@@ -49,9 +49,9 @@ def update(uuid: str, value: Any) -> bytes:
 
 
 def dial(port: int, **options: Any) -> ClientConnection:
-    """Open a WebSocket as viser's page does."""
+    """Open a WebSocket as viser's page does; it takes all that is sent, read or not."""
     options = {"subprotocols": [PROTOCOL], "compression": None, "max_size": None} | options
-    return connect(f"ws://127.0.0.1:{port}/", **options)
+    return connect(f"ws://127.0.0.1:{port}/", max_queue=None, **options)
 
 
 def get(

@@ -23,7 +23,7 @@ def change_settings(state: State, **changes: Any) -> State:
         return state
     refused = balancing.outcome is not None and balancing.outcome.problem is not None
     outcome = None if refused else balancing.outcome
-    return replace(state, balancing=replace(balancing, settings=settings, outcome=outcome))
+    return state.updated("balancing", settings=settings, outcome=outcome)
 
 
 def choose_goal(state: State, goal: Goal) -> State:
@@ -31,11 +31,6 @@ def choose_goal(state: State, goal: Goal) -> State:
     if goal is state.balancing.settings.goal:
         return state
     return change_settings(state, goal=goal, exact=goal.static)
-
-
-def show_output(state: State, output: int) -> State:
-    """Choose what the tornado chart shows, one of `paminsa_viz.balancing.OUTPUTS` by its place."""
-    return replace(state, balancing=replace(state.balancing, output=output))
 
 
 def make_job(state: State, task: Task) -> Job:
@@ -68,19 +63,19 @@ def start(state: State, task: Task) -> State:
     if state.balancing.running is not None:
         raise InvalidInput("balance", "the last task still runs; stop it or wait")
     running = make_job(state, task)
-    return replace(state, balancing=replace(state.balancing, running=running, done=0.0))
+    return state.updated("balancing", running=running, done=0.0)
 
 
 def stop(state: State) -> State:
     """Cancel the task that runs."""
-    return replace(state, balancing=replace(state.balancing, running=None))
+    return state.updated("balancing", running=None)
 
 
 def report_progress(state: State, job: Job, done: float) -> State:
     """Show how far a task is, 0 to 1."""
     if state.balancing.running is not job:
         return state
-    return replace(state, balancing=replace(state.balancing, done=done))
+    return state.updated("balancing", done=done)
 
 
 def receive_result(state: State, outcome: Outcome) -> State:
@@ -91,15 +86,14 @@ def receive_result(state: State, outcome: Outcome) -> State:
     """
     if state.balancing.running is not outcome.job:
         return state
-    balancing = replace(state.balancing, running=None)
     if outcome.job.task is Task.FRONT:
-        return replace(state, balancing=replace(balancing, front=outcome))
+        return state.updated("balancing", running=None, front=outcome)
     if outcome.job.task is Task.SENSITIVITY:
-        return replace(state, balancing=replace(balancing, tornado=outcome))
+        return state.updated("balancing", running=None, tornado=outcome)
     if outcome.after is not None and state.document.design != outcome.job.design:
         problem = InvalidInput("design", "it was changed in the meantime; ask once more")
         outcome = Outcome(outcome.job, problem=problem)
-    state = replace(state, balancing=replace(balancing, outcome=outcome))
+    state = state.updated("balancing", running=None, outcome=outcome)
     if outcome.after is None or outcome.after == state.document.design:
         return state
     return _compared(state, outcome.after, outcome.job.design)
@@ -114,8 +108,9 @@ def choose_point(state: State, index: int) -> State:
     found = state.balancing.front
     if found is None or index not in range(len(found.designs)):
         raise InvalidInput("front", "there is no such point")
-    state = replace(state, balancing=replace(state.balancing, outcome=None))
-    return _compared(state, found.designs[index], found.job.design)
+    return _compared(
+        state.updated("balancing", outcome=None), found.designs[index], found.job.design
+    )
 
 
 def chosen_point(state: State) -> int | None:

@@ -19,7 +19,7 @@ from typing import Any
 import viser
 
 from paminsa_viz.explorer.browser import asset
-from paminsa_viz.explorer.entries import finite
+from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.session import Session
 
 log = logging.getLogger(__name__)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 from html import escape
 
 import numpy as np
@@ -93,6 +94,7 @@ def variable_html(name: str) -> Markup:
     return Markup(symbols_html(name))
 
 
+@lru_cache(maxsize=4)
 def details_html(outcome: Outcome | None) -> str:
     """Return what was changed, what that does, and the certificate; empty without a result."""
     if outcome is None or outcome.optimum is None or outcome.after is None:

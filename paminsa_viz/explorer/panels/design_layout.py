@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import Slider
+from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,

@@ -7,17 +7,9 @@ from dataclasses import replace
 from functools import lru_cache, partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import (
-    ButtonGroup,
-    Dropdown,
-    Effect,
-    Entry,
-    Folder,
-    Html,
-    Slider,
-    Tabs,
-)
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Dropdown, Slider
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group, is_changed, slider
 from paminsa_viz.explorer.state import State

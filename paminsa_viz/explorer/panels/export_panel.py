@@ -5,17 +5,15 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Entry, Html, Number, Run
+from paminsa_viz.explorer.entries import ButtonGroup, Entry, Html, Run
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -67,11 +65,6 @@ class Exporter:
             self._busy.release()
 
 
-def set_export(state: State, **changes: Any) -> State:
-    """Change the export settings."""
-    return replace(state, export=replace(state.export, **changes))
-
-
 def export_entries(store: MapStore) -> Sequence[Entry]:
     """Return the entries of the tab; maps come from the store.
 
@@ -118,20 +111,17 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             "export.single", "maps",
             options={"torque maps τ₁ τ₂ τ₃": False, "single map": True},
             hint="What to export, as its tab shows it",
-            read=lambda state: state.export.single,
-            apply=lambda state, value: set_export(state, single=value),
+            **attribute("export.single"),
         ),
         Number(
             "export.width", "width [mm]", range=exports.WIDTHS, step=1.0,
             hint="Width of the figure on paper: 85 mm is a column, 170 mm a page",
-            read=lambda state: state.export.width,
-            apply=lambda state, value: set_export(state, width=value),
+            **attribute("export.width"),
         ),
         Number(
             "export.dpi", "dpi", range=exports.RESOLUTIONS, step=10.0,
             hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
-            read=lambda state: state.export.dpi,
-            apply=lambda state, value: set_export(state, dpi=value),
+            **attribute("export.dpi"),
         ),
         ButtonGroup(
             "export.figure", "figure", choices=figures(map_figure),
@@ -142,8 +132,8 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             hint="SI units, with every number of the design",
         ),
         Html(
-            "export.robot_heading", depends=lambda _: None,
-            content=lambda _: render(
+            "export.robot_heading",
+            content=render(
                 "heading.j2", kind="", title="Robot",
                 text="in its current pose; in MuJoCo’s viewer, sliders move it",
             ),
@@ -151,8 +141,7 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
         Dropdown(
             "export.view_size", "view size", options=VIEW_SIZES,
             hint="Size of the picture of the 3D view [pixels]",
-            read=lambda state: state.export.view_size,
-            apply=lambda state, value: set_export(state, view_size=value),
+            **attribute("export.view_size"),
         ),
         ButtonGroup(
             "export.scene", "export",

@@ -8,7 +8,8 @@ from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
+from paminsa_viz.explorer.entries import Button, Folder, Html, Run, Upload
+from paminsa_viz.explorer.inputs import TextBox
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
@@ -65,7 +66,8 @@ FILE = (
             ),
             Upload(
                 "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,
-                mime_type=".toml,.txt", hint="A design file in TOML", color="gray",
+                mime_type=".toml,.txt", color="gray",
+                hint="A design file in TOML; without the key knee, the lower knee",
             ),
             Button(
                 "file.open", "Appendix 4 (prototype)", icon=Icon.BOOK, color="gray",
@@ -78,8 +80,8 @@ FILE = (
         "file.share", "Share code",
         entries=(
             Html(
-                "file.about_code", depends=lambda _: None,
-                content=lambda _: render(
+                "file.about_code",
+                content=render(
                     "note.j2", testid="", muted=True,
                     text="Design, pose, motion and reference in one line. Copy it to hand it on; "
                     "paste another one over it to open that.",

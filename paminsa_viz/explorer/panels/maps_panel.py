@@ -9,8 +9,8 @@ import viser
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots
 from paminsa_viz.explorer.browser.style import MARGIN
-from paminsa_viz.explorer.entries import finite
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries

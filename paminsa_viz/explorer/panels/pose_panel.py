@@ -8,8 +8,9 @@ from math import ceil, floor
 import numpy as np
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Html, Run, Slider
+from paminsa_viz.explorer.entries import ButtonGroup, Html, Run
 from paminsa_viz.explorer.frame import Frame, Health
+from paminsa_viz.explorer.inputs import Dropdown, Slider
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout

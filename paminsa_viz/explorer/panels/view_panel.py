@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import perform
-from paminsa_viz.explorer.entries import ButtonGroup, Checkbox, Effect, Entry, Run, Slider
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Run
+from paminsa_viz.explorer.inputs import Checkbox, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer
@@ -30,8 +31,7 @@ def view_entries() -> tuple[Entry, ...]:
         Slider(
             "floor_opacity", "Map opacity", range=(0.1, 1.0), step=0.05,
             hint="Of the map under the robot",
-            read=lambda state: state.floor_opacity,
-            apply=lambda state, value: replace(state, floor_opacity=value),
+            **attribute("floor_opacity"),
         ),
     )  # fmt: skip
 

@@ -7,13 +7,13 @@ import pytest
 from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Goal
-from paminsa_viz.explorer.entries import inputs_in
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput, static_imbalance
 from tests.explorer.balancing.balanced import solved, status
+from tests.explorer.panel_desk import inputs_in
 
 
 def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:

@@ -32,7 +32,7 @@ needs_mujoco = pytest.mark.usefixtures("mujoco")
 def state() -> State:
     """A design of its own on the paper-like motion, its torques beside the engine's."""
     changed = actions.vary(initial_state(), {"payload.mass": 2.0, "links.b4": 0.9})
-    return motions.set_plots(changed, engine=True, published=True)
+    return changed.updated("plots", engine=True, published=True)
 
 
 def analyzed(state: State) -> MotionResults:
@@ -100,7 +100,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
             marks = [trace for trace in chart.traces if trace.marks]
             assert marks
             assert all(np.isnan(trace.values).all() for trace in marks)
-        other = motions.set_plots(other, plot="differences")
+        other = other.updated("plots", plot="differences")
         for chart in drawn_charts(other, analyzed(other)):
             assert all(np.isnan(trace.values).all() for trace in chart.traces)
         assert "computing" in caption(found, other)
@@ -128,7 +128,7 @@ def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
 
 @needs_mujoco
 def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> None:
-    state = motions.set_plots(answered(state), plot="differences", published=False)
+    state = answered(state).updated("plots", plot="differences", published=False)
     found = analyzed(state)
     assert found.answer is not None
     torques = found.answer.found
@@ -145,7 +145,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "FAIL" not in table
     assert "PASS" in caption(found, state)
 
-    state = motions.set_plots(state, published=True)
+    state = state.updated("plots", published=True)
     found = analyzed(state)
     drawn = drawn_charts(state, found)
     assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
@@ -170,7 +170,7 @@ def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
     comparison = torques.comparison(found.analysis)
     assert len(comparison.computed) == good.sum()
     assert comparison.agrees(TOLERANCE)
-    (chart, _) = drawn_charts(motions.set_plots(line, plot="differences"), found)
+    (chart, _) = drawn_charts(line.updated("plots", plot="differences"), found)
     np.testing.assert_array_equal(np.isnan(chart.traces[0].values), ~good)
     np.testing.assert_array_equal(chart.failing, ~good)
 
@@ -193,10 +193,10 @@ def test_a_missing_engine_is_told_once_for_all_designs(
         assert "pip install" in said
         assert str(EngineMissing("MuJoCo")).split(";")[0] in said
         assert "–" in difference_html(
-            drawn_charts(motions.set_plots(other, plot="differences"), found), found, 0.0
+            drawn_charts(other.updated("plots", plot="differences"), found), found, 0.0
         )
     with pytest.raises(InvalidInput, match="pip install"):
-        exports.motion_figure(motions.set_plots(state, plot="differences"), "png", 120.0, 100.0)
+        exports.motion_figure(state.updated("plots", plot="differences"), "png", 120.0, 100.0)
 
 
 class Asked:
@@ -270,9 +270,9 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
 
 def test_nothing_is_asked_that_is_not_shown(state: State) -> None:
     assert state.plots.needs_engine
-    assert not motions.set_plots(state, plot="power").plots.needs_engine
-    assert not motions.set_plots(state, engine=False).plots.needs_engine
-    assert motions.set_plots(state, engine=False, plot="differences").plots.needs_engine
+    assert not state.updated("plots", plot="power").plots.needs_engine
+    assert not state.updated("plots", engine=False).plots.needs_engine
+    assert state.updated("plots", engine=False, plot="differences").plots.needs_engine
 
 
 @needs_mujoco

@@ -61,7 +61,7 @@ def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Wat
 
 def test_a_motion_repeats_until_it_is_paused(played: tuple[Session, Watch]) -> None:
     session, watch = played
-    session.dispatch("loop", lambda s: motions.play(motions.set_playback(s, loop=True)), step=False)
+    session.dispatch("loop", lambda s: motions.play(s.updated("playback", loop=True)), step=False)
     eventually(lambda: (np.diff(watch.times) < 0).sum() >= 2)
     session.dispatch("pause", motions.pause, step=False)
     eventually(lambda: not session.state.playback.playing)

@@ -6,16 +6,18 @@ lengths, and the same ones for the same seed, whatever it runs on.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.studies.requirements import Measures, Requirements, measure, resized
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -48,11 +50,9 @@ class Weights:
     size: float = 0.0
 
     def of(self, measures: Measures) -> float:
-        """Return the weighted sum."""
-        total = self.size * measures.size
-        # a weight of zero leaves out what may be infinite
-        total += self.torque * measures.torque if self.torque else 0.0
-        return total + (self.condition * measures.condition if self.condition else 0.0)
+        """Return the weighted sum; a weight of zero leaves out what may be infinite."""
+        names = [name for name in ("size", "torque", "condition") if getattr(self, name)]
+        return float(sum(getattr(self, name) * getattr(measures, name) for name in names))
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class GeometryCost:
     weights: Weights
     scale_bars: bool
 
-    def robot(self, lengths: np.ndarray) -> Design:
+    def robot(self, lengths: Array) -> Design:
         """Return the design with these lengths.
 
         Raises:
@@ -77,16 +77,19 @@ class GeometryCost:
         values = dict(zip(self.paths, map(float, lengths), strict=True))
         return resized(self.design, values, scale_bars=self.scale_bars)
 
-    def __call__(self, lengths: np.ndarray) -> float:
+    def __call__(self, lengths: Array) -> float:
         """Return the cost."""
         try:
-            robot = self.robot(lengths)
+            found = measure(self.robot(lengths), self.needs)
         except InvalidDesign:
             return 1e3 * REFUSED
-        found = measure(robot, self.needs)
         broken = found.broken(self.needs)
         cost = REFUSED * (1.0 + broken) if broken > 0 else self.weights.of(found)
         return float(cost) if np.isfinite(cost) else 1e3 * REFUSED
+
+    def of_all(self, trials: Iterable[Array]) -> list[float]:
+        """Return the costs of some lengths."""
+        return [self(lengths) for lengths in trials]
 
 
 @dataclass(frozen=True)
@@ -108,7 +111,7 @@ class SearchProgress:
 
 @dataclass(frozen=True, eq=False)
 class SearchResult:
-    """What a search found.
+    """Result of a search.
 
     Attributes:
         design: The best robot.
@@ -140,7 +143,7 @@ def search_geometry(
     seed: int = 0,
     generations: int = 60,
     population: int = 12,
-    executor: Any = None,
+    workers: Workers = here,
     progress: Callable[[SearchProgress], bool | None] | None = None,
 ) -> SearchResult:
     """Search for the lengths that minimize a weighted sum and meet requirements over a box.
@@ -155,17 +158,21 @@ def search_geometry(
         seed: The same seed gives the same result.
         generations: Most generations.
         population: Trials in a generation for each path.
-        executor: None for this process; an executor of `concurrent.futures`; a client of
-            ``dask.distributed``; or any function like the built-in ``map``. The result is the same.
+        workers: Where the trials are computed; the result is the same.
         progress: Called after each generation; true ends the search with the best so far.
 
     Raises:
-        InvalidInput: If a range is empty, a path is no length, or the executor is none of these.
+        InvalidInput: If a range is empty, or a path is no length.
     """
-    chosen = _ranges(design, ranges)
+    chosen = _default_ranges(design) if ranges is None else _checked(ranges)
     trial = GeometryCost(design, tuple(chosen), needs, weights or Weights(), scale_bars)
     history: list[float] = []
     canceled = False
+
+    def in_parts(_: object, trials: Iterable[Any]) -> list[float]:
+        listed = list(trials)
+        parts = (listed[start : start + PART] for start in range(0, len(listed), PART))
+        return list(chain.from_iterable(workers.in_order(trial.of_all, parts)))
 
     def after_generation(intermediate_result: OptimizeResult) -> None:
         nonlocal canceled
@@ -181,7 +188,7 @@ def search_geometry(
     found = differential_evolution(
         trial, list(chosen.values()), maxiter=generations, popsize=population,
         rng=np.random.default_rng(seed), callback=after_generation, polish=False,
-        updating="deferred", workers=_mapper(executor), tol=1e-6,
+        updating="deferred", workers=in_parts, tol=1e-6,
     )  # fmt: skip
     try:
         best = trial.robot(found.x)
@@ -201,14 +208,13 @@ def search_geometry(
     )
 
 
-def _ranges(
-    design: Design, ranges: Mapping[str, tuple[float, float]] | None
-) -> dict[str, tuple[float, float]]:
-    if ranges is None:
-        held = {path: design.value(path) for path in DEFAULT_PATHS}
-        found = {path: (0.5 * v, 2.0 * v) for path, v in held.items()}
-        k = "geometry.magnification"
-        return found | {k: (max(1.5, found[k][0]), found[k][1])}
+def _default_ranges(design: Design) -> dict[str, tuple[float, float]]:
+    least = {"geometry.magnification": 1.5}
+    held = {path: design.value(path) for path in DEFAULT_PATHS}
+    return {path: (max(0.5 * v, least.get(path, 0.0)), 2.0 * v) for path, v in held.items()}
+
+
+def _checked(ranges: Mapping[str, tuple[float, float]]) -> Mapping[str, tuple[float, float]]:
     for path, (low, high) in ranges.items():
         if not path.startswith("geometry."):
             raise InvalidInput(path, "only lengths of the geometry can be searched")
@@ -216,25 +222,4 @@ def _ranges(
             raise InvalidInput(path, f"a range with low < high is needed, not {low!r} to {high!r}")
     if not ranges:
         raise InvalidInput("ranges", "at least one length has to be searched")
-    return dict(ranges)
-
-
-def _mapper(executor: Any) -> Any:
-    """Return a function like ``map`` that hands `PART` items at a time to an executor."""
-    if hasattr(executor, "get_executor"):  # a client of Dask
-        executor = executor.get_executor(pure=False)
-    run = map if executor is None else getattr(executor, "map", executor)
-    if not callable(run):
-        raise InvalidInput("executor", "something with a map method, or like map itself, is needed")
-
-    def mapped(function: Callable[[Any], Any], items: Iterable[Any]) -> list[Any]:
-        listed = list(items)
-        parts = [listed[start : start + PART] for start in range(0, len(listed), PART)]
-        found: Any = run(partial(_each, function), parts)
-        return [value for part in found for value in part]
-
-    return mapped
-
-
-def _each(function: Callable[[Any], Any], part: Sequence[Any]) -> list[Any]:
-    return [function(item) for item in part]
+    return ranges

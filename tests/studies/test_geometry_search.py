@@ -2,21 +2,11 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
-from paminsa_viz.balancing import (
-    Measures,
-    Requirements,
-    SearchProgress,
-    SearchResult,
-    Weights,
-    measure,
-    resized,
-    search_geometry,
-)
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidInput,
@@ -24,6 +14,18 @@ from paminsa_viz.model import (
     check_reach,
     measure_singularity,
     static_torques,
+)
+from paminsa_viz.studies import (
+    Measures,
+    Requirements,
+    SearchProgress,
+    SearchResult,
+    Weights,
+    Workers,
+    measure,
+    processes,
+    resized,
+    search_geometry,
 )
 from tests.support.samples import with_knee
 
@@ -55,23 +57,13 @@ def test_search_finds_better_lengths_that_meet_requirements() -> None:
     assert (np.diff(result.history) <= 0).all()
 
 
-def test_result_does_not_depend_on_the_executor() -> None:
+def test_result_does_not_depend_on_the_workers() -> None:
     here = search_geometry(APPENDIX_4, NEEDS, **SHORT)
-    by_map = search_geometry(APPENDIX_4, NEEDS, executor=lambda f, x: [f(i) for i in x], **SHORT)
-    with ProcessPoolExecutor(2) as pool:
-        in_pool = search_geometry(APPENDIX_4, NEEDS, executor=pool, **SHORT)
-    assert same(here, by_map)
-    assert same(here, in_pool)
+    with ThreadPoolExecutor(3) as pool:
+        assert same(here, search_geometry(APPENDIX_4, NEEDS, workers=Workers(pool, 3), **SHORT))
+    with processes(2) as workers:
+        assert same(here, search_geometry(APPENDIX_4, NEEDS, workers=workers, **SHORT))
     assert not same(here, search_geometry(APPENDIX_4, NEEDS, **(SHORT | {"seed": 4})))
-
-
-def test_result_is_the_same_on_dask() -> None:
-    distributed = pytest.importorskip("distributed", reason="Dask is an extra")
-    here = search_geometry(APPENDIX_4, NEEDS, **SHORT)
-    with distributed.Client(
-        n_workers=1, threads_per_worker=1, dashboard_address=None, processes=True
-    ) as client:
-        assert same(here, search_geometry(APPENDIX_4, NEEDS, executor=client, **SHORT))
 
 
 def test_progress_and_canceling() -> None:
@@ -145,7 +137,6 @@ def test_bars_grow_with_their_length() -> None:
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={}),
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={"links.b3": (0, 1)}),
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={"geometry.base_radius": (1, 1)}),
-        lambda: search_geometry(APPENDIX_4, NEEDS, executor=5),
     ],
 )
 def test_impossible_requests_are_rejected(make) -> None:

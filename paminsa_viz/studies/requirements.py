@@ -1,4 +1,4 @@
-"""Requirements on a box of poses, and a robot's measures over it."""
+"""Requirements on a box of poses, a robot's measures over it, and robots of other lengths."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ from paminsa_viz.model.statics import static_imbalance
 
 FINER = 3
 """How many times closer the poses of the last check lie."""
+
+TUBES = ("b3", "b4", "b7", "b8")
+"""Bars whose mass may follow their length."""
 
 Pose = tuple[float, float, float, float]
 
@@ -88,12 +91,8 @@ class Measures:
 
     def broken(self, needs: Requirements) -> float:
         """Return by how much requirements are broken in all [m, rad]; zero if all are met."""
-        lacks = (
-            needs.margin - self.margin,
-            needs.radius_clearance - self.radius_clearance,
-            needs.turn_clearance - self.turn_clearance,
-        )
-        return float(sum(max(0.0, lack) for lack in lacks))
+        names = ("margin", "radius_clearance", "turn_clearance")
+        return float(sum(max(0.0, getattr(needs, n) - getattr(self, n)) for n in names))
 
 
 def measure(design: Design, needs: Requirements) -> Measures:
@@ -102,36 +101,27 @@ def measure(design: Design, needs: Requirements) -> Measures:
     Reach, torque and condition are those of the sample poses; clearances from
     singularities are those of the whole box, in closed form.
     """
-    pose = needs.poses()
-    m = mechanism(design.geometry)
-    x, y, theta, z = pose.T
+    g = design.geometry
+    x, y, theta, z = needs.poses().T
     # Always on arrays: compiled kernels differ in the last digit, and a search has to come out the
     # same in processes that have them and in others.
-    args = (m, x, y, np.cos(theta), np.sin(theta), z)
+    args = (mechanism(g), x, y, np.cos(theta), np.sin(theta), z)
     gamma = np.array(backend.on_arrays(ROTARY_TORQUES, *args))
     margin = backend.on_arrays(LEAST_MARGIN, *args)[0]
     condition = backend.on_arrays(DEXTERITY, *args)[1]
-    g = design.geometry
-    torque = abs(static_imbalance(design)) * np.abs(gamma).max() if gamma.size else np.inf
+    torque = abs(static_imbalance(design)) * np.abs(gamma).max()
     corners = np.abs([needs.low, needs.high])
     far = float(np.hypot(*corners[:, :2].max(axis=0)))
-    turn = float(corners[:, 2].max())
-    least = 0.0 if needs.low[2] <= 0.0 <= needs.high[2] else float(corners[:, 2].min())
     # the circle is smallest at the theta nearest to zero
-    circle = float(singular_radius(g, min(least, np.pi)))
-    rotation = singular_rotation(g)
+    least = 0.0 if needs.low[2] <= 0.0 <= needs.high[2] else float(corners[:, 2].min())
     return Measures(
         torque=float(np.nan_to_num(torque, nan=np.inf)),
         condition=float(np.nan_to_num(condition, nan=np.inf).max()),
         size=g.base_radius + g.crank_length + g.coupler_length,
         margin=float(np.nan_to_num(margin, nan=-1.0).min()),
-        radius_clearance=circle - far,
-        turn_clearance=rotation - turn if np.isfinite(rotation) else np.inf,
+        radius_clearance=float(singular_radius(g, min(least, np.pi))) - far,
+        turn_clearance=float(np.nan_to_num(singular_rotation(g), nan=np.inf) - corners[:, 2].max()),
     )
-
-
-TUBES = ("b3", "b4", "b7", "b8")
-"""Bars whose mass may follow their length."""
 
 
 def resized(design: Design, values: Mapping[str, float], *, scale_bars: bool = True) -> Design:
@@ -149,14 +139,15 @@ def resized(design: Design, values: Mapping[str, float], *, scale_bars: bool = T
     changed = design.vary(dict(values))
     if not scale_bars:
         return changed
-    numbers: dict[str, float | None] = {}
+    powers = {"links.b10": 1, "inertias.b10_vertical": 3}
     for bar in TUBES:
-        ratio = bar_length(changed.geometry, bar) / bar_length(design.geometry, bar)
-        numbers[f"links.{bar}"] = ratio * getattr(design.links, bar)
-        axial, across = f"{bar}_axial", f"{bar}_transverse"
-        numbers[f"inertias.{axial}"] = ratio * getattr(design.inertias, axial)
-        numbers[f"inertias.{across}"] = ratio**3 * getattr(design.inertias, across)
-    ratio = changed.geometry.guide_link_length / design.geometry.guide_link_length
-    numbers["links.b10"] = ratio * design.links.b10
-    numbers["inertias.b10_vertical"] = ratio**3 * design.inertias.b10_vertical
+        powers |= {f"links.{bar}": 1, f"inertias.{bar}_axial": 1, f"inertias.{bar}_transverse": 3}
+    ratios = {
+        bar: bar_length(changed.geometry, bar) / bar_length(design.geometry, bar) for bar in TUBES
+    }
+    ratios["b10"] = changed.geometry.guide_link_length / design.geometry.guide_link_length
+    numbers: dict[str, float | None] = {}
+    for path, power in powers.items():
+        bar = path.partition(".")[2].partition("_")[0]
+        numbers[path] = ratios[bar] ** power * design.value(path)
     return changed.vary(numbers)
