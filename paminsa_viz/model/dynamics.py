@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import ActuatorFriction, Design, Geometry
+from paminsa_viz.model.design import ActuatorFriction, Design, Friction, Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import LEG_AXES, leg_states
 from paminsa_viz.model.leg import leg_vector, mechanism

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,6 +24,9 @@ from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETERS,
     Design,
+    LoadCase,
+    LoadFrame,
+    Parameter,
     static_imbalance,
     static_torques,
 )
@@ -56,8 +60,18 @@ def test_the_table_lists_exactly_what_differs(changes: dict[str, float | None]) 
     rows = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
     assert len(rows) == len(differ)
     for row, parameter in zip(rows, differ, strict=True):
-        assert value(row[1]) == pytest.approx(APPENDIX_4.value(parameter.path), rel=1e-5)
-        assert value(row[2]) == pytest.approx(design.value(parameter.path), rel=1e-5)
+
+        def shown(of: Design, parameter: Parameter = parameter) -> float:
+            return parameter.display.from_si(of.value(parameter.path))
+
+        assert value(row[1]) == pytest.approx(shown(APPENDIX_4), rel=1e-5)
+        assert value(row[2]) == pytest.approx(shown(design), rel=1e-5)
+
+
+def test_a_load_that_turns_with_the_platform_differs() -> None:
+    turning = replace(APPENDIX_4, load=LoadCase(frame=LoadFrame.PLATFORM))
+    (row,) = cells(differences_html(turning, APPENDIX_4, "App. 4"))[1:]
+    assert row[1:3] == ["world", "platform"]
 
 
 def test_a_stroke_that_was_set_differs_from_one_that_follows_its_guide() -> None:
