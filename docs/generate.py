@@ -29,8 +29,8 @@ from paminsa_viz.files.design_schema import DRIVE_KEYS, KNEE, SCHEMA_VERSION, TA
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model import drive as drive_model
-from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.parameters import BAR_ENDS
 
 FOLDER = Path(__file__).parent
 

@@ -156,12 +156,11 @@ def run(options: AppOptions) -> None:
     from paminsa_viz.explorer.server.listening import exposure_notice
     from paminsa_viz.files.design_file import load_design
     from paminsa_viz.model import APPENDIX_4
-    from paminsa_viz.model.bounds import validate_limits
 
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH_INTERVAL)
-    design = APPENDIX_4 if options.design is None else validate_limits(load_design(options.design))
+    design = APPENDIX_4 if options.design is None else load_design(options.design)
     app = App(options, design)
     notice = exposure_notice(options.host)
     if notice:

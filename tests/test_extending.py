@@ -125,9 +125,9 @@ def test_a_figure_format_is_written_by_page_and_commands(capsys, tmp_path, monke
 
 
 CHANGES = {
-    "model/design.py": (
-        '    j9: float = quantity(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
-        '{}    j10: float = quantity(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
+    "model/parameters.py": (
+        '    j9: float = parameter(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
+        '{}    j10: float = parameter(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
     ),
     "model/lumped.py": (
         ('"m9",', '{} "m10",'),

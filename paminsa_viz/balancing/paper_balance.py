@@ -79,8 +79,7 @@ def balance(
     began = time.perf_counter()
     chosen = criterion or AddedMass()
     space = mass_space(design, paper_changes(design) if changes is None else changes)
-    row = np.zeros(len(space.start))
-    row[MP2] = 1.0
+    row = np.eye(1, len(space.start), MP2)[0]
     free = Program(space.start, space.variables, ())
     target = min(max(0.0, free.least(row)), -free.least(-row))
     piece = chosen.piece(space)

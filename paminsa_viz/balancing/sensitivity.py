@@ -19,10 +19,9 @@ from paminsa_viz.balancing.terms import (
 )
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory.sampled import Trajectory
 from paminsa_viz.trajectory.solved import solve_trajectory

@@ -27,11 +27,11 @@ from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.leg_points import PointWeights, bar_point, point_weights
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.statics import static_torques, torques_of_legs
 from paminsa_viz.units import format_ascii
 

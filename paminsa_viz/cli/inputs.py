@@ -5,11 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, TypeAlias
 
-from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.trajectory import PRESET, Trajectory
 
@@ -25,14 +22,10 @@ def design_of(file: Path | None, assembly: Assembly | None = None) -> Design:
         assembly: Branch of the knee, instead of the file's own.
 
     Raises:
-        DesignFileError: If the file cannot be read, is refused, or has numbers of a size that can
-            not be worked with.
+        DesignFileError: If the file cannot be read or is refused.
     """
-    try:
-        design = APPENDIX_4 if file is None else validate_limits(load_design(file))
-        return design if assembly is None else design.with_knee(KneeBranch(assembly))
-    except InvalidDesign as error:
-        raise DesignFileError(str(file), str(error)) from error
+    design = APPENDIX_4 if file is None else load_design(file)
+    return design if assembly is None else design.with_knee(KneeBranch(assembly))
 
 
 PresetName: TypeAlias = Literal[

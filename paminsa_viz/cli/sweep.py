@@ -18,8 +18,7 @@ from paminsa_viz.cli.arguments import PROGRAM, UsageError, parse, print_error
 from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
 from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
-from paminsa_viz.model.bounds import largest
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,
@@ -233,7 +232,7 @@ def _range(text: str, design: Design, spread: float) -> DesignRange:
 
 
 def _check_size(path: str, values: tuple[float, ...]) -> None:
-    most = largest(path)
+    most = PARAMETER[path].largest
     if any(value > most for value in values):
         raise UsageError(f"--vary {path}: at most {most:g} is possible")
 

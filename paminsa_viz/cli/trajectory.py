@@ -15,7 +15,6 @@ from paminsa_viz.cli.output import print_json
 from paminsa_viz.cli.trajectory_files import output_endings, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.formats import figure_endings
@@ -288,7 +287,7 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Minimum
 
 def _simulated(flags: TrajectoryFlags, design: Design, trajectory: Trajectory) -> Simulation:
     payload = design.payload.mass + flags.payload_mismatch
-    robot = validate_limits(design.vary({"payload.mass": payload}))
+    robot = design.vary({"payload.mass": payload})
     control = _CONTROLS[flags.simulate or "pd"]
     controller = Controller(control, bandwidth=flags.bandwidth)
     return simulate(robot, trajectory, model=design, controller=controller)

@@ -28,9 +28,8 @@ from paminsa_viz.model import (
     LoadFrame,
     PaminsaError,
 )
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.drive import NO_DRIVES, Drive
+from paminsa_viz.model.parameters import Counterweight
 
 VERSION = 1
 
@@ -130,8 +129,6 @@ def _design(data: dict[str, Any]) -> Design:
     """Read what `_described` returned."""
     design = APPENDIX_4.vary({path: _number(value) for path, value in data["design"].items()})
     weights = data.get("counterweights", [])
-    if len(weights) > MOST_COUNTERWEIGHTS:
-        raise InvalidInput("saved state", f"more than {MOST_COUNTERWEIGHTS} counterweights")
     drives: Any = tuple(
         None if drive is None else _drive(drive) for drive in data.get("drives", NO_DRIVES)
     )

@@ -22,8 +22,8 @@ from paminsa_viz.files.design_schema import (
     key_hint,
     table_hint,
 )
-from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.drive import ACTUATORS, TRANSMISSIONS
+from paminsa_viz.model.parameters import BAR_ENDS
 
 _BARS = tuple(bar.upper() for bar in BAR_ENDS)
 _CLOSED = ConfigDict(extra="forbid", strict=True)

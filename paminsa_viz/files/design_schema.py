@@ -11,10 +11,10 @@ import re
 from dataclasses import dataclass, fields
 from enum import Enum
 
-from paminsa_viz.model.design import Design, KneeBranch
+from paminsa_viz.model.design import PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
-from paminsa_viz.model.parameters import PARAMETERS, Parameter
+from paminsa_viz.model.parameters import Parameter
 
 SCHEMA_VERSION = 1
 """Version of the layout; raised when a key changes its name, place or meaning, not when one is

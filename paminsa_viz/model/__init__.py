@@ -8,20 +8,7 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import (
-    APPENDIX_4,
-    ActuatorFriction,
-    Design,
-    Friction,
-    Geometry,
-    Inertias,
-    JointMasses,
-    KneeBranch,
-    LinkMasses,
-    Payload,
-    Platform,
-)
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
@@ -67,7 +54,18 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     mass_vector,
 )
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
+from paminsa_viz.model.parameters import (
+    BAR_ENDS,
+    ActuatorFriction,
+    Counterweight,
+    Friction,
+    Inertias,
+    JointMasses,
+    LinkMasses,
+    Parameter,
+    Payload,
+    Platform,
+)
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
 from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (

@@ -14,12 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import ActuatorFriction, Design, Friction, Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import LEG_AXES, leg_states
 from paminsa_viz.model.leg import leg_vector, mechanism
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction, Friction
 from paminsa_viz.model.reach import Limit, reach_status
 from paminsa_viz.model.statics import load_torques
 

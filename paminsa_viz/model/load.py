@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.quantity import check_numbers, quantity
+from paminsa_viz.model.parameters import Group, parameter
 
 
 class LoadFrame(Enum):
@@ -31,7 +31,7 @@ WRENCH = ("force_x", "force_y", "force_z", "moment_x", "moment_y", "moment_z")
 
 
 @dataclass(frozen=True)
-class LoadCase:
+class LoadCase(Group, path="load"):
     """An external force and moment on the platform (none in the paper).
 
     The force acts at a point that moves with the platform, given in the platform's frame: from its
@@ -39,23 +39,23 @@ class LoadCase:
     their direction in the world or turn with the platform.
     """
 
-    force_x: float = quantity(0.0, "F_x", "N", "external force along x", signed=True)
-    force_y: float = quantity(0.0, "F_y", "N", "external force along y", signed=True)
-    force_z: float = quantity(0.0, "F_z", "N", "external force along z", signed=True)
-    moment_x: float = quantity(
+    force_x: float = parameter(0.0, "F_x", "N", "external force along x", signed=True)
+    force_y: float = parameter(0.0, "F_y", "N", "external force along y", signed=True)
+    force_z: float = parameter(0.0, "F_z", "N", "external force along z", signed=True)
+    moment_x: float = parameter(
         0.0, "M_x", "N m", "external moment about x, on the bearings alone", signed=True
     )
-    moment_y: float = quantity(
+    moment_y: float = parameter(
         0.0, "M_y", "N m", "external moment about y, on the bearings alone", signed=True
     )
-    moment_z: float = quantity(0.0, "M_z", "N m", "external moment about z", signed=True)
-    point_x: float = quantity(0.0, "r_x", "m", "point of the force, x from center", signed=True)
-    point_y: float = quantity(0.0, "r_y", "m", "point of the force, y from center", signed=True)
-    point_z: float = quantity(0.0, "r_z", "m", "point of the force, z from center", signed=True)
+    moment_z: float = parameter(0.0, "M_z", "N m", "external moment about z", signed=True)
+    point_x: float = parameter(0.0, "r_x", "m", "point of the force, x from center", signed=True)
+    point_y: float = parameter(0.0, "r_y", "m", "point of the force, y from center", signed=True)
+    point_z: float = parameter(0.0, "r_z", "m", "point of the force, z from center", signed=True)
     frame: LoadFrame = LoadFrame.WORLD
 
     def __post_init__(self) -> None:
-        check_numbers(self, "load")
+        super().__post_init__()
         if not isinstance(self.frame, LoadFrame):
             raise InvalidDesign("load.frame", self.frame, "a LoadFrame is needed")
 

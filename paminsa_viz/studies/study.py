@@ -14,9 +14,8 @@ from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,

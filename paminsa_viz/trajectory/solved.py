@@ -12,20 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import ActuatorFriction, Design, Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
 from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian, jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
-from paminsa_viz.trajectory.check import (
-    SINGULAR_CLEARANCE,
-    PathCheck,
-    PathEvent,
-    check_path,
-)
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck, PathEvent, check_path
 from paminsa_viz.trajectory.sampled import Trajectory
 
 _WEIGHTS = slice(0, 3)
@@ -66,8 +62,9 @@ class SolvedTrajectory:
     def _mass_torques(self, design: Design) -> Array:
         """Return the torques of masses and weights, (n, 4) [N m, N]."""
         torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
-        if design.gravity != self.gravity:
-            torque[:, 3] += self._extra_weight(design)
+        if design.gravity != self.gravity:  # the legs' weights are in c, the platform's in Y
+            mass = design.platform.mass + design.payload.mass
+            torque[:, 3] += self.geometry.magnification * (design.gravity - self.gravity) * mass
         if any(design.drive_inertia):
             torque += self.drive_inertia_torque(design)
         return torque
@@ -108,27 +105,15 @@ class SolvedTrajectory:
     def friction(self, design: Design) -> Array:
         """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
         friction = design.actuator_friction
-        kept = self._friction.get(friction)
-        if kept is None:
-            kept = friction_torque(friction, self.speed)
-            if friction.zero:
-                kept[~self.check.good] = np.nan
-            kept.setflags(write=False)
+        if friction not in self._friction:
             self._friction.clear()
-            self._friction[friction] = kept
-        return kept
+            self._friction[friction] = friction_torque(friction, self.speed)
+            self._friction[friction].setflags(write=False)
+        return self._friction[friction]
 
     @cached_property
     def _friction(self) -> dict[ActuatorFriction, Array]:
         return {}
-
-    def _extra_weight(self, design: Design) -> float:
-        """Return what the platform weighs on M4 beyond the gravity that Y was made with [N].
-
-        The legs' weights stand in c.
-        """
-        mass = design.platform.mass + design.payload.mass
-        return self.geometry.magnification * (design.gravity - self.gravity) * mass
 
     @cached_property
     def inertial(self) -> Array:

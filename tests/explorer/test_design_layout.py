@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer.panels.design_layout import GROUPS, base_range, fitted_range, round_up
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import PARAMETER, PARAMETERS, Parameter
-from paminsa_viz.model.bounds import largest
 from paminsa_viz.units import symbol_text
 from tests.explorer.design_rows import ROWS
 
@@ -43,7 +42,7 @@ def test_slider_reaches_appendix_4_and_only_possible_values(parameter: Parameter
 @given(path=st.sampled_from(sorted(ROWS)), fraction=st.floats(0, 1))
 def test_range_grows_to_a_typed_value_and_leaves_room(path: str, fraction: float) -> None:
     low, high, _ = base_range(PARAMETER[path])
-    most = PARAMETER[path].display.from_si(largest(path))
+    most = PARAMETER[path].display.from_si(PARAMETER[path].largest)
     value = low + fraction * (most - low)
     grown = fitted_range(path, (low, high), value)
     assert grown[0] <= value <= grown[1] <= most

@@ -19,10 +19,9 @@ from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from tests.support.documents import DOCUMENTS, assert_same, designs
 from tests.support.samples import random_design
 

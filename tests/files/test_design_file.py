@@ -13,11 +13,11 @@ from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
-from paminsa_viz.model.parameters import PARAMETERS
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from tests.support.samples import possible_values
 
 VERSION = "schema_version = 1\n"
 NAMES = st.text(max_size=60).filter(str.isprintable)
@@ -25,7 +25,7 @@ PLACES = [(bar, joint) for bar, joints in BAR_ENDS.items() for joint in joints]
 WEIGHTS = st.lists(
     st.builds(
         lambda place, beyond, mass: Counterweight(*place, beyond, mass),
-        st.sampled_from(PLACES), st.floats(-10, 10), st.floats(0, 1e300),
+        st.sampled_from(PLACES), st.floats(-10, 10), possible_values(PARAMETER["links.b3"]),
     ),
     max_size=3,
 )  # fmt: skip
@@ -35,13 +35,7 @@ WEIGHTS = st.lists(
 def designs(draw: st.DrawFn) -> Design:
     """Any possible design: a few of its numbers are drawn from all that are allowed."""
     chosen = draw(st.lists(st.sampled_from(PARAMETERS), unique_by=lambda item: item.path))
-    changes = {}
-    for item in chosen:
-        least = item.positive or item.path == "geometry.magnification"
-        low = 1.0 if item.path == "geometry.magnification" else 0.0
-        if item.signed:
-            low = -1e300
-        changes[item.path] = draw(st.floats(low, 1e300, exclude_min=least))
+    changes = {item.path: draw(possible_values(item)) for item in chosen}
     try:
         design = APPENDIX_4.vary(changes).with_knee(draw(st.sampled_from(KneeBranch)))
         design = replace(design, load=replace(design.load, frame=draw(st.sampled_from(LoadFrame))))

@@ -85,7 +85,7 @@ def test_none_is_refused_but_for_the_stroke(parameter: Parameter) -> None:
 def test_negative_values_are_refused_where_no_sign_is_possible(
     parameter: Parameter, value: float
 ) -> None:
-    if parameter.signed:
+    if parameter.signed and value >= -parameter.largest:
         assert set_value(parameter, value).value(parameter.path) == value
     else:
         expect_refusal(parameter, value)
@@ -116,7 +116,7 @@ def test_any_other_value_is_kept_to_the_last_bit(parameter: Parameter, value: fl
     assert [design.value(p) for p in others] == [APPENDIX_4.value(p) for p in others]
 
 
-@given(ratio=st.floats(1e-300, 1.0))
+@given(ratio=st.floats(1e-6, 1.0))
 @example(ratio=1.0)
 def test_a_pantograph_magnifies(ratio: float) -> None:
     with pytest.raises(InvalidDesign, match="greater than 1") as caught:

@@ -53,8 +53,7 @@ from paminsa_viz.explorer.panels.design_panel import gauge_html
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS
 from paminsa_viz.units import DisplayUnit
 
 PLACES = {

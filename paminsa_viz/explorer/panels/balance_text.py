@@ -14,7 +14,7 @@ from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
 from paminsa_viz.explorer.balancing.jobs import Goal, Outcome, Task
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.meshes.weights import clearance_text
+from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import NONE, number, symbol_html, symbols_html, unit_text
