@@ -140,7 +140,7 @@ CHECK = """
 import numpy as np
 from paminsa_viz.cli import main
 from paminsa_viz.engines.verification import verify
-from paminsa_viz.explorer.panels.design_panel import GROUPS
+from paminsa_viz.explorer.panels.design_layout import GROUPS
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, mass_matrix
 from paminsa_viz.trajectory import PRESET

@@ -13,7 +13,7 @@ from paminsa_viz.cli.arguments import UsageError, parse, print_error
 from paminsa_viz.cli.output import print_json, print_table
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import KEYS, KNEE, TABLES, DesignKey
+from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, DesignKey, choice
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -28,8 +28,6 @@ Work with design files: a robot's lengths, masses and inertias as readable TOML.
   paminsa-viz design show robot.toml            every value with the paper's symbol
 
 A file may leave values out; they are then Appendix 4's."""
-
-KNEE_MEANING = "branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image"
 
 
 @dataclass(frozen=True)
@@ -52,8 +50,8 @@ class Check:
                 code = 2
                 continue
             count = len(differences(APPENDIX_4, design)) + len(design.counterweights)
+            count += len(_different_choices(APPENDIX_4, design))
             count += sum(drive is not None for drive in design.drives)
-            count += design.geometry.knee is not APPENDIX_4.geometry.knee
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
         return code
@@ -73,9 +71,13 @@ class Show:
         design = _load(self.file)
         if self.json:
             weights = [vars(weight) for weight in design.counterweights]
-            knee = design.geometry.knee.value
-            values = {"name": design.name, "knee": knee, "values": _values(design)}
-            values |= {"counterweights": weights}
+            values: dict[str, Any] = {
+                "name": design.name,
+                "knee": design.geometry.knee.value,
+                "load_frame": design.load.frame.value,
+                "values": _values(design),
+                "counterweights": weights,
+            }
             print_json(values | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
         print(design.name)
@@ -83,9 +85,10 @@ class Show:
             (key.table, key.name, f"{design.value(key.parameter.path):.10g}", _meaning(key))
             for key in KEYS
         ]
-        rows.insert(
-            len(TABLES["geometry"]), ("geometry", KNEE, design.geometry.knee.value, KNEE_MEANING)
-        )
+        for table, name in CHOICES:
+            last = max(place for place, row in enumerate(rows) if row[0] == table)
+            word = choice(design, table, name).value
+            rows.insert(last + 1, (table, name, word, CHOICE_MEANINGS[name]))
         rows += [
             ("counterweights", "mass_kg", f"{weight.mass:.10g}", weight.place)
             for weight in design.counterweights
@@ -132,13 +135,13 @@ class Diff:
         files = (None, self.file) if self.other is None else (self.file, self.other)
         first, second = map(_load, files)
         found = differences(first, second)
-        knees = [design.geometry.knee.value for design in (first, second)]
+        chosen = _different_choices(first, second)
         weighted = first.counterweights != second.counterweights
         driven = first.drives != second.drives
         if self.json:
             changes: dict[str, Any] = {key.path: {"first": a, "second": b} for key, a, b in found}
-            if knees[0] != knees[1]:
-                changes[f"geometry.{KNEE}"] = {"first": knees[0], "second": knees[1]}
+            for table, name, a, b in chosen:
+                changes[f"{table}.{name}"] = {"first": a, "second": b}
             weights = {
                 name: [vars(weight) for weight in design.counterweights]
                 for name, design in (("first", first), ("second", second))
@@ -148,7 +151,7 @@ class Diff:
             drives = {"first": _drives(first), "second": _drives(second)}
             facts |= {"drives": drives} if driven else {}
             print_json(facts)
-        elif not found and not weighted and not driven and knees[0] == knees[1]:
+        elif not (found or weighted or driven or chosen):
             print("the designs have the same values")
         else:
             rows: list[tuple[str, ...]] = [
@@ -162,8 +165,7 @@ class Diff:
                 )
                 for key, a, b in found
             ]
-            if knees[0] != knees[1]:
-                rows.append(("geometry", KNEE, *knees, "", KNEE_MEANING))
+            rows += [(table, name, a, b, "", CHOICE_MEANINGS[name]) for table, name, a, b in chosen]
             if weighted:
                 held = [
                     "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or "-"
@@ -192,6 +194,15 @@ def main(words: list[str]) -> int:
 
 def _load(file: Path | None) -> Design:
     return APPENDIX_4 if file is None else load_design(file)
+
+
+def _different_choices(first: Design, second: Design) -> list[tuple[str, str, str, str]]:
+    """Return table, key and both words of the choices in which two designs differ."""
+    found = [
+        (table, name, *(choice(design, table, name).value for design in (first, second)))
+        for table, name in CHOICES
+    ]
+    return [row for row in found if row[2] != row[3]]
 
 
 def _drives(design: Design) -> dict[str, Any]:

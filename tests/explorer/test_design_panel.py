@@ -11,16 +11,18 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions, bindings
 from paminsa_viz.explorer.frame import compute
-from paminsa_viz.explorer.panels.design_panel import (
-    DESIGN,
+from paminsa_viz.explorer.panels.design_layout import (
     GROUPS,
-    WHOLE_GROUP,
-    balance_hint,
     base_range,
     fitted_range,
-    gauge_html,
     round_up,
     slider,
+)
+from paminsa_viz.explorer.panels.design_panel import (
+    DESIGN,
+    WHOLE_GROUP,
+    balance_hint,
+    gauge_html,
 )
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import (
@@ -55,7 +57,7 @@ def test_slider_reaches_appendix_4_and_only_possible_values(parameter: Parameter
     low, high, step = base_range(parameter)
     default = shown.from_si(parameter.default)
     assert low <= default <= high
-    steps = (default - low) / step if low == 0 else default / step
+    steps = (default - low) / step if low <= 0 else default / step
     assert steps == pytest.approx(round(steps), abs=1e-6)  # it can be dragged back to it
     for end in (low, high):
         state = row.apply(initial_state(), row.parse(initial_state(), end))

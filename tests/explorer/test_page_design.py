@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from paminsa_viz.explorer.panels.design_panel import GROUPS
-from paminsa_viz.explorer.panels.design_panel import label as label_of
+from paminsa_viz.explorer.panels.design_layout import GROUPS
+from paminsa_viz.explorer.panels.design_layout import label as label_of
 from tests.support.chromium import Tab, until
 
 

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.entries import ButtonGroup, Effect, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.balance_text import weights_by_place
-from paminsa_viz.explorer.panels.design_panel import DIGITS, STROKE, is_changed
+from paminsa_viz.explorer.panels.design_layout import DIGITS, STROKE, is_changed
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -85,6 +85,9 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
         for p in PARAMETERS
         if is_changed(design, p.path, reference)
     ]
+    frames = [which.load.frame.value for which in (reference, design)]
+    if frames[0] != frames[1]:
+        rows.append(["load fixed in", frames[0], Markup("<b>{}</b>").format(frames[1]), ""])
     rows += [
         [
             f"on {place}",

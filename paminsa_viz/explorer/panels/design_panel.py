@@ -1,31 +1,25 @@
-"""Sliders of the design's numbers, in groups, and their static imbalance.
-
-A new parameter appears by itself in the group of its path; a short name, a range or a step of its
-own is one entry below.
-"""
+"""The design's numbers: masses, geometry, inertias, friction, load; and their static imbalance."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import lru_cache, partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Slider
+from paminsa_viz.explorer.inputs import Dropdown, Slider
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group, is_changed, slider
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
-    PARAMETER,
-    PARAMETERS,
-    Design,
     Geometry,
-    InvalidDesign,
-    InvalidInput,
+    LoadFrame,
     Parameter,
+    center_wrench,
+    load_torques,
     lumped_matrix,
     static_imbalance,
 )
@@ -33,151 +27,23 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import number, symbol_text
 
-STROKE = "geometry.guide_stroke"
-
-DIGITS = 6
-"""Significant digits of the design's numbers."""
+WHOLE_GROUP = "all"
+"""What the button says that resets a whole group."""
 
 
-@dataclass(frozen=True)
-class Group:
-    """A folder of sliders.
-
-    Attributes:
-        tab: Tab that it stands on.
-        title: Its heading, with the unit of its rows.
-        prefixes: Starts of the paths that it holds.
-        open: Whether it is open at first.
-    """
-
-    tab: str
-    title: str
-    prefixes: tuple[str, ...]
-    open: bool = True
-
-    @property
-    def parameters(self) -> list[Parameter]:
-        """What it holds, in the order of the prefixes and of the registry."""
-        return [
-            parameter
-            for prefix in self.prefixes
-            for parameter in PARAMETERS
-            if parameter.path.startswith(prefix)
-        ]
-
-
-GROUPS = (
-    Group("Masses", "Platform and payload [kg]", ("platform.mass", "payload.mass")),
-    Group("Masses", "Links of each leg [kg]", ("links.",)),
-    Group("Masses", "Joints of each leg [kg]", ("joints.",)),
-    Group(
-        "Geometry", "Pantograph [mm]",
-        ("geometry.magnification", "geometry.crank", "geometry.coupler"),
-    ),
-    Group(
-        "Geometry", "Base and platform [mm]",
-        ("geometry.base_radius", "geometry.platform_radius", "geometry.platform_joint_height"),
-    ),
-    Group(
-        "Geometry", "Arms, shafts and guides [mm]",
-        ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
-    ),
-    Group(
-        "Inertia, friction, g", "Platform and payload [kg·m²]",
-        ("platform.inertia", "payload.inertia"),
-    ),
-    Group("Inertia, friction, g", "Inertias of the links [kg·m²]", ("inertias.",), open=False),
-    Group("Inertia, friction, g", "Gravity", ("gravity",)),
-    Group("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
-)  # fmt: skip
-"""Every number of a design, once."""
-
-NAMES = {
-    "platform.mass": "platform",
-    "payload.mass": "payload",
-    "links.b1": "arm",
-    "links.b2": "shaft",
-    "links.b3": "bar 4–3–7",
-    "links.b4": "bar 9–4–5",
-    "links.b7": "bar 7–8",
-    "links.b8": "bar 8–9",
-    "links.b10": "guide link",
-    "joints.j2": "shaft, arm",
-    "joints.j3": "B3, shaft",
-    "joints.j4": "B3, B4",
-    "joints.j5": "B4, platform",
-    "joints.j7": "B3, B7",
-    "joints.j8": "slider",
-    "joints.j9": "knee B8, B4",
-    "geometry.magnification": "[no unit]",
-    "geometry.base_radius": "leg axes",
-    "geometry.platform_radius": "joints 5",
-    "geometry.platform_joint_height": "joint 5 up",
-    "geometry.arm_length": "arm",
-    "geometry.shaft_length": "shaft",
-    "geometry.guide_link_length": "guide link",
-    "platform.inertia": "platform",
-    "payload.inertia": "payload",
-    "inertias.b2_vertical": "shaft",
-    "inertias.b10_vertical": "guide link",
-}
-"""A word or two next to the symbol; of what is not here, the unit or the direction."""
-
-RANGES = {
-    "geometry.magnification": (1.35, 6.0, 0.025),
-    "geometry.axis_clearance": (0.0, 100.0, 0.25),
-    "gravity": (0.0, 20.0, 0.005),
-    "friction.viscous_rotary": (0.0, 2.0, 0.005),
-    "friction.coulomb_rotary": (0.0, 2.0, 0.005),
-    "friction.viscous_linear": (0.0, 100.0, 0.5),
-    "friction.coulomb_linear": (0.0, 50.0, 0.5),
-    "friction.transition_speed": (0.0005, 0.1, 0.0005),
-}
-"""Ends and step of a slider in the unit shown, where they do not follow from Appendix 4's value."""
-
-_BY_UNIT = {"kg": (3.0, 10.0, 0.0005), "kg m^2": (3.0, 0.1, 0.00005), "m": (2.0, 100.0, 0.25)}
-"""The range in times of Appendix 4's value, the range if that is zero, and the step.
-
-With twice a length, the other lengths unchanged, the pantograph can still close."""
-
-
-def base_range(parameter: Parameter) -> tuple[float, float, float]:
-    """Return ends and step of a parameter's slider, in the unit shown.
-
-    A larger or smaller number can be typed, and the slider grows to it.
-    """
-    if parameter.path in RANGES:
-        return RANGES[parameter.path]
-    times, otherwise, step = _BY_UNIT[parameter.unit]
-    high = round_up(times * parameter.display.from_si(parameter.default)) or otherwise
-    return (step if parameter.positive else 0.0), high, step
-
-
-def round_up(value: float) -> float:
-    """Return the next number with two significant figures, the second one 0 or 5."""
-    if value <= 0:
-        return 0.0
-    unit = 10.0 ** (math.floor(math.log10(value)) - 1) * 5
-    return float(f"{math.ceil(value / unit - 1e-9) * unit:.12g}")
-
-
-def fitted_range(path: str, ends: tuple[float, float], value: float) -> tuple[float, float]:
-    """Return a slider's range, grown if it has to be to hold ``value`` with room above it."""
-    low, high = ends
-    if value > high:
-        most = PARAMETER[path].display.from_si(PARAMETER[path].largest)
-        high = min(round_up(1.5 * value), max(most, value))
-    return min(low, value), high
-
-
-def label(parameter: Parameter) -> str:
-    """Return the text next to a parameter's slider."""
-    name = NAMES.get(parameter.path)
-    if name is None and parameter.path.startswith("inertias."):
-        name = "along" if parameter.path.endswith("axial") else "across"
-    if name is None and not parameter.path.startswith("geometry."):
-        name = f"[{parameter.display.text}]"
-    return f"{symbol_text(parameter.symbol)} {name or ''}".strip()
+def gauge_html(frame: Frame) -> str:
+    """Return M_p2 as a number and as a mark on a line from Appendix 4's value through zero."""
+    reference = frame.state.document.reference
+    values = {"zero": 0.0, "default": static_imbalance(APPENDIX_4)}
+    if reference is not None:
+        values["reference"] = static_imbalance(reference)
+    values["current"] = frame.balance
+    span = 1.25 * max(map(abs, values.values()))
+    return render(
+        "balance_gauge.j2", balance=frame.balance, default=values["default"],
+        pinned=values.get("reference"),
+        ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
+    )  # fmt: skip
 
 
 @lru_cache(maxsize=8)
@@ -197,71 +63,17 @@ def balance_hint(path: str, geometry: Geometry, gravity: float) -> str:
     return f"Each kg {word} M_p2 by {number(abs(share), 4)} N."
 
 
-def hint(parameter: Parameter) -> str:
-    """Return what a parameter is, and Appendix 4's value."""
-    default = parameter.display.format(parameter.default, DIGITS)
-    if parameter.path == STROKE:
-        default = "as long as l_B10, and it follows l_B10 until it is set"
-    name = parameter.label[:1].upper() + parameter.label[1:]
-    return f"{name}. Appendix 4: {default}."
+def _hinted(parameter: Parameter) -> Slider:
+    """Return a parameter's slider; what a mass does to M_p2 follows the geometry."""
+    entry, path = slider(parameter), parameter.path
+    if path not in MASS_PATHS:
+        return entry
 
-
-def slider(parameter: Parameter) -> Slider:
-    """Return the slider of a parameter; what a mass does to M_p2 is part of its hint."""
-    path, about = parameter.path, hint(parameter)
-    low, high, step = base_range(parameter)
-    default = parameter.display.from_si(parameter.default)
-
-    def mass_hint(state: State) -> str:
+    def hint(state: State) -> str:
         design = state.document.design
-        return f"{about} {balance_hint(path, design.geometry, design.gravity)}"
+        return f"{entry.hint} {balance_hint(path, design.geometry, design.gravity)}"
 
-    return Slider(
-        f"design.{path}", label(parameter), range=(low, high), step=step, unit=parameter.display,
-        fit=partial(fitted_range, path), marks=((default, number(default, DIGITS)),),
-        hint=mass_hint if path in MASS_PATHS else about,
-        read=lambda state: state.document.design.value(path),
-        apply=partial(_set, path),
-    )  # fmt: skip
-
-
-def _set(path: str, state: State, value: float) -> State:
-    try:
-        return actions.vary(state, {path: value})
-    except InvalidDesign as error:
-        # The model names the value that it misses; the person has to know which one was set.
-        parameter = PARAMETER[path]
-        shown = f"{symbol_text(parameter.symbol)} = {parameter.display.format(value, DIGITS)}"
-        raise InvalidInput(shown, error.allowed) from error
-
-
-def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:
-    """Whether two designs differ in the number at ``path``.
-
-    The guide stroke differs as well where it is set in one and follows l_B10 in the other.
-    """
-    if path == STROKE:
-        return design.geometry.guide_stroke != reference.geometry.guide_stroke
-    return design.value(path) != reference.value(path)
-
-
-WHOLE_GROUP = "all"
-"""What the button says that resets a whole group."""
-
-
-def gauge_html(frame: Frame) -> str:
-    """Return M_p2 as a number and as a mark on a line from Appendix 4's value through zero."""
-    reference = frame.state.document.reference
-    values = {"zero": 0.0, "default": static_imbalance(APPENDIX_4)}
-    if reference is not None:
-        values["reference"] = static_imbalance(reference)
-    values["current"] = frame.balance
-    span = 1.25 * max(map(abs, values.values()))
-    return render(
-        "balance_gauge.j2", balance=frame.balance, default=values["default"],
-        pinned=values.get("reference"),
-        ticks=[(kind, 50 + 50 * value / span) for kind, value in values.items()],
-    )  # fmt: skip
+    return replace(entry, hint=hint)
 
 
 def resets(group: Group, state: State) -> Mapping[str, Effect]:
@@ -283,17 +95,49 @@ def _folder(group: Group) -> Folder:
         f"reset.{group.prefixes[0]}", "Reset to App. 4", choices=partial(resets, group),
         hint="Set one value, or all of this group, back to Appendix 4's",
     )  # fmt: skip
-    entries = (*(slider(parameter) for parameter in group.parameters), reset)
+    entries = (*(_hinted(parameter) for parameter in group.parameters), reset)
     return Folder(f"design.{group.title}", group.title, open=group.open, entries=entries)
+
+
+def load_html(frame: Frame) -> str:
+    """Return the load at the platform's center: what the actuators carry, and what bearings do."""
+    design = frame.standing_design
+    pose = frame.configuration.pose
+    wrench = center_wrench(design.load, float(pose[2]))
+    against = load_torques(design.geometry, design.load, pose)
+    rows = [(name, float(value), "N" if name == "F₄" else "N·m")
+            for name, value in zip(("τ₁", "τ₂", "τ₃", "F₄"), against, strict=True)]  # fmt: skip
+    return render("load.j2", acts=design.load.acts, wrench=wrench.tolist(), rows=rows)
+
+
+def _set_frame(state: State, frame: LoadFrame) -> State:
+    design = state.document.design
+    changed = replace(design, load=replace(design.load, frame=frame))
+    return actions.with_document(state, replace(state.document, design=changed))
+
+
+LOAD = (
+    Html("design.load", content=load_html),
+    Dropdown(
+        "design.load.frame", "Direction fixed in",
+        options={"the world": LoadFrame.WORLD, "the platform": LoadFrame.PLATFORM},
+        hint="Whether force and moment keep their direction or turn with the platform; the point "
+        "always moves with it",
+        read=lambda state: state.document.design.load.frame, apply=_set_frame,
+    ),
+)  # fmt: skip
+"""What stands above the sliders of the load."""
+
+
+def _tab(tab: str) -> tuple[Entry, ...]:
+    folders = tuple(_folder(group) for group in GROUPS if group.tab == tab)
+    return (*LOAD, *folders) if tab == "Load" else folders
 
 
 DESIGN = (
     Html("design.gauge", content=gauge_html),
     Tabs(
         "design.tabs",
-        tabs={
-            tab: tuple(_folder(group) for group in GROUPS if group.tab == tab)
-            for tab in dict.fromkeys(group.tab for group in GROUPS)
-        },
+        tabs={tab: _tab(tab) for tab in TABS},
     ),
 )
