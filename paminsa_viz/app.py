@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import logging
 import sys
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli.arguments import PROGRAM, parse
+from paminsa_viz.cli import PROGRAM
 from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
@@ -75,11 +74,13 @@ class AppOptions:
         if not self.host.strip():
             raise InvalidInput("--host", "an address or name is needed")
 
+    def run(self) -> int:
+        """Start the explorer and serve until it is stopped."""
+        run(self)
+        return 0
 
-def main(words: list[str]) -> int:
-    """Start the explorer and serve until it is stopped."""
-    run(parse(AppOptions, words, "", DESCRIPTION))
-    return 0
+
+FLAGS = AppOptions
 
 
 class App:
@@ -154,14 +155,16 @@ def run(options: AppOptions) -> None:
         PaminsaError: If the design file is not usable or the port is taken.
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
-    from paminsa_viz.files.design_file import load_design
     from paminsa_viz.model import APPENDIX_4
-    from paminsa_viz.model.bounds import validate_limits
 
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH_INTERVAL)
-    design = APPENDIX_4 if options.design is None else validate_limits(load_design(options.design))
+    design = APPENDIX_4
+    if options.design is not None:
+        from paminsa_viz.cli.flags import design_of
+
+        design = design_of(options.design)
     app = App(options, design)
     notice = exposure_notice(options.host)
     if notice:
@@ -169,9 +172,10 @@ def run(options: AppOptions) -> None:
     print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
     if options.browser:
         threading.Thread(target=webbrowser.open, args=(app.url,), daemon=True).start()
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         threading.Event().wait()
-    app.stop()
+    finally:  # where Ctrl-C is an exception, as in a notebook
+        app.stop()
 
 
 if __name__ == "__main__":
