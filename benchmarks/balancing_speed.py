@@ -6,7 +6,6 @@ Run: ``python -m benchmarks.balancing_speed``.
 from __future__ import annotations
 
 import time
-from concurrent.futures import ProcessPoolExecutor
 
 import numpy as np
 
@@ -15,13 +14,11 @@ from paminsa_viz.balancing import (
     AddedMass,
     Changes,
     MassRange,
-    Requirements,
     SpringPlace,
     StaticPeak,
     TrajectoryEnergy,
     TrajectoryPeak,
     TrajectoryRms,
-    Weights,
     along,
     at_joint,
     balance,
@@ -32,10 +29,10 @@ from paminsa_viz.balancing import (
     on_guide,
     optimize,
     pareto_front,
-    search_geometry,
     tornado,
 )
 from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
+from paminsa_viz.studies import Requirements, Weights, here, processes, search_geometry
 from paminsa_viz.trajectory import PRESET, Trajectory, solve_trajectory
 
 DESIGN = APPENDIX_4
@@ -123,11 +120,11 @@ def search() -> None:
     needs = Requirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45))
     weights = Weights(1.0, 0.1, 1.0)
     rows = []
-    with ProcessPoolExecutor(2) as pool:
-        search_geometry(DESIGN, needs, weights, generations=1, executor=pool)  # starts them
-        for name, executor in (("this process", None), ("two processes", pool)):
+    with processes(2) as pool:
+        search_geometry(DESIGN, needs, weights, generations=1, workers=pool)  # starts them
+        for name, workers in (("this process", here), ("two processes", pool)):
             start = time.perf_counter()
-            found = search_geometry(DESIGN, needs, weights, generations=20, executor=executor)
+            found = search_geometry(DESIGN, needs, weights, generations=20, workers=workers)
             seconds = time.perf_counter() - start
             rows.append(
                 [name, number(seconds), str(found.trials), number(1e3 * seconds / found.trials),

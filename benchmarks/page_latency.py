@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.measure import heading, number, table
-from tests.explorer.chromium import FLAGS, NAMES
+from tests.support.chromium import FLAGS, NAMES
 
 BARE = """
 import sys, time, viser

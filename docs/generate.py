@@ -25,10 +25,12 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli import PROGRAM
-from paminsa_viz.files.design_schema import KNEE, SCHEMA_VERSION, TABLES, DesignKey
+from paminsa_viz.files.design_schema import DRIVE_KEYS, KNEE, SCHEMA_VERSION, TABLES, DesignKey
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model import drive as drive_model
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.parameters import BAR_ENDS
 
 FOLDER = Path(__file__).parent
 
@@ -94,6 +96,23 @@ def design_file() -> str:
         "distance from that joint, away from the bar's other end, negative on the bar itself; "
         "`mass_kg` is that on each leg.",
         '```toml\n[[counterweights]]\nbar = "b3"\njoint = 7\nbeyond_m = 0.2\nmass_kg = 1.1\n```',
+        "## [drives.M1] to [drives.M4]",
+        _paragraphs(inspect.getdoc(drive_model) or ""),
+        "None in Appendix 4. Each key may be left out; a limit that is left out is none. See "
+        "[Drives](drives.md).",
+        _table(
+            ("key", "symbol", "meaning"),
+            [
+                (f"`{DRIVE_KEYS[i.name]}`", f"`{i.metadata['symbol']}`", i.metadata["label"])
+                for i in fields(Drive)
+                if i.metadata
+            ],
+        ),
+        "`name` is a text, `transmission` for M4 is `screw` or `belt` in quotes, `brake` true or "
+        "false, and `envelope` lists corners of the largest torque [N m] over the speed [rad/s].",
+        '```toml\n[drives.M1]\nname = "servo 100 W, gear 100:1"\nrotor_inertia_kg_m2 = 4e-6\n'
+        "gear_ratio = 100.0\nefficiency = 0.8\nrated_torque_Nm = 0.32\npeak_torque_Nm = 0.95\n"
+        "envelope = [[0, 0.95], [314, 0.95], [628, 0.4]]\n```",
         "## The whole of it",
         f"```toml\n{write_design(APPENDIX_4).strip()}\n```",
     ]

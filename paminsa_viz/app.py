@@ -160,11 +160,7 @@ def run(options: AppOptions) -> None:
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH_INTERVAL)
-    design = APPENDIX_4
-    if options.design is not None:
-        from paminsa_viz.cli.flags import design_of
-
-        design = design_of(options.design)
+    design = APPENDIX_4 if options.design is None else load_design(options.design)
     app = App(options, design)
     notice = exposure_notice(options.host)
     if notice:

@@ -19,7 +19,7 @@ import paminsa_viz
 from paminsa_viz.cli import map as map_command
 from paminsa_viz.explorer import exports
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import ButtonGroup
+from paminsa_viz.explorer.entries import ButtonGroup, given
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
@@ -32,8 +32,8 @@ from paminsa_viz.notebook import map_view
 from paminsa_viz.plots.formats import FIGURE_FORMATS, FigureFormat
 from paminsa_viz.quantities import QUANTITIES, Quantity
 from paminsa_viz.studies.sweeps import sweep
-from tests.cli import running
-from tests.explorer.panel_desk import desk_with
+from tests.support import commands
+from tests.support.desk import desk_with
 
 pytestmark = pytest.mark.slow
 
@@ -74,7 +74,7 @@ def test_a_quantity_is_swept_drawn_written_and_chosen(
     found = sweep(APPENDIX_4, grid, (quantity.key,)).largest[quantity.key]
     assert found == pytest.approx(expected.max())
     words = ("--quantity", quantity.key, "--cells", "20", "--out", "a.csv", "--out", "a.svg")
-    told = running.told("map", capsys, *words)
+    told = commands.run_json("map", capsys, *words)
     assert 0 < told["maps"][quantity.key]["largest"] < 2
     assert "ecc" in Path("a.csv").read_text()
     assert quantity.title in Path("a.svg").read_text()
@@ -86,10 +86,8 @@ def test_a_quantity_is_chosen_on_the_page(quantity: Quantity) -> None:
     server = open_server(port=0)
     try:
         with desk_with(server, lambda s: MapsPanel(s, Bridge(s.client), MotionStore())) as desk:
-            handles = desk.session.client.gui._gui_input_handle_from_uuid.values()
-            choice: Any = next(h for h in handles if getattr(h, "label", "") == "show")
-            assert quantity.label in choice.options
-            desk.set(choice, quantity.label)
+            assert quantity.label in desk.handle("show").options
+            desk.set("show", quantity.label)
             desk.until(lambda: desk.state.map_view.quantity == quantity.key)
     finally:
         server.stop()
@@ -100,14 +98,14 @@ def buttons(key: str) -> set[str]:
     entries = {entry.key: entry for entry in export_entries(MapStore())}
     row = entries[key]
     assert isinstance(row, ButtonGroup)
-    return set(row.effects(initial_state()))
+    return set(given(row.choices, initial_state()))
 
 
 def test_a_table_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(TABLE_FORMATS, "tsv", lambda table: table_csv(table).replace(b",", b"\t"))
-    running.told("map", capsys, "--cells", "10", "--out", "a.tsv")
-    running.told("trajectory", capsys, "--rate", "50", "--out", "b.tsv")
+    commands.run_json("map", capsys, "--cells", "10", "--out", "a.tsv")
+    commands.run_json("trajectory", capsys, "--rate", "50", "--out", "b.tsv")
     for name in ("a.tsv", "b.tsv"):
         assert b"\t" in Path(name).read_bytes()
     assert exports.table(initial_state(), MapStore(), "tsv", False).name.endswith(".tsv")
@@ -117,17 +115,17 @@ def test_a_table_format_is_written_by_page_and_commands(capsys, tmp_path, monkey
 def test_a_figure_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(FIGURE_FORMATS, "eps", FigureFormat("eps"))
-    running.told("map", capsys, "--cells", "20", "--out", "a.eps")
-    running.told("trajectory", capsys, "--rate", "50", "--out", "b.eps")
+    commands.run_json("map", capsys, "--cells", "20", "--out", "a.eps")
+    commands.run_json("trajectory", capsys, "--rate", "50", "--out", "b.eps")
     for name in ("a.eps", "b.eps"):
         assert Path(name).read_bytes().startswith(b"%!PS")
     assert "EPS" in buttons("export.figure") & buttons("export.curves")
 
 
 CHANGES = {
-    "model/design.py": (
-        '    j9: float = quantity(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
-        '{}    j10: float = quantity(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
+    "model/parameters.py": (
+        '    j9: float = parameter(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
+        '{}    j10: float = parameter(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
     ),
     "model/lumped.py": (
         ('"m9",', '{} "m10",'),

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
-from tests import oracle, samples
-from tests.model.cases import PROTOTYPES
-from tests.samples import with_knee
+from tests import oracle
+from tests.support import samples
+from tests.support.cases import PROTOTYPES
+from tests.support.samples import with_knee
 
 RANDOM = samples.random_design(np.random.default_rng(0))
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch))

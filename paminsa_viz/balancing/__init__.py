@@ -3,12 +3,11 @@
 `balance` is the paper's own (Eqs. 7-8). `optimize` minimizes any weighted sum of terms within the
 bounds of `Changes`, with a certificate; `pareto_front` trades two terms off.
 `fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance`
-measure sensitivity, and `search_geometry` optimizes lengths.
+measure sensitivity; `studies.search_geometry` optimizes lengths.
 """
 
 from __future__ import annotations
 
-from paminsa_viz.balancing.anchors import Anchor, at_joint, on_bar, on_guide, on_slider
 from paminsa_viz.balancing.changes import (
     Changes,
     CounterweightRange,
@@ -17,28 +16,29 @@ from paminsa_viz.balancing.changes import (
     beyond,
     whole_mass,
 )
-from paminsa_viz.balancing.errors import (
+from paminsa_viz.balancing.optimum import (
+    ActiveConstraint,
     InfeasibleBounds,
+    Optimum,
     Relaxation,
     Shortfall,
-    SolverFailed,
+    TermValue,
+    optimize,
 )
-from paminsa_viz.balancing.optimum import ActiveConstraint, Optimum, TermValue, optimize
 from paminsa_viz.balancing.paper_balance import balance, paper_changes
 from paminsa_viz.balancing.pareto import ParetoFront, ParetoPoint, pareto_front
-from paminsa_viz.balancing.requirements import Measures, Requirements, measure, resized
-from paminsa_viz.balancing.search import (
-    SearchProgress,
-    SearchResult,
-    Weights,
-    search_geometry,
-)
+from paminsa_viz.balancing.program import SolverFailed
 from paminsa_viz.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
 from paminsa_viz.balancing.springs import (
+    Anchor,
     Spring,
     SpringFit,
     SpringPlace,
+    at_joint,
     fit_springs,
+    on_bar,
+    on_guide,
+    on_slider,
     spring_energy,
     spring_lengths,
     spring_torques,
@@ -79,14 +79,10 @@ __all__ = [
     "MassChange",
     "MassRange",
     "MassTolerance",
-    "Measures",
     "Optimum",
     "ParetoFront",
     "ParetoPoint",
     "Relaxation",
-    "Requirements",
-    "SearchProgress",
-    "SearchResult",
     "Shortfall",
     "SolverFailed",
     "Spring",
@@ -102,7 +98,6 @@ __all__ = [
     "TrajectoryEnergy",
     "TrajectoryPeak",
     "TrajectoryRms",
-    "Weights",
     "along",
     "at_joint",
     "balance",
@@ -110,15 +105,12 @@ __all__ = [
     "fit_springs",
     "length_tolerance",
     "mass_tolerance",
-    "measure",
     "on_bar",
     "on_guide",
     "on_slider",
     "optimize",
     "paper_changes",
     "pareto_front",
-    "resized",
-    "search_geometry",
     "spring_energy",
     "spring_lengths",
     "spring_torques",

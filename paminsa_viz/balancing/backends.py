@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from paminsa_viz.balancing.errors import SolverFailed
+from paminsa_viz.balancing.program import SolverFailed
 from paminsa_viz.model.arrays import Array
 
 REGULARIZATIONS = (1e-11, 1e-8, 1e-13)

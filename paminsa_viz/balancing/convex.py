@@ -7,7 +7,7 @@ where a trial solution breaks them; a norm may go to the solver whole, as a seco
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,56 +26,56 @@ class Cuts(NamedTuple):
     offset: Array  # (r,)
 
 
-def no_cuts(size: int) -> Cuts:
-    """Return no cuts at all, for states of a size."""
-    return Cuts(np.empty(0, np.intp), np.empty((0, size)), np.empty(0))
-
-
-class ConvexTerm(Protocol):
-    """A convex function of a state that a program can minimize or hold below a limit."""
-
-    @property
-    def parts(self) -> int:
-        """Number of functions that add up to it."""
-        ...
-
-    @property
-    def nonnegative(self) -> bool:
-        """Whether none of its parts is ever negative."""
-        ...
-
-    def value(self, state: Array) -> float:
-        """Return the function at a state (d,)."""
-        ...
-
-    def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
-        """Return cuts that exceed ``known`` (parts,) by more than ``slack`` at a state."""
-        ...
-
-
 @dataclass(frozen=True, eq=False)
-class MaxAbs:
-    """max_i |matrix_i . s + offset_i|, or without the bars if not ``absolute``."""
+class ConvexTerm:
+    """A convex function of matrix . s + offset that a program can minimize or hold below a limit.
+
+    It is the sum of ``parts`` functions, none of which is ever negative if ``nonnegative``.
+    """
 
     matrix: Array  # (m, d)
     offset: Array  # (m,)
-    absolute: bool = True
 
-    parts = 1
+    @property
+    def parts(self) -> int:
+        return 1
 
     @property
     def nonnegative(self) -> bool:
-        """See `ConvexTerm`."""
+        return True
+
+    def at(self, state: Array) -> Array:
+        """Return matrix . s + offset, (m,)."""
+        return self.matrix @ state + self.offset
+
+    def value(self, state: Array) -> float:
+        """Return the function at a state (d,)."""
+        raise NotImplementedError
+
+    def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
+        """Return cuts that exceed ``known`` (parts,) by more than ``slack`` at a state.
+
+        There are none of a norm: as a cone, the solver takes it whole.
+        """
+        return Cuts(np.empty(0, np.intp), np.empty((0, len(state))), np.empty(0))
+
+
+@dataclass(frozen=True, eq=False)
+class MaxAbs(ConvexTerm):
+    """max_i |matrix_i . s + offset_i|, or without the bars if not ``absolute``."""
+
+    absolute: bool = True
+
+    @property
+    def nonnegative(self) -> bool:
         return self.absolute
 
     def value(self, state: Array) -> float:
-        """See `ConvexTerm`."""
-        found = self.matrix @ state + self.offset
+        found = self.at(state)
         return float(np.abs(found).max() if self.absolute else found.max())
 
     def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
-        """See `ConvexTerm`."""
-        found = self.matrix @ state + self.offset
+        found = self.at(state)
         size = np.abs(found) if self.absolute else found
         # the largest of each block of the list, as neighbors are almost the same function
         starts = np.unique(np.linspace(0, len(size), BLOCKS + 1).astype(int)[:-1])
@@ -91,46 +91,28 @@ class MaxAbs:
 
 
 @dataclass(frozen=True, eq=False)
-class Norm:
+class Norm(ConvexTerm):
     """The Euclidean norm |matrix . s + offset|, which a conic solver takes as it is."""
 
-    matrix: Array  # (m, d)
-    offset: Array  # (m,)
-
-    parts = 1
-    nonnegative = True
-
     def value(self, state: Array) -> float:
-        """See `ConvexTerm`."""
-        return float(np.linalg.norm(self.matrix @ state + self.offset))
-
-    def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
-        """See `ConvexTerm`; the cone leaves nothing to cut off."""
-        return no_cuts(len(state))
+        return float(np.linalg.norm(self.at(state)))
 
 
 @dataclass(frozen=True, eq=False)
-class PositivePartSum:
+class PositivePartSum(ConvexTerm):
     """sum_i max(matrix_i . s + offset_i, 0); the samples of a group are one part."""
 
-    matrix: Array  # (m, d)
-    offset: Array  # (m,)
     starts: NDArray[np.intp]  # first samples of the groups
-
-    nonnegative = True
 
     @property
     def parts(self) -> int:
-        """See `ConvexTerm`."""
         return len(self.starts)
 
     def value(self, state: Array) -> float:
-        """See `ConvexTerm`."""
-        return float(np.maximum(self.matrix @ state + self.offset, 0.0).sum())
+        return float(np.maximum(self.at(state), 0.0).sum())
 
     def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
-        """See `ConvexTerm`."""
-        found = self.matrix @ state + self.offset
+        found = self.at(state)
         on = (found > 0).astype(np.float64)
         sums = np.add.reduceat(found * on, self.starts)
         part = np.flatnonzero(sums > known + slack / max(len(self.starts), 1))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from paminsa_viz.balancing.backends import ConicProgram, solve_conic, solve_linear
-from paminsa_viz.balancing.convex import ConvexTerm, Cuts, Norm, no_cuts
+from paminsa_viz.balancing.convex import ConvexTerm, Cuts, Norm
 from paminsa_viz.balancing.program import Levers, Program
 from paminsa_viz.model.arrays import Array
 
@@ -70,20 +70,16 @@ class Enclosure:
         self.count = self.effect.shape[1]
         self.moments = _slices([len(c) for c in columns])
         self.parts = _slices([term.parts for term in self.terms])
+        self.part_count = sum(term.parts for term in self.terms)
         self.norms = [i for i, term in enumerate(self.terms) if isinstance(term, Norm)]
         self.limits = np.array([limit for limit, _ in p.limits], float)
         self.limit_scale = np.maximum(1.0, np.abs(self.limits))
-        self.cuts = [no_cuts(len(p.start))]
+        self.cuts = [Cuts(np.empty(0, np.intp), np.empty((0, len(p.start))), np.empty(0))]
         levered = [i for i, variable in enumerate(p.variables) if variable.has_lever]
         self.tangents = [(i, u) for i in levered for u in TANGENTS]
         for share in (0.0, 0.5, 1.0):
             levers = [[(0.5 * sum(v.span), v.low + share * (v.high - v.low))] for v in p.variables]
             self._cut(p.state(levers), np.full(self.part_count, -np.inf), 0.0)
-
-    @property
-    def part_count(self) -> int:
-        """Number of parts of all terms."""
-        return sum(term.parts for term in self.terms)
 
     def relax(self, excess: float) -> None:
         """Raise the limits."""
@@ -147,11 +143,9 @@ class Enclosure:
         for term, place in zip(self.terms, self.parts, strict=True):
             low[n + place.start : n + place.stop] = 0.0 if term.nonnegative else -np.inf
         low[-1], high[-1] = 0.0, np.inf if elastic else 0.0
-        if elastic:
-            cost[-1] = 1.0
-        else:
-            for (weight, _), place in zip(p.goals, self.parts, strict=False):
-                cost[n + place.start : n + place.stop] = weight
+        cost[-1] = 1.0 if elastic else 0.0
+        for (weight, _), place in zip(p.goals, self.parts, strict=False):
+            cost[n + place.start : n + place.stop] = 0.0 if elastic else weight
 
         enclosing = np.zeros((len(cuts.part), size))
         enclosing[:, :n] = cuts.matrix @ self.effect

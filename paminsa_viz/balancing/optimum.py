@@ -9,12 +9,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from paminsa_viz.balancing.changes import Changes, MassSpace, mass_space
-from paminsa_viz.balancing.convex import ConvexTerm
-from paminsa_viz.balancing.errors import InfeasibleBounds, Relaxation, Shortfall
 from paminsa_viz.balancing.program import Infeasible, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import Term, deviations
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.design import Design
 
 WIDER = 100.0
@@ -92,6 +90,67 @@ class Optimum:
         return max(0.0, self.objective - self.lower_bound)
 
 
+@dataclass(frozen=True)
+class Shortfall:
+    """A limit that cannot be met.
+
+    Attributes:
+        label: What is limited.
+        unit: Its SI unit.
+        limit: The requested limit.
+        attainable: The least value within the bounds, the other limits met; with the other limits
+            left out where they cannot be met either.
+    """
+
+    label: str
+    unit: str
+    limit: float
+    attainable: float
+
+
+@dataclass(frozen=True)
+class Relaxation:
+    """A bound of a mass to move.
+
+    Attributes:
+        name: Path of the mass, or name of the counterweight range.
+        side: ``"low"`` or ``"high"``.
+        bound: The bound as it is [kg].
+        needed: Where it would have to be [kg].
+    """
+
+    name: str
+    side: str
+    bound: float
+    needed: float
+
+
+class InfeasibleBounds(PaminsaError):
+    """No masses within the bounds meet all limits.
+
+    Attributes:
+        limits: What cannot be met, and the least values instead.
+        relax: The bounds whose least movement, added up over the robot, makes it possible; empty if
+            none does.
+    """
+
+    def __init__(self, limits: tuple[Shortfall, ...], relax: tuple[Relaxation, ...]) -> None:
+        self.limits = limits
+        self.relax = relax
+        shortfalls = "; ".join(
+            f"{item.label} of at most {item.limit:.6g} {item.unit} is requested and "
+            f"{item.attainable:.6g} {item.unit} is the least"
+            for item in limits
+        )
+        remedy = ", ".join(
+            f"{'raise the upper' if item.side == 'high' else 'lower the lower'} bound of "
+            f"{item.name} from {item.bound:.6g} kg to {item.needed:.6g} kg"
+            for item in relax
+        )
+        remedy = remedy or "no other bounds would help either"
+        super().__init__(f"the bounds do not allow it: {shortfalls}; {remedy}")
+
+
 def optimize(
     design: Design,
     changes: Changes,
@@ -127,17 +186,16 @@ def optimize(
     try:
         found = solve(program, tolerance=tolerance)
     except Infeasible:
-        labels = [(term.label, term.unit) for term, _ in limits]
-        raise infeasible(space, program, labels) from None
-    after = space.design_of(found.levers)
-    terms = [(term, piece, None) for (_, term), (_, piece) in zip(weighted, pieces, strict=True)]
-    terms += [
-        (term, piece, limit) for (term, limit), (_, piece) in zip(limits, bounded, strict=True)
-    ]
+        raise infeasible(space, program, [term for term, _ in limits]) from None
+    named = [(term, None) for _, term in weighted] + list(limits)
+    values = tuple(
+        TermValue(term.label, term.unit, piece.value(space.before), piece.value(found.state), limit)
+        for (term, limit), (_, piece) in zip(named, pieces + bounded, strict=True)
+    )
     return Optimum(
         before=design,
-        after=after,
-        values=tuple(_value(space, found, *item) for item in terms),
+        after=space.design_of(found.levers),
+        values=values,
         objective=found.value,
         lower_bound=found.bound,
         active=active_bounds(space, found, limits),
@@ -146,43 +204,28 @@ def optimize(
     )
 
 
-def _value(
-    space: MassSpace, found: Solution, term: Term, piece: ConvexTerm, limit: float | None
-) -> TermValue:
-    before, after = piece.value(space.before), piece.value(found.state)
-    return TermValue(term.label, term.unit, before, after, limit)
-
-
 def active_bounds(
     space: MassSpace, found: Solution, limits: Sequence[tuple[Term, float]] = ()
 ) -> tuple[ActiveConstraint, ...]:
     """Return the bounds that a solution touches, with their multipliers."""
     active = []
     for number, variable in enumerate(space.variables):
-        amount, price = float(found.amounts[number]), float(found.prices[number])
+        name, amount, price = variable.name, found.amounts[number], float(found.prices[number])
         near = ACTIVE * max(variable.high - variable.low, 1e-12)
         if amount <= variable.low + near:
-            active.append(
-                ActiveConstraint(variable.name, "low", variable.low, "kg", max(0.0, price))
-            )
+            active.append(ActiveConstraint(name, "low", variable.low, "kg", max(0.0, price)))
         if amount >= variable.high - near:
-            active.append(
-                ActiveConstraint(variable.name, "high", variable.high, "kg", max(0.0, -price))
-            )
+            active.append(ActiveConstraint(name, "high", variable.high, "kg", max(0.0, -price)))
         first, last = variable.span
         if last > first and amount > near:
-            slope = float(found.slopes[number])
-            close = ACTIVE * (last - first)
-            held = {
-                "nearest": (first, sum(a for v, a in found.levers[number] if v <= first + close)),
-                "farthest": (last, sum(a for v, a in found.levers[number] if v >= last - close)),
-            }
-            for side, (end, mass) in held.items():
+            slope, close = float(found.slopes[number]), ACTIVE * (last - first)
+            places = found.levers[number]
+            for side, end, gain, mass in (
+                ("nearest", first, slope, sum(a for v, a in places if v <= first + close)),
+                ("farthest", last, -slope, sum(a for v, a in places if v >= last - close)),
+            ):
                 if mass > near:
-                    gain = slope if side == "nearest" else -slope
-                    active.append(
-                        ActiveConstraint(variable.name, side, end, "m", max(0.0, mass * gain))
-                    )
+                    active.append(ActiveConstraint(name, side, end, "m", max(0.0, mass * gain)))
     for (term, limit), price in zip(limits, found.limit_prices, strict=False):
         if price > 0:
             active.append(
@@ -191,26 +234,17 @@ def active_bounds(
     return tuple(sorted(active, key=lambda item: -item.price))
 
 
-def infeasible(
-    space: MassSpace, program: Program, labels: Sequence[tuple[str, str]]
-) -> InfeasibleBounds:
-    """Return the error for a program whose limits cannot be met, with what would help.
-
-    Args:
-        space: What may change.
-        program: The program; its limits are those of ``labels``.
-        labels: Name and unit of each limit.
-    """
+def infeasible(space: MassSpace, program: Program, limits: Sequence[Term]) -> InfeasibleBounds:
+    """Return the error for a program whose limits cannot be met, with what would help."""
     short = []
-    for number, (limit, piece) in enumerate(program.limits):
+    for number, (term, (limit, piece)) in enumerate(zip(limits, program.limits, strict=True)):
         others = tuple(item for i, item in enumerate(program.limits) if i != number)
         alone = replace(program, goals=((1.0, piece),), limits=())
         try:
             least = solve(replace(alone, limits=others)).value
         except Infeasible:
             least = solve(alone).value
-        label, unit = labels[number]
-        short.append(Shortfall(label, unit, limit, least))
+        short.append(Shortfall(term.label, term.unit, limit, least))
     return InfeasibleBounds(tuple(short), movable_bounds(space, program))
 
 
@@ -220,15 +254,13 @@ def movable_bounds(space: MassSpace, program: Program) -> tuple[Relaxation, ...]
     high = np.array([variable.high for variable in space.variables])
     outside = deviations(space, low, high)
     wide = tuple(replace(c, low=0.0, high=c.high + WIDER) for c in space.variables)
+    widened = replace(program, variables=wide, goals=((1.0, outside),), scale=1.0)
     try:
-        found = solve(
-            replace(program, variables=wide, goals=((1.0, outside),), scale=1.0), tolerance=1e-8
-        )
+        found = solve(widened, tolerance=1e-8)
     except Infeasible:
         return ()
     moved = []
-    for number, variable in enumerate(space.variables):
-        amount = float(found.amounts[number])
+    for variable, amount in zip(space.variables, map(float, found.amounts), strict=True):
         if amount > variable.high + 1e-9:
             moved.append(Relaxation(variable.name, "high", variable.high, amount))
         elif amount < variable.low - 1e-9:

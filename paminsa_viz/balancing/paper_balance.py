@@ -15,10 +15,11 @@ import numpy as np
 
 from paminsa_viz.balancing.changes import Changes, MassRange, MassSpace, mass_space
 from paminsa_viz.balancing.convex import MaxAbs
-from paminsa_viz.balancing.errors import InfeasibleBounds, Shortfall
 from paminsa_viz.balancing.optimum import (
     ActiveConstraint,
+    InfeasibleBounds,
     Optimum,
+    Shortfall,
     TermValue,
     active_bounds,
     movable_bounds,
@@ -26,7 +27,6 @@ from paminsa_viz.balancing.optimum import (
 from paminsa_viz.balancing.program import Levers, Program, Solution
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import MP2, AddedMass, MassChange
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.statics import static_imbalance
 
@@ -79,8 +79,7 @@ def balance(
     began = time.perf_counter()
     chosen = criterion or AddedMass()
     space = mass_space(design, paper_changes(design) if changes is None else changes)
-    row = np.zeros(len(space.start))
-    row[MP2] = 1.0
+    row = np.eye(1, len(space.start), MP2)[0]
     free = Program(space.start, space.variables, ())
     target = min(max(0.0, free.least(row)), -free.least(-row))
     piece = chosen.piece(space)
@@ -115,8 +114,8 @@ def _in_the_way(space: MassSpace, found: Solution, target: float) -> tuple[Activ
     """Return the bounds that keep M_p2 from zero; their prices are in N of |M_p2| for a kg."""
     toward = -np.sign(target)
     active = []
-    for number, variable in enumerate(space.variables):
-        levers = [lever for lever, _ in found.levers[number]] or list(variable.span)
+    for variable, places in zip(space.variables, found.levers, strict=True):
+        levers = [lever for lever, _ in places] or list(variable.span)
         effect = max((toward * variable.column(lever)[MP2] for lever in levers), key=abs)
         if effect != 0:
             side, bound = ("high", variable.high) if effect > 0 else ("low", variable.low)
@@ -126,22 +125,18 @@ def _in_the_way(space: MassSpace, found: Solution, target: float) -> tuple[Activ
 
 def _exact(space: MassSpace, levers: Levers) -> Levers:
     """Take the linear solver's rounding out of M_p2: move the mass that is free to move."""
-    free: list[tuple[float, int, int, Array]] = []
-    for number, (variable, places) in enumerate(zip(space.variables, levers, strict=True)):
-        total = sum(amount for _, amount in places)
-        if variable.low < total < variable.high:
-            for index, (lever, amount) in enumerate(places):
-                column = variable.column(lever)
-                if amount > 0:
-                    free.append((abs(column[MP2]), number, index, column))
-    if not free:
-        return levers
-    share, number, index, column = max(free, key=lambda item: item[0])
-    if share == 0:
-        return levers
     exact = [list(places) for places in levers]
-    for _ in range(3):
-        lever, amount = exact[number][index]
-        left = static_imbalance(space.design_of(exact))
-        exact[number][index] = (lever, max(amount - left / column[MP2], 0.0))
+    free: list[tuple[float, int, int]] = []
+    for number, (variable, places) in enumerate(zip(space.variables, exact, strict=True)):
+        if variable.low < sum(amount for _, amount in places) < variable.high:
+            for index, (lever, amount) in enumerate(places):
+                share = variable.column(lever)[MP2]
+                if amount > 0 and share != 0:
+                    free.append((share, number, index))
+    if free:
+        share, number, index = max(free, key=lambda item: abs(item[0]))
+        for _ in range(3):
+            lever, amount = exact[number][index]
+            left = static_imbalance(space.design_of(exact))
+            exact[number][index] = (lever, max(amount - left / share, 0.0))
     return exact

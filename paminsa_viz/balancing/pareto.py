@@ -92,11 +92,9 @@ def pareto_front(
         extra = [] if held is None else [(held, below)]
         return optimize(design, changes, goal, limits=[*limits, *extra])
 
-    def value(optimum: Optimum, term: Term) -> float:
-        return next(v.after for v in optimum.values if v.label == term.label)
-
     def point(optimum: Optimum) -> ParetoPoint:
-        return ParetoPoint(value(optimum, first), value(optimum, second), optimum)
+        after = {value.label: value.after for value in optimum.values}
+        return ParetoPoint(after[first.label], after[second.label], optimum)
 
     ends = []
     for one, other in ((first, second), (second, first)):
@@ -104,8 +102,8 @@ def pareto_front(
         least = alone.objective
         ends.append(best(other, one, least + SLACK * max(abs(least), abs(alone.values[0].before))))
     left, right = (point(end) for end in ends)
-    start = ends[0].values
-    before = tuple(next(v.before for v in start if v.label == t.label) for t in (first, second))
+    start = {value.label: value.before for value in ends[0].values}
+    before = (start[first.label], start[second.label])
     found = [left]
     small = 1e-6 * max(abs(before[1]), abs(left.second))
     if left.second - right.second > small:
@@ -118,6 +116,5 @@ def pareto_front(
             found.append(right)
     if progress is not None:
         progress(points, points)
-    return ParetoFront(
-        (first.label, second.label), (first.unit, second.unit), tuple(found), (before[0], before[1])
-    )
+    labels, units = (first.label, second.label), (first.unit, second.unit)
+    return ParetoFront(labels, units, tuple(found), before)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.balancing.convex import ConvexTerm
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.arrays import Array
 
 Levers = list[list[tuple[float, float]]]
@@ -164,3 +165,15 @@ class Infeasible(Exception):
     def __init__(self, excess: float) -> None:
         self.excess = excess
         super().__init__(f"limits are broken by {excess:.3g} at least")
+
+
+class SolverFailed(PaminsaError):
+    """A program that the linear solver could not finish; its numbers may differ too much in size.
+
+    Attributes:
+        reason: What went wrong, in words.
+    """
+
+    def __init__(self, reason: str) -> None:
+        self.reason = reason
+        super().__init__(f"the best masses could not be worked out: {reason}")

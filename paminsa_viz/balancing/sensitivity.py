@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.balancing.changes import AMOUNTS, Changes, MassRange, mass_space
-from paminsa_viz.balancing.convex import ConvexTerm
 from paminsa_viz.balancing.terms import (
     MP2,
     StaticPeak,
@@ -20,10 +19,9 @@ from paminsa_viz.balancing.terms import (
 )
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory.sampled import Trajectory
 from paminsa_viz.trajectory.solved import solve_trajectory
@@ -58,7 +56,7 @@ class TornadoBar:
 
     Attributes:
         path, symbol, unit: The value.
-        value: Its present size.
+        value: Its current size.
         minus, plus: (5,) outputs with the value smaller and larger by the relative change.
         derivative: (5,) derivatives of the outputs by the value [unit of the output per unit].
         base: (5,) outputs as they are, over the poses that can be taken in all variants.
@@ -132,94 +130,74 @@ def tornado(
     for path in paths:
         if path not in MASSES + LENGTHS:
             raise InvalidInput(path, "this is neither a mass nor a length of the design")
-    bench = _Bench(grid, trajectory)
     field = solve_field(design.geometry, grid)
-    base = bench.outputs(design, field)
+    outputs, state = _outputs(design, field, trajectory)
     masses = [path for path in paths if path in MASSES] + list(weights)
-    bars = _mass_bars(design, bench, field, change, masses)
-    bars += [_length_bar(design, bench, field, change, p) for p in paths if p in LENGTHS]
-    return Tornado(design, change, base, tuple(bars))
+    bars = _mass_bars(design, outputs, state, change, masses)
+    bars += [_length_bar(design, field, trajectory, change, p) for p in paths if p in LENGTHS]
+    return Tornado(design, change, outputs(state), tuple(bars))
 
 
-@dataclass(frozen=True, eq=False)
-class _Bench:
-    """Workspace and motion on which designs are evaluated."""
+def _outputs(
+    design: Design, field: Field, trajectory: Trajectory | None
+) -> tuple[Callable[[Array], Array], Array]:
+    """Return the outputs (5,) as a function of a state, and the state of the design."""
+    space = mass_space(design, Changes())
+    terms: list[Term] = [StaticPeak(field), StaticRms(field)]
+    if trajectory is not None:
+        solved = solve_trajectory(design.geometry, trajectory, gravity=design.gravity)
+        terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
+    pieces = [term.piece(space) for term in terms]
 
-    grid: Grid
-    trajectory: Trajectory | None
-
-    def pieces(
-        self, design: Design, field: Field, changes: Changes
-    ) -> tuple[list[ConvexTerm], Array]:
-        """Return the four torques as functions of a state, and the state of the design."""
-        space = mass_space(design, changes)
-        terms: list[Term] = [StaticPeak(field), StaticRms(field)]
-        if self.trajectory is not None:
-            solved = solve_trajectory(design.geometry, self.trajectory, gravity=design.gravity)
-            terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
-        return [term.piece(space) for term in terms], space.before
-
-    def at(self, pieces: list[ConvexTerm], state: Array) -> Array:
-        """Return the outputs, (5,), of a state."""
+    def outputs(state: Array) -> Array:
         found = [state[MP2]] + [piece.value(state) for piece in pieces]
         return np.array(found + [np.nan] * (len(OUTPUTS) - len(found)))
 
-    def outputs(self, design: Design, field: Field) -> Array:
-        """Return the outputs, (5,), of a design over the poses of a field."""
-        return self.at(*self.pieces(design, field, Changes()))
+    return outputs, space.before
 
 
 def _mass_bars(
-    design: Design, bench: _Bench, field: Field, change: float, paths: list[str]
+    design: Design, outputs: Callable[[Array], Array], state: Array, change: float, paths: list[str]
 ) -> list[TornadoBar]:
     """Masses: torques are linear in them, so one state and its columns suffice."""
     # the inertia of a thicker tube grows with its mass
     ranges = tuple(MassRange(path, 0.0, design.value(path)) for path in paths)
-    space = mass_space(design, Changes(ranges))
-    pieces, state = bench.pieces(design, field, Changes())
-    base = bench.at(pieces, state)
     bars = []
-    for path, variable in zip(paths, space.variables, strict=True):
+    for path, variable in zip(paths, mass_space(design, Changes(ranges)).variables, strict=True):
         value, column = design.value(path), variable.effect[0, :AMOUNTS]
-        ends = [bench.at(pieces, state + sign * change * value * column) for sign in (-1, 1)]
         step = 1e-6 * max(value, 1e-3)
-        lower, upper = (bench.at(pieces, state + sign * step * column) for sign in (-1, 1))
+        minus, plus, lower, upper = (
+            outputs(state + kilos * column)
+            for kilos in (-change * value, change * value, -step, step)
+        )
         symbol = PARAMETER[path].symbol if path in PARAMETER else path
         slope = (upper - lower) / (2 * step)
-        bars.append(TornadoBar(path, symbol, "kg", value, ends[0], ends[1], slope, base))
+        bars.append(TornadoBar(path, symbol, "kg", value, minus, plus, slope, outputs(state)))
     return bars
 
 
 def _length_bar(
-    design: Design, bench: _Bench, field: Field, change: float, path: str
+    design: Design, field: Field, trajectory: Trajectory | None, change: float, path: str
 ) -> TornadoBar:
     """Lengths: the geometry is solved again for each variant; masses stay as they are."""
-    value = design.value(path)
+    parameter, value = PARAMETER[path], design.value(path)
     nothing = np.full(len(OUTPUTS), np.nan)
-    parameter = PARAMETER[path]
+    bar = partial(TornadoBar, path, parameter.symbol, parameter.unit, value)
     try:
         variants = [
             design.vary({path: value * factor})
             for factor in (1.0, 1 - change, 1 + change, 1 - STEP, 1 + STEP)
         ]
-        fields = [field, *(_solve(v.geometry, bench) for v in variants[1:])]
+        fields = [field, *(solve_field(v.geometry, field.grid) for v in variants[1:])]
         shared = np.all([found.status == Limit.OK for found in fields], axis=0)
-        found = [bench.outputs(v, _only(f, shared)) for v, f in zip(variants, fields, strict=True)]
+        found = []
+        for variant, solved in zip(variants, fields, strict=True):
+            # poses that another variant cannot take do not count
+            status = np.where(shared, solved.status, np.uint8(Limit.SINGULAR))
+            outputs, state = _outputs(variant, replace(solved, status=status), trajectory)
+            found.append(outputs(state))
     except (InvalidDesign, InvalidInput) as error:
-        return TornadoBar(
-            path, parameter.symbol, parameter.unit, value, nothing, nothing, nothing, nothing,
-            problem=str(error),
-        )  # fmt: skip
+        return bar(nothing, nothing, nothing, nothing, problem=str(error))
     base, minus, plus, lower, upper = found
     slope = (upper - lower) / (2 * STEP * value) if value > 0 else nothing
-    lost = int((field.status == Limit.OK).sum() - shared.sum())
-    return TornadoBar(path, parameter.symbol, parameter.unit, value, minus, plus, slope, base, lost)
-
-
-def _solve(geometry: Geometry, bench: _Bench) -> Field:
-    return solve_field(geometry, bench.grid)
-
-
-def _only(field: Field, poses: NDArray[np.bool_]) -> Field:
-    """Return a field in which no pose outside a mask counts."""
-    return replace(field, status=np.where(poses, field.status, np.uint8(Limit.SINGULAR)))
+    return bar(minus, plus, slope, base, int((field.status == Limit.OK).sum() - shared.sum()))

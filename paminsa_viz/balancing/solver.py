@@ -10,8 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from paminsa_viz.balancing.enclosure import FEASIBLE, RESOLVED, Enclosure, Trial
-from paminsa_viz.balancing.errors import SolverFailed
-from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution
+from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution, SolverFailed
 from paminsa_viz.model.arrays import Array
 
 MAX_ROUNDS = 200

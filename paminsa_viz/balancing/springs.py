@@ -22,7 +22,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.balancing.anchors import Anchor
 from paminsa_viz.balancing.convex import MaxAbs, Norm
 from paminsa_viz.balancing.program import Program, Variable
 from paminsa_viz.balancing.solver import solve
@@ -31,7 +30,85 @@ from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
+from paminsa_viz.model.leg_points import PointWeights, bar_point, point_weights
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.statics import static_torques, torques_of_legs
+from paminsa_viz.units import format_ascii
+
+KINDS = ("joint", "bar", "guide", "slider")
+
+
+@dataclass(frozen=True)
+class Anchor:
+    """A named point; make it with `at_joint`, `on_bar`, `on_guide` or `on_slider`.
+
+    Attributes:
+        kind: One of `KINDS`.
+        joint: Number of the joint, for a joint or a place on a bar.
+        bar: The bar, for a place on one.
+        beyond: As in `Counterweight` [m].
+        radius: Distance from the leg axis toward the platform, for the guide [m].
+        height: Above the guides, for guide and slider [m].
+    """
+
+    kind: str
+    joint: int = 0
+    bar: str = ""
+    beyond: float = 0.0
+    radius: float = 0.0
+    height: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise InvalidInput("anchor", f"{self.kind!r} is none of {', '.join(KINDS)}")
+        if self.kind == "joint" and self.joint not in (2, 3, 4, 5, 7, 8, 9):
+            raise InvalidInput("anchor", f"a leg has joints 2, 3, 4, 5, 7, 8, 9, not {self.joint}")
+        if self.kind == "bar":
+            Counterweight(self.bar, self.joint, self.beyond)
+        if not np.isfinite([self.radius, self.height]).all():
+            raise InvalidInput("anchor", "its radius and height have to be finite")
+
+    def weights(self, geometry: Geometry) -> PointWeights:
+        """Return where it is, as a weighted sum of the leg's joints 5 and 9."""
+        if self.kind == "joint":
+            return point_weights(geometry)[self.joint]
+        if self.kind == "bar":
+            return bar_point(geometry, self.bar, self.joint, self.beyond)
+        if self.kind == "slider":
+            return point_weights(geometry)[8]._replace(z0=self.height)
+        return PointWeights(0.0, 0.0, 0.0, self.height, self.radius)
+
+    @property
+    def name(self) -> str:
+        """The point in words, lengths in mm."""
+        if self.kind == "joint":
+            return f"joint {self.joint}"
+        if self.kind == "bar":
+            return Counterweight(self.bar, self.joint, self.beyond).place
+        height = f"{format_ascii(self.height, 'm')} above"
+        if self.kind == "slider":
+            return f"mast on slider 8, {height}"
+        return f"post on the guide link, {format_ascii(self.radius, 'm')} from the axis, {height}"
+
+
+def at_joint(joint: int) -> Anchor:
+    """Return a joint, by the paper's number."""
+    return Anchor("joint", joint=joint)
+
+
+def on_bar(bar: str, joint: int, beyond: float) -> Anchor:
+    """Return a point of a bar or of its extension; arguments as in `Counterweight`."""
+    return Anchor("bar", joint=joint, bar=bar, beyond=beyond)
+
+
+def on_guide(radius: float, height: float) -> Anchor:
+    """Return a point fixed to the guide link B10, which turns with the leg; radius 0: the axis."""
+    return Anchor("guide", radius=radius, height=height)
+
+
+def on_slider(height: float) -> Anchor:
+    """Return the top of a mast on slider 8, which travels along the guide."""
+    return Anchor("slider", height=height)
 
 
 @dataclass(frozen=True)
@@ -120,11 +197,7 @@ def _legs(geometry: Geometry, pose: Array) -> LegPosition:
     return leg_states(geometry, pose, still, still)[0]
 
 
-def spring_lengths(
-    geometry: Geometry,
-    spring: Spring | SpringPlace,
-    pose: ArrayLike,
-) -> Array:
+def spring_lengths(geometry: Geometry, spring: Spring | SpringPlace, pose: ArrayLike) -> Array:
     """Return how long a spring is, (..., 3 legs) [m]; NaN where the bars cannot close."""
     legs = _legs(geometry, as_vectors(pose, "pose"))
     return _lengths(geometry, legs, spring.first, spring.second)[0]
@@ -150,11 +223,7 @@ def _unit_torques(
     return whole, free
 
 
-def spring_torques(
-    geometry: Geometry,
-    springs: Sequence[Spring],
-    pose: ArrayLike,
-) -> Array:
+def spring_torques(geometry: Geometry, springs: Sequence[Spring], pose: ArrayLike) -> Array:
     """Return what actuators have to hold against springs, dV/dq, (..., 4) [N m, N].
 
     Add it to `static_torques`. NaN where the bars cannot close.
@@ -191,28 +260,34 @@ def fit_springs(
     pose = as_vectors(pose, "pose").reshape(-1, 4)
     gravity = static_torques(design, pose)[:, :3]
     columns = [_unit_torques(design.geometry, place, pose) for place in places]
-    matrix = np.array([part[:, :3] for pair in columns for part in pair]).reshape(
-        2 * len(places), len(pose), 3
-    )
+    matrix = np.array([part[:, :3] for pair in columns for part in pair])
+    matrix = matrix.reshape(-1, len(pose), 3)
     good = np.isfinite(gravity).all(axis=1) & np.isfinite(matrix).all(axis=(0, 2))
     if not good.any():
         raise InvalidInput("pose", "the robot cannot take a single one of the poses")
     offset = gravity[good].ravel()
-    rows = np.ascontiguousarray(matrix[:, good].reshape(2 * len(places), offset.size).T)
+    rows = np.ascontiguousarray(matrix[:, good].reshape(-1, offset.size).T)
     if measure == "peak":
         piece = MaxAbs(rows, offset)
     else:
         triangle = np.linalg.qr(np.column_stack([rows, offset]), mode="r") / np.sqrt(len(offset))
         piece = Norm(triangle[:, :-1], triangle[:, -1])
-    program = _program(places, piece, float(np.abs(offset).max()))
-    found = solve(program)
+    size = 2 * len(places)
+    variables = []
+    for number, place in enumerate(places):  # K and K L of each spring: its lever is L
+        effect = np.zeros((3, size))
+        effect[0, 2 * number] = effect[1, 2 * number + 1] = 1.0
+        span = (place.min_free_length, place.max_free_length)
+        name = f"{place.first.name} to {place.second.name}"
+        variables.append(Variable(name, 0.0, place.max_stiffness, effect, span))
+    scale = float(np.abs(offset).max())
+    found = solve(Program(np.zeros(size), tuple(variables), ((1.0, piece),), scale=scale))
     springs = []
     for number, place in enumerate(places):
         stiffness, product = found.state[2 * number : 2 * number + 2]
         free = product / stiffness if stiffness > 0 else place.min_free_length
         springs.append(Spring(place.first, place.second, float(stiffness), float(free)))
-    legs = _legs(design.geometry, pose[good])
-    lengths = [_lengths(design.geometry, legs, p.first, p.second)[0] for p in places]
+    lengths = [spring_lengths(design.geometry, place, pose[good]) for place in places]
     return SpringFit(
         springs=tuple(springs),
         before=piece.value(np.zeros(2 * len(places))),
@@ -221,15 +296,3 @@ def fit_springs(
         reach=tuple((float(d.min()), float(d.max())) for d in lengths),
         seconds=time.perf_counter() - began,
     )
-
-
-def _program(places: Sequence[SpringPlace], piece: MaxAbs | Norm, scale: float) -> Program:
-    """Return the program in (K, K L) of each spring: the free length is the lever."""
-    variables = []
-    for number, place in enumerate(places):
-        effect = np.zeros((3, 2 * len(places)))
-        effect[0, 2 * number] = effect[1, 2 * number + 1] = 1.0
-        name = f"{place.first.name} to {place.second.name}"
-        span = (place.min_free_length, place.max_free_length)
-        variables.append(Variable(name, 0.0, place.max_stiffness, effect, span))
-    return Program(np.zeros(2 * len(places)), tuple(variables), ((1.0, piece),), scale=scale)

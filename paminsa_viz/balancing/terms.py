@@ -15,7 +15,6 @@ from paminsa_viz.balancing.changes import AMOUNTS, MASS, MassSpace
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs, Norm, PositivePartSum
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.dynamics import frictionless
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.lumped import COEFFICIENTS, Misprint
 from paminsa_viz.model.reach import Limit
@@ -68,16 +67,30 @@ def _same_geometry(space: MassSpace, geometry: object, argument: str) -> None:
         raise InvalidInput(argument, "it was solved for another geometry than the design's")
 
 
-def _reached(field: Field) -> Array:
-    """Return Gamma where it has a value, (4, n) [m, 1].
-
-    Raises:
-        InvalidInput: If that is nowhere.
-    """
+def _reached(space: MassSpace, field: Field) -> Array:
+    """Return Gamma where it has a value, (4, n) [m, 1]; raises where that is nowhere."""
+    _same_geometry(space, field.geometry, "field")
     gamma = field.gamma[:, field.status == Limit.OK]
     if gamma.size == 0:
         raise InvalidInput("field", "the robot cannot take a single pose of the workspace grid")
     return gamma
+
+
+def _imbalance(space: MassSpace, factor: float) -> MaxAbs:
+    """Return a factor times |M_p2|."""
+    return MaxAbs(factor * _row(len(space.start), Mp2=1.0)[None], np.zeros(1))
+
+
+@dataclass(frozen=True)
+class Imbalance:
+    """|M_p2|, which all static torques of M1..M3 are proportional to (Eq. 8) [N]."""
+
+    label: str = "|M_p2|"
+    unit: str = "N"
+
+    def piece(self, space: MassSpace) -> ConvexTerm:
+        """See `Term`."""
+        return _imbalance(space, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +106,7 @@ class StaticPeak:
 
     def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        _same_geometry(space, self.field.geometry, "field")
-        return _balance_piece(space, float(np.abs(_reached(self.field)[:3]).max()))
+        return _imbalance(space, float(np.abs(_reached(space, self.field)[:3]).max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,24 +119,7 @@ class StaticRms:
 
     def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        _same_geometry(space, self.field.geometry, "field")
-        return _balance_piece(space, float(np.sqrt(np.mean(_reached(self.field)[:3] ** 2))))
-
-
-@dataclass(frozen=True)
-class Imbalance:
-    """|M_p2|, which all static torques of M1..M3 are proportional to (Eq. 8) [N]."""
-
-    label: str = "|M_p2|"
-    unit: str = "N"
-
-    def piece(self, space: MassSpace) -> ConvexTerm:
-        """See `Term`."""
-        return _balance_piece(space, 1.0)
-
-
-def _balance_piece(space: MassSpace, factor: float) -> MaxAbs:
-    return MaxAbs(_row(len(space.start), Mp2=factor)[None], np.zeros(1))
+        return _imbalance(space, float(np.sqrt(np.mean(_reached(space, self.field)[:3] ** 2))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +132,7 @@ class StaticLift:
 
     def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        _same_geometry(space, self.field.geometry, "field")
-        lift = _reached(self.field)[3]
+        lift = _reached(space, self.field)[3]
         k, g = space.design.geometry.magnification, space.design.gravity
         matrix = [
             _row(len(space.start), Mp1=3 * k, Mp2=end, Mp3=3.0, m_pl=k * g)
@@ -152,7 +146,7 @@ def trajectory_rows(
 ) -> tuple[Array, Array]:
     """Return torques on a trajectory as matrix . s + offset: (n, actuators, d), (n, actuators).
 
-    The offset is friction.
+    The offset is friction and the inertia of the drives.
 
     Raises:
         InvalidInput: If the trajectory fails somewhere, is another robot's, or has misprints.
@@ -170,21 +164,17 @@ def trajectory_rows(
         extra = space.design.gravity - solved.gravity
         k = space.design.geometry.magnification
         matrix[:, actuators.index(3), PLATFORM] += k * extra
-    friction = space.design.friction
     offset = np.zeros(matrix.shape[:2])
-    if not frictionless(friction):
-        offset += solved.friction(friction)[:, actuators]
+    if any(space.design.drive_inertia):
+        offset += solved.drive_inertia_torque(space.design)[:, actuators]
+    if not space.design.actuator_friction.zero:
+        offset += solved.friction(space.design)[:, actuators]
     return matrix, offset
 
 
 @dataclass(frozen=True, eq=False)
 class _Effort:
-    """Something of the torques of some actuators over a trajectory [N m, N].
-
-    Attributes:
-        solved: The trajectory, solved for the geometry.
-        actuators: Indices of those that count.
-    """
+    """A measure of the torques of some actuators over a trajectory."""
 
     solved: SolvedTrajectory
     actuators: tuple[int, ...] = ROTARY
@@ -281,8 +271,7 @@ class AddedMass:
 
     def piece(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        row = np.zeros((1, len(space.start)))
-        row[0, MASS] = 1.0
+        row = np.eye(1, len(space.start), MASS)
         return MaxAbs(row, -space.before[[MASS]], absolute=False)
 
 

@@ -30,11 +30,10 @@ from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_ending
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.meshes.weights import clearance_text
-from paminsa_viz.model.bounds import LARGEST
-from paminsa_viz.model.design import Design
+from paminsa_viz.meshes.loads import clearance_text
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 from paminsa_viz.units import MM
 

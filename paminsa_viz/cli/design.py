@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
@@ -11,7 +11,7 @@ import tyro
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import JsonFlags, check_ending, design_of
+from paminsa_viz.cli.flags import JsonFlags, check_ending
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
@@ -19,6 +19,7 @@ from paminsa_viz.files.design_schema import KEYS, KNEE, TABLES
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.reach import Limit, home_pose
 
@@ -51,7 +52,7 @@ class Check:
         code = 0
         for file in self.files:
             try:
-                design = design_of(file)
+                design = load_design(file)
                 _require_finite_torques(design, file)
             except PaminsaError as error:
                 print_error(error)
@@ -59,6 +60,7 @@ class Check:
                 continue
             count = sum(a != b for _, _, a, b, _ in _rows(APPENDIX_4, design))
             count += len(design.counterweights)
+            count += sum(drive is not None for drive in design.drives)
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
         return code
@@ -77,13 +79,19 @@ class Show(JsonFlags):
         if self.json:
             values = {key.path: design.value(key.parameter.path) for key in KEYS}
             facts = {"name": design.name, "knee": design.geometry.knee.value, "values": values}
-            print_json(facts | {"counterweights": _weights(design)})
+            facts |= {"counterweights": _weights(design)}
+            print_json(facts | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
         print(design.name)
         rows = [(table, name, _text(v), what) for table, name, v, _, what in _rows(design, design)]
         rows += [
             ("counterweights", "mass_kg", _text(weight.mass), weight.place)
             for weight in design.counterweights
+        ]
+        rows += [
+            ("drives", actuator, "", drive.summary)
+            for actuator, drive in zip(ACTUATORS, design.drives, strict=True)
+            if drive is not None
         ]
         print_table(rows)
         return 0
@@ -122,6 +130,7 @@ class Diff(JsonFlags):
         first, second = designs = tuple(map(_load, files))
         changed = [row for row in _rows(first, second) if row[2] != row[3]]
         weighted = first.counterweights != second.counterweights
+        driven = first.drives != second.drives
         if self.json:
             facts: dict[str, Any] = {"first": first.name, "second": second.name}
             facts["differences"] = {
@@ -131,9 +140,11 @@ class Diff(JsonFlags):
             if weighted:
                 weights = map(_weights, designs)
                 facts["counterweights"] = dict(zip(("first", "second"), weights, strict=True))
+            if driven:
+                facts["drives"] = {"first": _drives(first), "second": _drives(second)}
             print_json(facts)
             return 0
-        if not changed and not weighted:
+        if not changed and not weighted and not driven:
             print("the designs have the same values")
             return 0
         rows = [("", "", *(str(file or APPENDIX_4.name) for file in files), "change", "")]
@@ -147,6 +158,10 @@ class Diff(JsonFlags):
                 for design in designs
             ]
             rows.append(("counterweights", "", *held, "", ""))
+        for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
+            if pair[0] != pair[1]:
+                texts = ["-" if drive is None else drive.summary for drive in pair]
+                rows.append(("drives", actuator, *texts, "", ""))
         print_table(rows)
         return 0
 
@@ -184,6 +199,12 @@ def _load(file: Path | None) -> Design:
 
 def _weights(design: Design) -> list[dict[str, Any]]:
     return [vars(weight) for weight in design.counterweights]
+
+
+def _drives(design: Design) -> dict[str, Any]:
+    """Return the drives by actuator, for JSON."""
+    pairs = zip(ACTUATORS, design.drives, strict=True)
+    return {name: asdict(drive) for name, drive in pairs if drive is not None}
 
 
 def _require_finite_torques(design: Design, file: Path) -> None:

@@ -11,12 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import load_design
-from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.files.tables import table_endings
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.trajectory import PRESET, Trajectory
@@ -28,19 +25,6 @@ else:
     PresetName = Literal[tuple(PRESET)]
 
 Pose: TypeAlias = tuple[float, float, float, float]
-
-
-def design_of(file: Path | None) -> Design:
-    """Return a file's design, or Appendix 4's without one.
-
-    Raises:
-        DesignFileError: If the file cannot be read, is refused, or has numbers of a size that
-            cannot be worked with.
-    """
-    try:
-        return APPENDIX_4 if file is None else validate_limits(load_design(file))
-    except InvalidDesign as error:
-        raise DesignFileError(str(file), str(error)) from error
 
 
 def check_ending(flag: str, path: Path | None, endings: Iterable[str]) -> None:
@@ -66,8 +50,12 @@ class DesignFlags:
     design's own."""
 
     def given_design(self) -> Design:
-        """Return the design; see `design_of`."""
-        design = design_of(self.design)
+        """Return the design.
+
+        Raises:
+            DesignFileError: If the file cannot be read or is refused.
+        """
+        design = APPENDIX_4 if self.design is None else load_design(self.design)
         return design if self.assembly is None else design.with_knee(KneeBranch(self.assembly))
 
 
@@ -83,7 +71,7 @@ class ComparedDesignFlags(DesignFlags):
         """Return the design to compare with, if one is given, with the same branch of the knee."""
         if self.reference is None:
             return None
-        return design_of(self.reference).with_knee(design.geometry.knee)
+        return load_design(self.reference).with_knee(design.geometry.knee)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,8 +17,7 @@ from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PresetNam
 from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.interrupts import on_interrupt
-from paminsa_viz.model.bounds import largest
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,
@@ -215,7 +214,7 @@ def _range(text: str, design: Design, spread: float) -> DesignRange:
 
 
 def _check_size(path: str, values: tuple[float, ...]) -> None:
-    most = largest(path)
+    most = PARAMETER[path].largest
     if any(value > most for value in values):
         raise UsageError(f"--vary {path}: at most {most:g} is possible")
 

@@ -14,7 +14,6 @@ from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.trajectory_files import PAGE, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
 from paminsa_viz.files.trajectory_table import read_trajectory
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.plots.formats import figure_endings
@@ -230,7 +229,7 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
     if flags.simulate is None:
         return results
     payload = design.payload.mass + flags.payload_mismatch
-    robot = validate_limits(design.vary({"payload.mass": payload}))
+    robot = design.vary({"payload.mass": payload})
     controller = Controller(
         ControlMode[flags.simulate.replace("-", "_").upper()], bandwidth=flags.bandwidth
     )

@@ -103,7 +103,7 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> EngineTorques:
     robot = make(design)
     torque = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
     torque[~analysis.check.good] = float("nan")
-    return EngineTorques(name, torque + analysis.solved.friction(design.friction))
+    return EngineTorques(name, torque + analysis.solved.friction(design))
 
 
 class _NotWritten(FileError):

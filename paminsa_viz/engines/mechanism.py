@@ -24,9 +24,10 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import NO_DRIVES, Drives
 from paminsa_viz.model.kinematics import AXIS_ANGLES
+from paminsa_viz.model.parameters import BAR_ENDS
 
 Point = tuple[float, float, float]
 
@@ -103,12 +104,14 @@ class MechanismTree:
         pins: The loop closures; plane loops make some of their equations repeat others.
         actuated: Names of the four actuated joints, in the order of the actuators.
         gravity: Gravitational acceleration [m/s^2].
+        drives: Motors and gears, whose inertia turns with the actuated joints.
     """
 
     links: tuple[Link, ...]
     pins: tuple[Pin, ...]
     actuated: tuple[str, str, str, str]
     gravity: float
+    drives: Drives = NO_DRIVES
 
 
 PLATFORM, LIFT = "platform", "lift"
@@ -139,7 +142,7 @@ def build_mechanism(design: Design) -> MechanismTree:
         links += _leg(design, leg)
         pins += _pins(design, leg)
     theta = (leg_name(0, "theta"), leg_name(1, "theta"), leg_name(2, "theta"))
-    return MechanismTree(tuple(links), tuple(pins), (*theta, LIFT), design.gravity)
+    return MechanismTree(tuple(links), tuple(pins), (*theta, LIFT), design.gravity, design.drives)
 
 
 def _upright(inertia: float) -> Point:

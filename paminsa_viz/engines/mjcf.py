@@ -10,7 +10,8 @@ set where it is not 9.81 m/s^2. A URDF could not carry the loops.
 
 Two things MuJoCo asks for: a moving body may not be without mass or inertia, so a zero becomes
 `FLOOR`; and loops are closed by soft constraints, which are set as stiff as the time step allows.
-Friction of the design is left out: MuJoCo's dry friction is another law than the model's.
+Friction of the design is left out: MuJoCo's dry friction is another law than the model's. The
+inertia of its drives is the ``armature`` of the actuated joints.
 """
 
 from __future__ import annotations
@@ -160,6 +161,11 @@ def _inertial(body: ET.Element, part: Part, *, moving: bool) -> None:
 def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, float]) -> None:
     """Add the tree of bodies, placed in the start pose."""
     bodies: dict[str | None, ET.Element] = {None: base}
+    armature = {
+        joint: {"armature": drive.reflected_inertia}
+        for joint, drive in zip(mechanism.actuated, mechanism.drives, strict=True)
+        if drive is not None
+    }
     sites: dict[str, list[tuple[str, Point]]] = {}
     for pin in mechanism.pins:
         sites.setdefault(pin.first, []).append((f"{pin.name}_a", pin.first_point))
@@ -172,7 +178,8 @@ def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, flo
         _inertial(body, link.parts[0], moving=True)
         for joint, axis in zip(link.joints, axes, strict=True):
             value = values[joint.name]
-            _add(body, "joint", name=joint.name, type=joint.kind, axis=axis, ref=value)
+            own = armature.get(joint.name, {})
+            _add(body, "joint", name=joint.name, type=joint.kind, axis=axis, ref=value, **own)
         color = _color(link)
         for rod in link.rods:
             ends = (*rod.start, *rod.end)

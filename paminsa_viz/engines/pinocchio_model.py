@@ -59,6 +59,13 @@ class PinocchioRobot(ClosedLoopRobot):
             )
             for p in self.mechanism.pins
         ]
+        for joint, drive in zip(self.mechanism.actuated, self.mechanism.drives, strict=True):
+            if drive is not None:
+                index = model.joints[model.getJointId(joint)].idx_v
+                model.rotorInertia[index] = drive.inertia
+                model.rotorGearRatio[index] = drive.ratio
+        # What Pinocchio's algorithms use; the two above are only kept by it.
+        model.armature[:] = model.rotorInertia * np.square(model.rotorGearRatio)
         self.data = model.createData()
         self._set_order(list(model.names)[1:])
 

@@ -24,7 +24,7 @@ from paminsa_viz.engines.poses import workspace_poses
 from paminsa_viz.engines.simulation import Played, play
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Friction
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import static_torques
@@ -187,7 +187,7 @@ def verify(
     """
     if not (np.isfinite(tolerance) and tolerance > 0):
         raise InvalidInput("tolerance", f"a finite number above 0 is needed, not {tolerance!r}")
-    design = replace(design, friction=Friction())
+    design = design.without_friction()
     check_path(design.geometry, trajectory).require()
     motion = _thinned(trajectory)
     places = (

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
 
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.scene.layers import with_layers
 from paminsa_viz.explorer.state import Document, LastReachable, State
 from paminsa_viz.files.design_writer import name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import home_pose
 
@@ -56,7 +54,7 @@ def stop_following(state: State) -> State:
     """Take the robot off its motion, which stops being played."""
     if not state.playback.following:
         return state
-    return replace(state, playback=replace(state.playback, playing=False, following=False))
+    return state.updated("playback", playing=False, following=False)
 
 
 def go_home(state: State) -> State:
@@ -69,9 +67,9 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
     """Change numbers of the design.
 
     Raises:
-        InvalidDesign: If no machine can have them, or they are too large to work with.
+        InvalidDesign: If no machine can have them.
     """
-    design = renamed_if_changed(validate_limits(state.document.design.vary(changes)))
+    design = renamed_if_changed(state.document.design.vary(changes))
     return with_document(state, replace(state.document, design=design))
 
 
@@ -97,12 +95,9 @@ def load_design(state: State, design: Design) -> State:
     """Work on another design, at the present pose if it can be taken, else at home.
 
     With another branch of the knee the pose is the mirrored one, as in `set_knee`.
-
-    Raises:
-        InvalidDesign: If a number is too large to work with.
     """
     document = with_knee(state.document, design.geometry.knee)
-    changed = with_document(state, replace(document, design=validate_limits(design)))
+    changed = with_document(state, replace(document, design=design))
     if changed.standing.geometry is not design.geometry:
         changed = go_home(changed)
     return changed
@@ -140,7 +135,7 @@ def pin_reference(state: State) -> State:
 def unpin_reference(state: State) -> State:
     """Forget the reference design; maps show values again."""
     cleared = with_document(state, replace(state.document, reference=None))
-    return replace(cleared, map_view=replace(cleared.map_view, difference=False))
+    return cleared.updated("map_view", difference=False)
 
 
 def swap_reference(state: State) -> State:
@@ -166,22 +161,11 @@ def rename(state: State, name: str) -> State:
 
 
 def restore(state: State, document: Document) -> State:
-    """Take over a whole document, as undo, redo and a reload do.
-
-    Raises:
-        InvalidDesign: If a number of a design is too large to work with.
-    """
-    for design in filter(None, (document.design, document.reference)):
-        validate_limits(design)
+    """Take over a whole document, as undo, redo and a reload do."""
     changed = with_document(stop_following(state), document)
     if document.reference is None and changed.map_view.difference:
-        changed = replace(changed, map_view=replace(changed.map_view, difference=False))
+        changed = changed.updated("map_view", difference=False)
     return changed
-
-
-def set_map_view(state: State, **changes: Any) -> State:
-    """Change how maps are drawn."""
-    return replace(state, map_view=replace(state.map_view, **changes))
 
 
 def set_layers(state: State, **visible: bool) -> State:

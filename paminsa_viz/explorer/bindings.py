@@ -9,31 +9,26 @@ from __future__ import annotations
 import math
 import threading
 from collections.abc import Callable, Sequence
-from functools import partial, singledispatchmethod
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.entries import (
     Button,
     ButtonGroup,
-    Checkbox,
     Custom,
-    Dropdown,
     Effect,
     Entry,
     Folder,
     Html,
-    Input,
-    Number,
-    Pair,
     Progress,
     Run,
-    Slider,
     Tabs,
-    TextBox,
     Upload,
-    text_of,
+    given,
 )
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Dropdown, Input, Pair, Slider
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PaminsaError
@@ -52,13 +47,11 @@ class Panel:
 
     Attributes:
         handles: viser's handles of the entries by their keys.
-        views: The views of `Custom` entries by their keys.
     """
 
     def __init__(self, session: Session, entries: Sequence[Entry]) -> None:
         self._session, self._gui = session, session.client.gui
         self.handles: dict[str, Any] = {}
-        self.views: dict[str, Any] = {}
         self._draws: list[Draw] = []
         self._build_all(entries)
 
@@ -71,184 +64,119 @@ class Panel:
         for entry in entries:
             self._build(entry)
 
-    @singledispatchmethod
-    def _build(self, entry: Any) -> None:
-        raise TypeError(f"{type(entry).__name__} is not an entry")
+    def _build(self, entry: Entry) -> None:
+        if isinstance(entry, Custom):
+            self._draws.append(entry.make(self._session).draw)
+            return
+        if isinstance(entry, ButtonGroup) and callable(entry.choices):
+            entry = replace(entry, visible=partial(_has_choices, entry))
+        assert entry.key not in self.handles, f"two entries are named {entry.key}"
+        handle = self.handles[entry.key] = self._add(entry)
+        for name in ("label", "visible", "disabled"):
+            self._follow(handle, name, getattr(entry, name))
+        self._follow(handle, "hint", entry.hint, idle=True)
+        if isinstance(entry, Folder):
+            with handle:
+                self._build_all(entry.entries)
+        elif isinstance(entry, Tabs):
+            for name, entries in entry.tabs.items():
+                with handle.add_tab(name):
+                    self._build_all(entries)
 
-    @_build.register
-    def _input(self, entry: Input) -> None:
-        state = self._session.state
-        handle = _add_input(self._gui, entry, state, _properties(entry, state))
-        binding = Binding(self._session, entry, handle)
-        ends = SliderRange(entry, handle, state) if isinstance(entry, Slider) else None
+    def _add(self, entry: Entry) -> Any:
+        """Make an entry's handle, with what only entries of its kind have."""
+        gui, session, state = self._gui, self._session, self._session.state
+        label = given(entry.label, state)
+        place = {"visible": entry.visible is None or entry.visible(state), "order": entry.order}
+        properties = place | {
+            "disabled": entry.disabled is not None and entry.disabled(state),
+            "hint": given(entry.hint, state) or None,
+        }
+        match entry:
+            case Input():
+                return self._bind(entry, entry.add(gui, state, label, **properties))
+            case Button():
+                properties |= {"icon": given(entry.icon, state), "color": entry.color}
+                handle = gui.add_button(label, **properties)
+                handle.on_click(
+                    lambda _: perform(session, entry.key, entry.effect, undo=entry.undo)
+                )
+                self._follow(handle, "icon", entry.icon)
+            case ButtonGroup():
+                return self._add_group(entry, label, properties)
+            case Upload():
+                properties |= {"icon": entry.icon, "color": entry.color}
+                handle = gui.add_upload_button(label, mime_type=entry.mime_type, **properties)
+
+                def receive(event: Any) -> None:
+                    file = event.target.value
+                    session.guard(partial(entry.receive, session, file.name, file.content))
+
+                handle.on_upload(receive)
+            case Html():
+                content = entry.content
+                handle = gui.add_html("" if callable(content) else content, **place)
+                if callable(content):
+                    self._follow_frame(handle, "content", content, entry.idle)
+            case Progress():
+                handle = gui.add_progress_bar(0.0, animated=True, **place)
+                self._follow(handle, "value", lambda state: 100 * entry.read(state))
+            case Folder():
+                handle = gui.add_folder(label or None, expand_by_default=entry.open, **place)
+            case Tabs():
+                handle = gui.add_tab_group(**place)
+            case _:
+                raise TypeError(f"{type(entry).__name__} is not an entry")
+        return handle
+
+    def _bind(self, entry: Input, handle: Any) -> Any:
+        if isinstance(entry, Dropdown) and callable(options := entry.options):
+            self._follow(handle, "options", lambda state: tuple(options(state)))
+        binding = (SliderBinding if isinstance(entry, Slider) else Binding)(
+            self._session, entry, handle
+        )
 
         def draw(frame: Frame, dragging: bool) -> None:
-            if entry.idle and dragging:
-                return
-            written = binding.draw(frame.state)
-            if ends is not None:
-                ends.draw(frame.state, written)
+            if not (entry.idle and dragging):
+                binding.draw(frame.state)
 
         self._draws.append(draw)
-        if isinstance(entry, Dropdown) and callable(entry.options):
-            self._follow(handle, "options", lambda state: tuple(entry.choices(state)), first=True)
         if isinstance(entry, Pair):
-            if callable(entry.step):
-                self._follow(handle, "step", entry.step)
-            if entry.precision is not None:
-                self._follow(handle, "precision", entry.precision)
-        self._register(entry, handle)
+            self._follow(handle, "step", entry.step)
+            self._follow(handle, "precision", entry.precision)
+        return handle
 
-    @_build.register
-    def _button(self, entry: Button) -> None:
-        state = self._session.state
-        icon: Any = entry.icon(state) if callable(entry.icon) else entry.icon
-        color: Any = entry.color
-        handle = self._gui.add_button(
-            text_of(entry.label, state), icon=icon, color=color, **_properties(entry, state)
-        )
-        handle.on_click(lambda _: perform(self._session, entry.key, entry.effect, undo=entry.undo))
-        if callable(entry.icon):
-            self._follow(handle, "icon", entry.icon)
-        self._register(entry, handle)
-
-    @_build.register
-    def _button_group(self, entry: ButtonGroup) -> None:
-        session, state = self._session, self._session.state
-        options = tuple(entry.effects(state))
-        properties = _properties(entry, state)
-        properties["visible"] &= bool(options)
-        handle = self._gui.add_button_group(
-            text_of(entry.label, state), options or EMPTY, **properties
-        )
+    def _add_group(self, entry: ButtonGroup, label: str, properties: dict[str, Any]) -> Any:
+        session = self._session
+        options = tuple(given(entry.choices, session.state))
+        handle = self._gui.add_button_group(label, options or EMPTY, **properties)
 
         def click(event: Any) -> None:
-            effect = entry.effects(session.state).get(event.target.value)
+            effect = given(entry.choices, session.state).get(event.target.value)
             if effect is not None:
                 perform(session, entry.key, effect)
 
         handle.on_click(click)
-        if callable(entry.choices):
-            shown = entry.visible or (lambda _: True)
+        if callable(choices := entry.choices):
+            self._follow(handle, "options", lambda state: tuple(choices(state)) or handle.options)
+        return handle
 
-            def draw(frame: Frame, dragging: bool) -> None:
-                del dragging
-                options = tuple(entry.effects(frame.state))
-                if options:
-                    handle.options = options
-                handle.visible = bool(options) and shown(frame.state)
+    def _follow(self, handle: Any, name: str, value: Any, *, idle: bool = False) -> None:
+        """Let a property of a handle follow the state, if ``value`` does."""
+        if callable(value):
+            self._follow_frame(handle, name, lambda frame: value(frame.state), idle)
 
-            self._draws.append(draw)
-            self._register(entry, handle, skip="visible")
-        else:
-            self._register(entry, handle)
-
-    @_build.register
-    def _upload(self, entry: Upload) -> None:
-        state = self._session.state
-        color: Any = entry.color
-        handle = self._gui.add_upload_button(
-            text_of(entry.label, state), icon=entry.icon, color=color, mime_type=entry.mime_type,
-            **_properties(entry, state),
-        )  # fmt: skip
-
-        def receive(event: Any) -> None:
-            file = event.target.value
-            self._session.submit(partial(entry.receive, self._session, file.name, file.content))
-
-        handle.on_upload(receive)
-        self._register(entry, handle)
-
-    @_build.register
-    def _html(self, entry: Html) -> None:
-        handle = self._gui.add_html("", **_place(entry, self._session.state))
-        seen: list[object] = []
-
-        def draw(frame: Frame, dragging: bool) -> None:
-            if entry.idle and dragging:
-                return
-            if entry.depends is not None:
-                now = entry.depends(frame)
-                if seen and seen[0] is now:
-                    return
-                seen[:] = [now]
-            handle.content = entry.content(frame)
-
-        self._draws.append(draw)
-        self._register(entry, handle)
-
-    @_build.register
-    def _progress(self, entry: Progress) -> None:
-        handle = self._gui.add_progress_bar(
-            0.0, animated=True, **_place(entry, self._session.state)
-        )
-        self._follow(handle, "value", lambda state: 100 * entry.read(state))
-        self._register(entry, handle)
-
-    @_build.register
-    def _folder(self, entry: Folder) -> None:
-        state = self._session.state
-        folder = self._gui.add_folder(
-            text_of(entry.label, state) or None, expand_by_default=entry.open,
-            **_place(entry, state),
-        )  # fmt: skip
-        self._register(entry, folder)
-        with folder:
-            self._build_all(entry.entries)
-
-    @_build.register
-    def _tabs(self, entry: Tabs) -> None:
-        group = self._gui.add_tab_group(**_place(entry, self._session.state))
-        self._register(entry, group)
-        for name, entries in entry.tabs.items():
-            with group.add_tab(name):
-                self._build_all(entries)
-
-    @_build.register
-    def _custom(self, entry: Custom) -> None:
-        view = self.views[entry.key] = entry.make(self._session)
-        self._draws.append(view.draw)
-
-    def _register(self, entry: Entry, handle: Any, skip: str = "") -> None:
-        """Keep the handle, and let it follow what all entries share."""
-        assert entry.key not in self.handles, f"two entries are named {entry.key}"
-        self.handles[entry.key] = handle
-        for name, value in (
-            ("label", entry.label), ("visible", entry.visible), ("disabled", entry.disabled),
-        ):  # fmt: skip
-            if callable(value) and name != skip:
-                self._follow(handle, name, value)
-        if callable(entry.hint):
-            self._follow(handle, "hint", entry.hint, idle=True)
-
-    def _follow(
-        self,
-        handle: Any,
-        name: str,
-        value: Callable[[State], Any],
-        *,
-        idle: bool = False,
-        first: bool = False,
+    def _follow_frame(
+        self, handle: Any, name: str, value: Callable[[Frame], Any], idle: bool
     ) -> None:
-        """Let a property of a handle follow the state.
-
-        Args:
-            handle, name: What follows.
-            value: What it is.
-            idle: Whether only when nothing is dragged.
-            first: Whether before all that was built so far.
-        """
-        last: list[Any] = [getattr(handle, name)]
-
         def draw(frame: Frame, dragging: bool) -> None:
             if idle and dragging:
                 return
-            now = value(frame.state)
-            if last[0] != now:  # viser sends a dropdown's options and an icon again and again
-                last[0] = now
+            now = value(frame)
+            if getattr(handle, name) != now:  # viser sends options and an icon again and again
                 setattr(handle, name, now)
 
-        self._draws.insert(-1 if first else len(self._draws), draw)
+        self._draws.append(draw)
 
 
 class Binding:
@@ -316,39 +244,29 @@ class Binding:
         return self._entry.apply(state, self._entry.parse(state, value))
 
 
-class SliderRange:
-    """The ends of a slider: they follow the state, and grow to values beyond them.
+class SliderBinding(Binding):
+    """A slider with its ends: they follow the state, and grow to values beyond them.
 
     While a person drags the slider its ends stay, or the thumb would slip away; they shrink again
     when a value comes from elsewhere.
     """
 
-    def __init__(self, entry: Slider, handle: Any, state: State) -> None:
-        self._entry, self._handle = entry, handle
-        self._base = entry.base_range(state)
+    def __init__(self, session: Session, entry: Slider, handle: Any) -> None:
+        super().__init__(session, entry, handle)
+        self._slider = entry
+        self._base = given(entry.range, session.state)
         self._ends = (handle.min, handle.max)
 
-    def draw(self, state: State, written: bool) -> None:
-        """Follow the state.
-
-        Args:
-            state: The state.
-            written: Whether the slider's value was just set by the program.
-        """
-        base = self._entry.base_range(state)
+    def draw(self, state: State) -> bool:
+        written = super().draw(state)
+        base = given(self._slider.range, state)
         by_hand = base == self._base and not written
         self._base = base
-        ends = self._ends if by_hand else base
-        if self._entry.fit is not None:
-            ends = fitted(self._entry, ends, self._entry.shown(state))
+        ends = self._slider.ends(state, self._ends if by_hand else base)
         if ends != self._ends:
             self._ends = ends
             self._handle.min, self._handle.max = ends
-
-
-def fitted(entry: Slider, ends: tuple[float, float], value: float) -> tuple[float, float]:
-    """Return the ends of a slider that hold a value."""
-    return ends if entry.fit is None else entry.fit(ends, value)
+        return written
 
 
 def perform(session: Session, key: str, effect: Effect, *, undo: bool = True) -> None:
@@ -368,41 +286,6 @@ def same(a: Any, b: Any) -> bool:
     return a == b
 
 
-def _place(entry: Entry, state: State) -> dict[str, Any]:
-    """Return the properties that every entry has on the page."""
-    return {"visible": entry.visible is None or entry.visible(state), "order": entry.order}
-
-
-def _properties(entry: Entry, state: State) -> dict[str, Any]:
-    """Return the properties that inputs and buttons share on the page."""
-    disabled = entry.disabled is not None and entry.disabled(state)
-    hint = text_of(entry.hint, state) or None
-    return _place(entry, state) | {"disabled": disabled, "hint": hint}
-
-
-def _add_input(gui: Any, entry: Input, state: State, properties: dict[str, Any]) -> Any:
-    label, value = text_of(entry.label, state), entry.shown(state)
-    match entry:
-        case Slider():
-            low, high = fitted(entry, entry.base_range(state), value)
-            return gui.add_slider(
-                label, low, high, entry.step, value, marks=entry.marks, **properties
-            )
-        case Number():
-            low, high = entry.range
-            return gui.add_number(label, value, min=low, max=high, step=entry.step, **properties)
-        case Pair():
-            low, high = zip(*entry.range, strict=True)
-            step = entry.step(state) if callable(entry.step) else entry.step
-            return gui.add_vector2(
-                label, value, step=step, min=None if None in low else low,
-                max=None if None in high else high, **properties,
-            )  # fmt: skip
-        case Checkbox():
-            return gui.add_checkbox(label, value, **properties)
-        case Dropdown():
-            options = tuple(entry.choices(state))
-            return gui.add_dropdown(label, options, initial_value=value, **properties)
-        case TextBox():
-            return gui.add_text(label, value, **properties)
-    raise TypeError(f"{type(entry).__name__} is not an input")
+def _has_choices(entry: ButtonGroup, state: State) -> bool:
+    """Whether a row of buttons that follow the state is seen."""
+    return bool(given(entry.choices, state)) and (entry.visible is None or entry.visible(state))

@@ -6,11 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer import commands, persistence
+from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
@@ -18,7 +17,7 @@ from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
-from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 
@@ -65,8 +64,7 @@ def build_tabs(
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.immediate.append(Clock(session))
     session.fast += [design, balance, motion, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
-    commands.register(session)
+    register_commands(session)

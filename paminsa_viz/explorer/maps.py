@@ -150,14 +150,14 @@ def hold_range(state: State) -> State:
             largest = max(largest, -scale.low, scale.high)
     if largest == 0:
         return state
-    return actions.set_map_view(
-        state, range_mode=RangeMode.MANUAL, low=-largest, high=largest, shared=True
+    return state.updated(
+        "map_view", range_mode=RangeMode.MANUAL, low=-largest, high=largest, shared=True
     )
 
 
 def toggle_difference(state: State) -> State:
     """Show the difference from the reference, or no longer."""
-    return actions.set_map_view(state, difference=not shows_difference(state))
+    return state.updated("map_view", difference=not shows_difference(state))
 
 
 def go_to(state: State, x: float, y: float) -> State:

@@ -15,8 +15,7 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.pose_panel import POSE
-from paminsa_viz.explorer.panels.readout import READOUT
+from paminsa_viz.explorer.panels.pose_panel import POSE, READOUT
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state

@@ -12,7 +12,7 @@ import binascii
 import json
 import re
 import zlib
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
@@ -27,8 +27,8 @@ from paminsa_viz.model import (
     KneeBranch,
     PaminsaError,
 )
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.drive import NO_DRIVES, Drive
+from paminsa_viz.model.parameters import Counterweight
 
 VERSION = 1
 
@@ -63,7 +63,15 @@ def _described(design: Design) -> dict[str, Any]:
     """Return a design as plain data: its name, its numbers, its counterweights if it has any."""
     weights = [[w.bar, w.joint, w.beyond, w.mass] for w in design.counterweights]
     described = {"name": design.name, "design": _numbers(design)}
-    return described | ({"counterweights": weights} if weights else {})
+    drives = [None if drive is None else _changed_fields(drive) for drive in design.drives]
+    described |= {"counterweights": weights} if weights else {}
+    return described | ({"drives": drives} if any(design.drives) else {})
+
+
+def _changed_fields(drive: Drive) -> dict[str, Any]:
+    """Return the fields of a drive that are not the default."""
+    values = {item.name: getattr(drive, item.name) for item in fields(Drive)}
+    return {name: value for name, value in values.items() if value != getattr(Drive(), name)}
 
 
 def dump(document: Document) -> str:
@@ -118,16 +126,24 @@ def _design(data: dict[str, Any]) -> Design:
     """Read what `_described` returned."""
     design = APPENDIX_4.vary({path: _number(value) for path, value in data["design"].items()})
     weights = data.get("counterweights", [])
-    if len(weights) > MOST_COUNTERWEIGHTS:
-        raise InvalidInput("saved state", f"more than {MOST_COUNTERWEIGHTS} counterweights")
+    drives: Any = tuple(
+        None if drive is None else _drive(drive) for drive in data.get("drives", NO_DRIVES)
+    )
     return replace(
         design,
         name=printable(str(data["name"]))[:NAME_CHARACTERS],
+        drives=drives,
         counterweights=tuple(
             Counterweight(bar, joint, _number(beyond), _number(mass))
             for bar, joint, beyond, mass in weights
         ),
     )
+
+
+def _drive(values: dict[str, Any]) -> Drive:
+    """Read what `_changed_fields` returned."""
+    name = printable(str(values.get("name", "")))[:NAME_CHARACTERS]
+    return Drive(**values | {"name": name})
 
 
 def share_code(document: Document) -> str:

@@ -1,4 +1,4 @@
-"""One browser tab: its state, its worker, its views.
+"""One browser tab: its state, its undo, its worker, its views.
 
 Callbacks of the page only dispatch actions. One worker a session applies them and draws the newest
 state: a value that was overtaken is never drawn, and the last one always is.
@@ -10,7 +10,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol
 
@@ -18,16 +18,63 @@ import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.actions import Action
+from paminsa_viz.explorer.browser.style import start_width
 from paminsa_viz.explorer.frame import Frame, compute
-from paminsa_viz.explorer.history import History
-from paminsa_viz.explorer.placing import start_width
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.motion.actions import advance_time
+from paminsa_viz.explorer.state import Document, State
 from paminsa_viz.model import PaminsaError
 
 log = logging.getLogger(__name__)
 
+PAUSE = 0.8
+"""Changes by one control that follow each other faster than this are one step [s]."""
+
+DEPTH = 200
+"""Steps that are kept."""
+
+
+@dataclass
+class History:
+    """Past and undone documents of one session."""
+
+    past: list[Document] = field(default_factory=list)
+    future: list[Document] = field(default_factory=list)
+    _source: str = ""
+    _time: float = -1e9
+
+    def record(self, before: Document, after: Document, source: str, now: float) -> None:
+        """Remember a change from ``before`` to ``after``, made by ``source`` at ``now`` [s]."""
+        if before == after and before.design.name == after.design.name:
+            return
+        same_drag = source == self._source and now - self._time < PAUSE and bool(self.past)
+        self._source, self._time = source, now
+        self.future.clear()
+        if not same_drag:
+            self.past.append(before)
+            del self.past[:-DEPTH]
+
+    def undo(self, present: Document) -> Document | None:
+        """Return the document before the last step, or None."""
+        self._source = ""
+        if not self.past:
+            return None
+        self.future.append(present)
+        return self.past.pop()
+
+    def redo(self, present: Document) -> Document | None:
+        """Return the document that the last undo left, or None."""
+        self._source = ""
+        if not self.future:
+            return None
+        self.past.append(present)
+        return self.future.pop()
+
+
 IDLE_DELAY = 0.4
 """Time without a change after which the page is idle [s]."""
+
+FRAME_PERIOD = 1 / 30
+"""Shortest time between two instants of a motion that is played [s]."""
 
 FLUSH_DELAY = 0.01
 """Pause between the immediate views and the others [s]: what comes together the browser draws
@@ -75,6 +122,7 @@ class Session:
         self._wake = threading.Event()
         self._closed = False
         self._turn = 0
+        self._frame_due: float | None = None
         self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)
 
     @property
@@ -151,13 +199,14 @@ class Session:
         idle_due: float | None = None
         drawn: State | None = None
         while not self._closed:
-            timeout = None if idle_due is None else max(0.0, idle_due - time.monotonic())
-            self._wake.wait(timeout)
+            due = idle_due if self._frame_due is None else self._frame_due
+            self._wake.wait(None if due is None else max(0.0, due - time.monotonic()))
             self._wake.clear()
             if self._closed:
                 return
             try:
                 self._apply_actions()
+                self._play_on()
                 if self._state is not drawn:
                     drawn = self._state
                     self._draw(drawn, dragging=True)
@@ -177,9 +226,9 @@ class Session:
             pending, self._actions = self._actions, {}
             jobs, self._jobs = self._jobs, []
         for source, (action, step) in pending.items():
-            self._guard(partial(self._apply, source, action, step))
+            self.guard(partial(self._apply, source, action, step))
         for job in jobs:
-            self._guard(job)
+            self.guard(job)
 
     def _apply(self, source: str, action: Action, step: bool) -> None:
         before = self._state
@@ -189,8 +238,22 @@ class Session:
         if step:
             self._history.record(before.document, self._state.document, source, time.monotonic())
 
-    def _guard(self, job: Callable[[], None]) -> None:
-        """Run one request; its failure is notified and stops no other request."""
+    def _play_on(self) -> None:
+        """Let a motion that is played move on by the time that has passed.
+
+        So a slow page shows fewer instants and not a slower motion.
+        """
+        now = time.monotonic()
+        if self._frame_due is not None and now >= self._frame_due:
+            self._state = advance_time(self._state, now - self._frame_due + FRAME_PERIOD)
+            self._frame_due = None
+        if not self._state.playback.playing:
+            self._frame_due = None
+        elif self._frame_due is None:
+            self._frame_due = now + FRAME_PERIOD
+
+    def guard(self, job: Callable[[], None]) -> None:
+        """Run a request on this thread; its failure is notified and stops no other request."""
         try:
             job()
         except PaminsaError as error:
@@ -212,9 +275,10 @@ class Session:
             self._turn += 1
             view.draw(frame, dragging)
             self.client.flush()
-            if dragging and self._actions and time.monotonic() > due:
-                # A newer state waits: the robot first, then the views that are still due.
-                break
+            now = time.monotonic()
+            newer = self._actions or (self._frame_due is not None and now >= self._frame_due)
+            if dragging and newer and now > due:
+                break  # the robot first, then the views that are still due
 
     def _draw_together(self, views: list[View], frame: Frame, dragging: bool) -> None:
         with self.client.atomic():

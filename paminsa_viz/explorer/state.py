@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
+from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.motion.description import Motion, Pose
@@ -120,6 +121,10 @@ class State:
     balancing: Balancing = field(default_factory=Balancing)
     engine_answer: Answer | None = None
     export: ExportSettings = field(default_factory=ExportSettings)
+
+    def updated(self, part: str, **changes: Any) -> State:
+        """Return the state with other attributes of one of its parts, such as ``"map_view"``."""
+        return replace(self, **{part: replace(getattr(self, part), **changes)})
 
 
 def initial_state(design: Design = APPENDIX_4) -> State:

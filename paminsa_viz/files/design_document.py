@@ -5,6 +5,7 @@ Imported when the first file is read: pydantic takes 0.1 s to load.
 
 from __future__ import annotations
 
+import difflib
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
@@ -13,14 +14,17 @@ from pydantic_core import ErrorDetails
 from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
+    DRIVE_KEYS,
+    DRIVES,
     KNEE,
     SCHEMA_VERSION,
     TABLES,
     key_hint,
     table_hint,
 )
-from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.design import KneeBranch
+from paminsa_viz.model.drive import ACTUATORS, TRANSMISSIONS
+from paminsa_viz.model.parameters import BAR_ENDS
 
 _BARS = tuple(bar.upper() for bar in BAR_ENDS)
 _BRANCHES = tuple(branch.value for branch in KneeBranch)
@@ -36,6 +40,22 @@ class CounterweightEntry(BaseModel):
     joint: int
     beyond_m: _Number
     mass_kg: _Number
+
+
+_DRIVE_KINDS: dict[str, Any] = {
+    "name": str,
+    "envelope": list[Annotated[list[_Number], Field(min_length=2, max_length=2)]],
+    "transmission": Literal[TRANSMISSIONS],
+    "brake": bool,
+}
+DriveEntry = create_model(
+    "DriveEntry",
+    __config__=_CLOSED,
+    **{key: (_DRIVE_KINDS.get(name, _Number), None) for name, key in DRIVE_KEYS.items()},
+)
+DriveTables = create_model(
+    "DriveTables", __config__=_CLOSED, **dict.fromkeys(ACTUATORS, (DriveEntry, None))
+)
 
 
 def _values(table: str) -> dict[str, Any]:
@@ -54,6 +74,7 @@ _FIELDS: dict[str, Any] = {
         if table
     },
     COUNTERWEIGHTS: (list[CounterweightEntry], []),
+    DRIVES: (DriveTables, None),
 }
 DesignDocument = create_model("DesignDocument", __config__=_CLOSED, **_FIELDS)
 """A whole file; what it leaves out is unset."""
@@ -90,6 +111,12 @@ def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
     if not tables and isinstance(error["input"], dict):
         return f"there is no table of this name; {table_hint(name)}"
     table = tables[0] if tables else ""
+    if table == DRIVES:
+        if len(tables) == 1:
+            return f"there are the tables {', '.join(f'[{DRIVES}.{a}]' for a in ACTUATORS)}"
+        near = difflib.get_close_matches(name[:100], DRIVE_KEYS.values(), 1, 0.6)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(DRIVE_KEYS.values())}"
+        return f"there is no such key; {hint}"
     if table == COUNTERWEIGHTS:
         keys = ", ".join(COUNTERWEIGHT_KEYS.values())
         return f"there is no such key; [[{COUNTERWEIGHTS}]] has {keys}"
@@ -119,6 +146,12 @@ def _wrong_value(name: str, error: ErrorDetails) -> str:
         return f"a counterweight is on one of the bars {', '.join(_BARS)}"
     if name == KNEE:
         return " or ".join(f'"{branch}"' for branch in _BRANCHES) + " is needed"
+    if name == "transmission":
+        return '"screw" or "belt" is needed, or nothing'
+    if name == "brake":
+        return "true or false is needed"
+    if name.isdecimal() or name == "envelope":
+        return "pairs of speed [rad/s] and torque [N m] are needed: [[0, 1.3], [300, 1.3]]"
     if name == "joint":
         return "a joint's number is needed"
     if kind == "finite_number" or (isinstance(value, int) and not isinstance(value, bool)):

@@ -11,7 +11,8 @@ A file looks like this (`write_design` adds the paper's symbol to each value):
     [links]
     b3_kg = 0.25
 
-Counterweights, if there are any, stand in tables ``[[counterweights]]``. What a file leaves out is
+Counterweights, if there are any, stand in tables ``[[counterweights]]``, drives in ``[drives.M1]``
+to ``[drives.M4]``. What a file leaves out is
 Appendix 4's. A file is read as a whole or refused as a whole, with one line that names the file,
 the line, the key, its value and what is allowed.
 """
@@ -30,14 +31,17 @@ from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
+    DRIVE_KEYS,
+    DRIVES,
     KEY_OF,
     KEYS,
     KNEE,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.drive import ACTUATORS, Drive
+from paminsa_viz.model.parameters import Counterweight
 
 LARGEST_FILE = 200_000
 """Largest design file [bytes], thirty times a complete one. Bounds what an upload can cost."""
@@ -174,7 +178,8 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
     geometry, entries = content.get("geometry", {}), content.get(COUNTERWEIGHTS, [])
     knee = KneeBranch(geometry.get(KNEE, APPENDIX_4.geometry.knee))
     count = content.get("value_count", 0)
-    found = len(numbers) + (KNEE in geometry) + sum(map(len, entries))
+    tables = content.get(DRIVES, {})
+    found = len(numbers) + (KNEE in geometry) + sum(map(len, (*entries, *tables.values())))
     if found < count:
         problem = (
             f"only {found} values are there, so the file was cut short; if you removed some to use "
@@ -190,14 +195,29 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
             key = COUNTERWEIGHT_KEYS[error.field.rpartition(".")[2]]
             path = f"{COUNTERWEIGHTS}.{index}.{key}"
             raise refused(path, error.value, error.allowed) from error
+    drives: dict[str, Drive] = {}
+    for actuator, table in tables.items():
+        values = {field: table[key] for field, key in DRIVE_KEYS.items() if key in table}
+        if problem := name_problem(values.get("name", "")):
+            raise refused(f"{DRIVES}.{actuator}.name", values["name"], problem)
+        try:
+            drives[actuator] = Drive(**values)
+        except InvalidDesign as error:
+            key = DRIVE_KEYS[error.field.rpartition(".")[2]]
+            raise refused(f"{DRIVES}.{actuator}.{key}", error.value, error.allowed) from error
     try:
         design = APPENDIX_4.vary(numbers).with_knee(knee)
-        return replace(design, name=name, counterweights=tuple(weights))
+        held: Any = tuple(drives.get(actuator) for actuator in ACTUATORS)
+        return replace(design, name=name, counterweights=tuple(weights), drives=held)
     except InvalidDesign as error:
         known = KEY_OF.get(error.field.removeprefix("design."))
         # A length that only contradicts others may be one that the file does not set.
         value = error.value if isinstance(error.value, (int, float)) else None
-        raise refused(known.path if known else error.field, value, error.allowed) from error
+        path = known.path if known else error.field
+        if path.startswith(f"{DRIVES}."):
+            table, _, field = path.rpartition(".")
+            path = f"{table}.{DRIVE_KEYS.get(field, field)}"
+        raise refused(path, value, error.allowed) from error
 
 
 def find_line(text: str, key: str) -> int | None:

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import difflib
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
-from paminsa_viz.model.parameters import PARAMETERS, Parameter
+from paminsa_viz.model.design import PARAMETERS
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.parameters import Parameter
 
 SCHEMA_VERSION = 1
 """Version of the layout; raised when a key changes its name, place or meaning, not when one is
@@ -27,6 +29,9 @@ COUNTERWEIGHT_KEYS = {"bar": "bar", "joint": "joint", "beyond": "beyond_m", "mas
 
 KNEE = "knee"
 """Key of the knee's branch in ``[geometry]``; written where it is not the default."""
+
+DRIVES = "drives"
+"""Name of the tables ``[drives.M1]`` .. ``[drives.M4]``; only those that are there are written."""
 
 
 def unit_suffix(unit: str) -> str:
@@ -60,6 +65,11 @@ def _key(parameter: Parameter) -> DesignKey:
     table, _, field = parameter.path.rpartition(".")
     return DesignKey(table, field + unit_suffix(parameter.unit), parameter)
 
+
+DRIVE_KEYS: dict[str, str] = {
+    item.name: item.name + unit_suffix(item.metadata.get("unit", "")) for item in fields(Drive)
+}
+"""Keys of a drive by the names of its fields; all may be left out but the lead of M4's."""
 
 KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETERS)
 """Every number that a design file can hold, in the design's order."""

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 from paminsa_viz.files.design_schema import (
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
+    DRIVE_KEYS,
+    DRIVES,
     KEY_OF,
     KNEE,
     SCHEMA_VERSION,
@@ -13,6 +17,7 @@ from paminsa_viz.files.design_schema import (
 )
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.drive import ACTUATORS, Drive
 
 HEADER = """\
 Design of a PAMINSA manipulator. All values are in SI units, named at the end of each key.
@@ -46,9 +51,9 @@ def write_design(design: Design, *, comment: str = "") -> str:
     Raises:
         DesignFileError: If the design's name cannot stand in a file.
     """
-    problem = name_problem(design.name)
-    if problem:
-        raise DesignFileError("design", problem, key="name", value=design.name)
+    for name in (design.name, *(drive.name for drive in design.drives if drive is not None)):
+        if problem := name_problem(name):
+            raise DesignFileError("design", problem, key="name", value=name)
     head = [*HEADER.splitlines(), *comment.splitlines()]
     lines = [f"# {printable(line)}".rstrip() for line in head]
     body: list[str] = []
@@ -64,13 +69,48 @@ def write_design(design: Design, *, comment: str = "") -> str:
         texts = [f"{key} = {v}" for key, v in zip(COUNTERWEIGHT_KEYS.values(), values, strict=True)]
         body += ["", f"[[{COUNTERWEIGHTS}]]"]
         body += _aligned(list(zip(texts, _COUNTERWEIGHT_COMMENTS, strict=True)))
+    for actuator, drive in zip(ACTUATORS, design.drives, strict=True):
+        if drive is not None:
+            body += ["", f"[{DRIVES}.{actuator}]", *_aligned(_drive_rows(drive))]
     count = sum("=" in line and not line.startswith("#") for line in body)
-    name = design.name.replace("\\", "\\\\").replace('"', '\\"')
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
-    lines += ["", f'name = "{name}"']
+    lines += ["", f"name = {quoted(design.name)}"]
     lines += [f"value_count = {count}  # so that a file that was cut short is noticed"]
     lines += [f"schema_version = {SCHEMA_VERSION}"]
     return "\n".join([*lines, *body]) + "\n"
+
+
+def _drive_rows(drive: Drive) -> list[tuple[str, str]]:
+    """Return the assignments of a drive that are not the default, and their comments."""
+    rows = []
+    for item in fields(Drive):
+        value = getattr(drive, item.name)
+        if value == item.default:
+            continue
+        if isinstance(value, tuple):
+            text = f"[{', '.join(f'[{speed!r}, {torque!r}]' for speed, torque in value)}]"
+        elif isinstance(value, str):
+            text = quoted(value)
+        else:
+            text = repr(value).lower() if isinstance(value, bool) else repr(value)
+        facts = item.metadata
+        comment = f"{facts['symbol']}, {facts['label']}" if facts else _DRIVE_COMMENTS[item.name]
+        rows.append((f"{DRIVE_KEYS[item.name]} = {text}", comment))
+    return rows
+
+
+_DRIVE_COMMENTS = {
+    "name": "motor and gear",
+    "envelope": "corners of the torque over the speed [rad/s, N m], at the motor shaft",
+    "transmission": "what turns the gear's output into a straight motion",
+    "brake": "holds the load while the robot waits",
+}
+
+
+def quoted(text: str) -> str:
+    """Return a line of text as a TOML string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
 
 
 def _aligned(rows: list[tuple[str, str]]) -> list[str]:

@@ -8,19 +8,8 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import (
-    APPENDIX_4,
-    Design,
-    Friction,
-    Geometry,
-    Inertias,
-    JointMasses,
-    KneeBranch,
-    LinkMasses,
-    Payload,
-    Platform,
-)
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
+from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
     TorqueBreakdown,
@@ -41,6 +30,7 @@ from paminsa_viz.model.grids import (
     xy_grid,
 )
 from paminsa_viz.model.jacobians import (
+    actuator_acceleration,
     closure,
     closure_matrix,
     inverse_jacobian,
@@ -63,9 +53,20 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     mass_vector,
 )
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
+from paminsa_viz.model.parameters import (
+    BAR_ENDS,
+    ActuatorFriction,
+    Counterweight,
+    Friction,
+    Inertias,
+    JointMasses,
+    LinkMasses,
+    Parameter,
+    Payload,
+    Platform,
+)
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
-from paminsa_viz.model.regressor import regressor_torques, torque_regressor
+from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (
     Singularity,
     measure_singularity,
@@ -86,12 +87,15 @@ __all__ = [
     "APPENDIX_4",
     "BAR_ENDS",
     "COEFFICIENTS",
+    "NO_DRIVES",
     "PARAMETER",
     "PARAMETERS",
+    "ActuatorFriction",
     "AssemblyModes",
     "Configuration",
     "Counterweight",
     "Design",
+    "Drive",
     "Field",
     "Friction",
     "Geometry",
@@ -106,6 +110,7 @@ __all__ = [
     "Limit",
     "LinkMasses",
     "Misprint",
+    "OutputLimits",
     "PaminsaError",
     "Parameter",
     "Payload",
@@ -115,11 +120,13 @@ __all__ = [
     "StaticBreakdown",
     "TorqueBreakdown",
     "UnreachablePose",
+    "actuator_acceleration",
     "actuator_power",
     "actuator_velocity",
     "check_reach",
     "closure",
     "closure_matrix",
+    "drive_regressor",
     "forward_dynamics",
     "forward_kinematics",
     "friction_torque",

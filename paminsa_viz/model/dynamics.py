@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import Design, Friction
-from paminsa_viz.model.jacobians import inverse_jacobian
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction, Friction
 from paminsa_viz.model.reach import Limit, reach_status
 
 
@@ -26,7 +27,8 @@ class InverseDynamics:
     """Torques that make a motion; batch shape (...), NaN where there is none.
 
     Attributes:
-        torque: (..., 4) torques of M1..M3 [N m] and force of M4 [N]; friction included.
+        torque: (..., 4) torques of M1..M3 [N m] and force of M4 [N]; friction and the inertia of
+            drives included.
         multipliers: (..., 4) Lagrange multipliers of s_1..s_4 (Eq. 15): forces on the platform
             across the legs, and along z in units of Z [N].
         status: (...) values of `Limit`; ``SINGULAR`` where a torque has no bound.
@@ -101,8 +103,12 @@ def inverse_dynamics(
     status[lost] = np.where(moves, np.uint8(Limit.SINGULAR), np.uint8(Limit.NOT_FINITE))
     result[status != Limit.OK] = np.nan
     torque, multipliers = result[:, :4], result[:, 4:]
-    if not frictionless(design.friction):
-        torque = torque + friction_torque(design.friction, actuator_velocity(design, p, v))
+    if any(design.drive_inertia):
+        growth = actuator_acceleration(design.geometry, p, v, a)
+        torque = torque + np.array(design.drive_inertia) * growth
+    if not design.actuator_friction.zero:
+        speed = actuator_velocity(design, p, v)
+        torque = torque + friction_torque(design.actuator_friction, speed)
     return InverseDynamics(
         torque=torque.reshape(*shape, 4),
         multipliers=multipliers.reshape(*shape, 4),
@@ -124,15 +130,16 @@ def torque_breakdown(
     without gravity; the velocity part (centrifugal and Coriolis) what the velocity adds there.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
-    plain = replace(design, friction=Friction())
+    plain = design.without_friction()
     weightless = replace(plain, gravity=0.0)
     still = np.zeros_like(p)
     at_rest = inverse_dynamics(plain, p, still, still, misprints)
     inertial = inverse_dynamics(weightless, p, still, a, misprints)
     moving = inverse_dynamics(weightless, p, v, still, misprints)
     friction = np.zeros_like(p)
-    if not frictionless(design.friction):
-        friction = friction_torque(design.friction, actuator_velocity(design, p, v))
+    if not design.actuator_friction.zero:
+        speed = actuator_velocity(design, p, v)
+        friction = friction_torque(design.actuator_friction, speed)
     return TorqueBreakdown(
         gravity=at_rest.torque.reshape(*shape, 4),
         inertial=inertial.torque.reshape(*shape, 4),
@@ -148,24 +155,16 @@ def actuator_velocity(design: Design, pose: ArrayLike, velocity: ArrayLike) -> A
     return np.einsum("...ij,...j->...i", inverse_jacobian(design.geometry, p), v)
 
 
-def frictionless(friction: Friction) -> bool:
-    """Whether all friction coefficients are zero."""
-    return not any(
-        (
-            friction.viscous_rotary,
-            friction.coulomb_rotary,
-            friction.viscous_linear,
-            friction.coulomb_linear,
-        )
-    )
-
-
 @np.errstate(all="ignore")
-def friction_torque(friction: Friction, speed: ArrayLike) -> Array:
-    """Return what the actuators need against friction at their speeds (..., 4) [rad/s, m/s]."""
+def friction_torque(friction: Friction | ActuatorFriction, speed: ArrayLike) -> Array:
+    """Return what the actuators need against friction at their speeds (..., 4) [rad/s, m/s].
+
+    `Design.actuator_friction` is that of joints and drives together.
+    """
     speed = as_vectors(speed, "speed")
-    viscous = np.array([friction.viscous_rotary] * 3 + [friction.viscous_linear])
-    coulomb = np.array([friction.coulomb_rotary] * 3 + [friction.coulomb_linear])
+    if isinstance(friction, Friction):
+        friction = friction.by_actuator
+    viscous, coulomb = np.array(friction.viscous), np.array(friction.coulomb)
     return viscous * speed + coulomb * np.tanh(speed / friction.transition_speed)
 
 
@@ -177,7 +176,7 @@ def mass_matrix(
     """Return M with T = v.M v/2, v = (x', y', theta', z'), (..., 4, 4) [kg, kg m, kg m^2].
 
     Symmetric positive definite wherever the pose can be taken, type-2 singularities included. NaN
-    where the bars cannot close.
+    where the bars cannot close. The drives add G^T diag(N^2 J) G.
     """
     pose = as_vectors(pose, "pose")
     m = mechanism(design.geometry)
@@ -186,7 +185,11 @@ def mass_matrix(
     rows, columns = np.triu_indices(4)
     matrix[:, rows, columns] = upper
     matrix[:, columns, rows] = upper
-    return matrix.reshape(*pose.shape[:-1], 4, 4)
+    matrix = matrix.reshape(*pose.shape[:-1], 4, 4)
+    if any(design.drive_inertia):
+        g = inverse_jacobian(design.geometry, pose)
+        matrix = matrix + np.einsum("...ki,k,...kj->...ij", g, np.array(design.drive_inertia), g)
+    return matrix
 
 
 @np.errstate(all="ignore")
@@ -225,7 +228,7 @@ def kinetic_energy(
     velocity: ArrayLike,
     misprints: Misprint = Misprint.NONE,
 ) -> Array:
-    """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3."""
+    """Return T, (...) [J], term by term as in Eqs. 12-14 with Appendix 3, and the drives' share."""
     shape, (p, v) = together(pose=pose, velocity=velocity)
     e = _terms(design, misprints)
     g, q = leg_states(design.geometry, p, v, np.zeros_like(p))
@@ -254,7 +257,10 @@ def kinetic_energy(
         )
     )
     platform = e.mass * (v[:, 0] ** 2 + v[:, 1] ** 2 + v[:, 3] ** 2) + e.inertia * v[:, 2] ** 2
-    return (0.5 * platform + (translation + rotation).sum(axis=-1)).reshape(shape)
+    total = 0.5 * platform + (translation + rotation).sum(axis=-1)
+    if any(design.drive_inertia):
+        total = total + 0.5 * actuator_velocity(design, p, v) ** 2 @ np.array(design.drive_inertia)
+    return total.reshape(shape)
 
 
 @np.errstate(all="ignore")

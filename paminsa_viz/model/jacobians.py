@@ -98,6 +98,16 @@ def inverse_jacobian_rate(geometry: Geometry, pose: ArrayLike, velocity: ArrayLi
 
 
 @np.errstate(all="ignore")
+def actuator_acceleration(
+    geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
+) -> Array:
+    """Return the actuators' accelerations, G a + (dG/dt) v, (..., 4) [rad/s^2, m/s^2]."""
+    p, v, a = aligned(pose=pose, velocity=velocity, acceleration=acceleration)
+    g, rate = inverse_jacobian(geometry, p), inverse_jacobian_rate(geometry, p, v)
+    return np.einsum("...ij,...j->...i", g, a) + np.einsum("...ij,...j->...i", rate, v)
+
+
+@np.errstate(all="ignore")
 def _vectors(geometry: Geometry, pose: Array):  # type: ignore[no-untyped-def]
     x, y, theta, _ = np.moveaxis(pose, -1, 0)[..., None]
     return leg_vector(

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.jacobians import jacobian
+from paminsa_viz.model.jacobians import actuator_acceleration, jacobian
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_forces import leg_regressor
@@ -57,6 +57,17 @@ def torque_regressor(
     status, _ = reach_status(geometry, p)
     y[status != Limit.OK] = np.nan
     return y.reshape(*shape, 4, terms.shape[1])
+
+
+def drive_regressor(
+    geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
+) -> Array:
+    """Return the columns of the drives' inertias, (..., 4 actuators, 4 drives): Y_d.
+
+    The torques are Y c + Y_d J with J = `Design.drive_inertia`; Y_d is diagonal, the actuators'
+    accelerations. Arguments as in `torque_regressor`.
+    """
+    return actuator_acceleration(geometry, pose, velocity, acceleration)[..., None] * np.eye(4)
 
 
 def regressor_torques(y: Array, c: Array) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETER, Design, Geometry
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.leg import LegPosition, mechanism
@@ -25,7 +25,6 @@ from paminsa_viz.model.lumped import (
     point_mass_column,
     potential_constant,
 )
-from paminsa_viz.model.parameters import PARAMETER
 
 UNIT_TORQUES = backend.Formula(robot.unit_torques, 4)
 """Gamma of M1..M4, see `unit_torques`."""

@@ -39,7 +39,7 @@ def contour_lines(
     """
     stride = 1 if most is None else max(1, min(data.x.size, data.y.size) // most)
     x, y, field = contour_field(data, panel, scale, stride)
-    shown = field.compressed()
+    shown = field[np.isfinite(field)]
     if shown.size == 0 or min(field.shape) < 2:
         return {}
     low, high = float(shown.min()), float(shown.max())
@@ -50,12 +50,12 @@ def contour_lines(
 
 def contour_field(
     data: MapData, panel: int, scale: Scale, stride: int = 1
-) -> tuple[Line, Line, np.ma.MaskedArray]:
-    """Return x, y [m] and the values (ny, nx) of one panel to contour, masked.
+) -> tuple[Line, Line, NDArray[np.float64]]:
+    """Return x, y [m] and the values (ny, nx) of one panel to contour, NaN where they are hidden.
 
     Torques change sign through infinity on the singular circle, where every contour would seem to
-    run; cells next to the circle that lie beyond the range are therefore masked. For the same
-    reason cells beyond one end of the range are masked next to cells beyond the other end.
+    run; cells next to the circle that lie beyond the range are therefore hidden. For the same
+    reason cells beyond one end of the range are hidden next to cells beyond the other end.
     """
     x, y = data.x[::stride], data.y[::stride]
     values = data.values[panel, ::stride, ::stride]
@@ -64,7 +64,7 @@ def contour_field(
         hidden = ~np.isfinite(values) | _torn(values, scale)
     if x.size > 1 and y.size > 1:
         hidden |= beyond & _near_circle(x, y, data.singular_radius)
-    return x, y, np.ma.array(values, mask=hidden)
+    return x, y, np.where(hidden, np.nan, values)
 
 
 def boundary(data: MapData) -> Line:

@@ -39,7 +39,8 @@ PAGE_EM = 11.0
 """Size of letters on a page [page pixels]."""
 
 _POINT = INCH / 72  # mm
-_KEPT = 3  # live figures: at rest, while dragging, and one to go back to
+_KEPT = 3  # live figures: idle, dragging, and one to go back to
+_KEPT_SCALES = 8  # color bars of one live figure; a drag to and fro meets a few scales again
 
 
 class LiveMaps:
@@ -100,28 +101,31 @@ class _LiveFigure:
         ]
         self._canvas.draw()
         self._frame = self._canvas.copy_from_bbox(self._page.bbox)
-        self._background = self._frame
-        self._scales: tuple[Scale, ...] = ()
+        self._backgrounds: OrderedDict[tuple[Scale, ...], Any] = OrderedDict()
 
     def draw(
         self, data: MapData, scales: tuple[Scale, ...], path: FloorPath | None
     ) -> NDArray[np.uint8]:
         canvas: Any = self._canvas
-        if scales != self._scales:
+        background = self._backgrounds.pop(scales, None)
+        if background is None:
             canvas.restore_region(self._frame)
             for scale, place in zip(scales, self._layout.bars, strict=False):
                 bar = add_color_bar(self._page, data, scale, self._layout, place)
                 bar.draw(canvas.get_renderer())
                 bar.remove()
-            self._background = canvas.copy_from_bbox(self._page.bbox)
-            self._scales = scales
-        canvas.restore_region(self._background)
+            background = canvas.copy_from_bbox(self._page.bbox)
+            if len(self._backgrounds) == _KEPT_SCALES:
+                self._backgrounds.popitem(last=False)
+        self._backgrounds[scales] = background
+        canvas.restore_region(background)
+        pixels = np.asarray(canvas.buffer_rgba())
         common = common_lines(data, path)
         for panel, scale in zip(self._panels, scales, strict=True):
-            panel.show_cells(data, scale)
+            panel.paint_cells(pixels, data, scale)
             panel.show_lines(common | panel.contours(data, scale))
             panel.draw(canvas.get_renderer())
-        return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+        return pixels[..., :3].copy()
 
 
 def render(
@@ -189,8 +193,7 @@ def _printed(
     common = common_lines(data, None)
     for index, scale in enumerate(scales):
         panel = MapPanel(page, data, index, layout, live=False)
-        panel.show_cells(data, scale)
-        panel.clip_to_boundary(data)
+        panel.add_cells(data, scale)
         panel.show_lines(common)
         panel.label_contours(data, scale)
         panel.mark_pose(data)

@@ -2,12 +2,18 @@
 
 `Study` says which designs and what is measured; `run_study` streams its rows to a resumable table,
 and goes on where an earlier run was stopped; `processes` and `cluster` are where
-the work is done.
+the work is done. `search_geometry` looks for better lengths.
 """
 
 from __future__ import annotations
 
 from paminsa_viz.studies.executors import Workers, cluster, here, processes
+from paminsa_viz.studies.geometry_search import (
+    SearchProgress,
+    SearchResult,
+    Weights,
+    search_geometry,
+)
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
@@ -17,6 +23,7 @@ from paminsa_viz.studies.metrics import (
     measure_design,
     measure_motion,
 )
+from paminsa_viz.studies.requirements import Measures, Requirements, measure, resized
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
 from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks
@@ -29,20 +36,28 @@ __all__ = [
     "DesignGrid",
     "DesignRange",
     "Extremes",
+    "Measures",
     "Metric",
     "RandomDesigns",
     "Region",
+    "Requirements",
+    "SearchProgress",
+    "SearchResult",
     "Study",
     "StudySummary",
     "SweepSummary",
+    "Weights",
     "Workers",
     "cluster",
     "default_region",
     "here",
+    "measure",
     "measure_design",
     "measure_motion",
     "processes",
+    "resized",
     "run_study",
+    "search_geometry",
     "sweep",
     "sweep_blocks",
 ]

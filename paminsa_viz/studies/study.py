@@ -11,12 +11,11 @@ import numpy as np
 
 from paminsa_viz import __version__
 from paminsa_viz.balancing.changes import whole_mass
-from paminsa_viz.balancing.requirements import resized
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.design import Design
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
+from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
@@ -26,6 +25,7 @@ from paminsa_viz.studies.metrics import (
     measure_motion,
     samples_hash,
 )
+from paminsa_viz.studies.requirements import resized
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
 
@@ -141,6 +141,8 @@ class Study:
             "columns": self.columns,
             "motion": None if self.trajectory is None else samples_hash(self.trajectory),
         }
+        if any(self.design.drives):
+            facts["drives"] = [drive and asdict(drive) for drive in self.design.drives]
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
     def provenance(self, command: str = "") -> dict[str, str]:
@@ -178,6 +180,9 @@ class Study:
         facts |= {f"design {p.path}": repr(self.design.value(p.path)) for p in PARAMETERS}
         for number, weight in enumerate(self.design.counterweights):
             facts[f"design counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
+        for name, drive in zip(ACTUATORS, self.design.drives, strict=True):
+            if drive is not None:
+                facts[f"design drives.{name}"] = drive.summary
         return {key: printable(value) for key, value in facts.items() if value}
 
     @cached_property

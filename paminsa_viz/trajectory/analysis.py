@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,7 +10,7 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.dynamics import TorqueBreakdown, frictionless, kinetic_energy
+from paminsa_viz.model.dynamics import TorqueBreakdown, kinetic_energy
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
@@ -57,7 +56,7 @@ class TrajectoryAnalysis:
     Attributes:
         design: The robot.
         solved: The motion, solved for its geometry.
-        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction included.
+        torque: (n, 4) torques of M1..M3 [N m] and force of M4 [N], friction and drives included.
     """
 
     design: Design
@@ -136,17 +135,11 @@ class TrajectoryAnalysis:
         `misprints` it does not balance.
         """
         until = self.check.until
-        residual = np.full(self.trajectory.size, np.nan)
-        if until == 0:
-            return residual
-        lost = np.zeros(until)
-        if not frictionless(self.design.friction):
-            friction = self.solved.friction(self.design.friction)[:until]
-            loss = (friction * self.solved.speed[:until]).sum(axis=1)
-            lost = running_integral(self.trajectory.t[:until], loss)
-        work = self.work[:until].sum(axis=1)
-        residual[:until] = work - lost - (self.energy[:until] - self.energy[0])
-        return residual
+        friction = self.solved.friction(self.design)[:until]
+        loss = (friction * self.solved.speed[:until]).sum(axis=1)
+        lost = np.full(self.trajectory.size, np.nan)
+        lost[:until] = running_integral(self.trajectory.t[:until], loss)
+        return self.work.sum(axis=1) - lost - (self.energy - self.energy[0])
 
 
 def analyze(
@@ -205,14 +198,11 @@ def compare(
     """
     if chosen.trajectory is not reference.trajectory:
         raise InvalidInput("reference", "it has to be an analysis of the same trajectory")
-    names = ("peak", "rms", "top_power", "driven")
-    return tuple(
-        ActuatorChange(*(_ratio(getattr(a, name), getattr(b, name)) for name in names))
-        for a, b in zip(chosen.summary, reference.summary, strict=False)
-    )
-
-
-def _ratio(value: float, base: float) -> float:
-    if base == 0:
-        return math.nan if value == 0 else math.inf
-    return abs(value / base)
+    loads = [
+        np.array([[s.peak, s.rms, s.top_power, s.driven] for s in analysis.summary])
+        for analysis in (chosen, reference)
+    ]
+    if not (chosen.summary and reference.summary):
+        return ()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return tuple(ActuatorChange(*row) for row in np.abs(loads[0] / loads[1]).tolist())

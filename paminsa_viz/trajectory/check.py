@@ -43,11 +43,11 @@ _LEGS = (*(leg for leg in range(3) for _ in MARGINS), -1, -1)
 
 @dataclass(frozen=True)
 class PathEvent:
-    """Something that a trajectory runs into, or comes near to.
+    """A limit that a trajectory runs into, or comes near to.
 
     Attributes:
         t: When [s].
-        limit: What.
+        limit: Which limit.
         leg: Index of the leg, 0 to 2, or -1 if no single leg is concerned.
         margin: Distance left to the limit, negative beyond it [m].
         pose: (x, y, theta, z) at that time [m, m, rad, m].
@@ -61,7 +61,7 @@ class PathEvent:
 
     @property
     def explanation(self) -> str:
-        """What happens, in words."""
+        """Text of the event."""
         if self.limit is Limit.SINGULAR:
             what = "the platform comes too close to a singular pose; torques have no bound there"
         else:
@@ -71,7 +71,7 @@ class PathEvent:
 
 @dataclass(frozen=True, eq=False)
 class PathCheck:
-    """What `check_path` found along n samples.
+    """Result of `check_path` along n samples.
 
     Attributes:
         status: (n,) values of `Limit`. Beyond a type-2 singularity that the motion would have to
@@ -202,7 +202,7 @@ def _first_failure(
     # A margin may dip below zero within a step only if it is small against its change there.
     step = np.abs(np.diff(margins[: until + 1], axis=0))
     change = np.maximum(step[:-1], step[1:]) if len(step) > 1 else step
-    near = np.zeros((min(until + 1, t.size) - 1), dtype=bool)
+    near = np.zeros(len(step), dtype=bool)
     low = np.any(margins[1 : len(change) + 1] < change, axis=1)
     near[: len(low)] |= low
     near[1 : len(low) + 1] |= low[: len(near) - 1]

@@ -26,11 +26,6 @@ class ControlMode(Enum):
     COMPUTED_TORQUE = "computed torque"
     """The torques that, by the model, give the platform the acceleration which brings it back."""
 
-    @property
-    def mode(self) -> float:
-        """Number of the mode for `plant.Gains`."""
-        return float(list(ControlMode).index(self))
-
 
 @dataclass(frozen=True)
 class Controller:
@@ -61,11 +56,8 @@ class Controller:
         if (self.proportional is None) != (self.derivative is None):
             raise InvalidInput("derivative", "proportional and derivative gains come together")
         for name in ("proportional", "derivative"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            array = np.asarray(value, dtype=np.float64)
-            if array.shape != (4,) or not (np.isfinite(array).all() and (array >= 0).all()):
+            value = np.asarray(getattr(self, name) or np.zeros(4), dtype=np.float64)
+            if value.shape != (4,) or not (np.isfinite(value).all() and (value >= 0).all()):
                 raise InvalidInput(name, "four finite gains of at least 0 are needed")
 
     def gains(self, model: Design, pose: ArrayLike) -> Gains:
@@ -80,8 +72,9 @@ class Controller:
             inertia = actuator_inertia(model, pose)
             p, d = stiffness * inertia, damping * inertia
         else:
-            p, d = np.array(self.proportional), np.array(self.derivative)
-        return Gains(self.control.mode, stiffness, damping, *map(float, p), *map(float, d))
+            p, d = np.array(self.proportional, float), np.array(self.derivative, float)
+        mode = float(list(ControlMode).index(self.control))
+        return Gains(mode, stiffness, damping, p, d)
 
 
 def actuator_inertia(design: Design, pose: ArrayLike) -> Array:

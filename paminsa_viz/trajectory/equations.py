@@ -1,22 +1,23 @@
-"""The equations of motion as the solver takes them: compiled where Numba is ready, else in Python.
+"""The equations of motion as the solver takes them: compiled where the model is, else in Python.
 
-The first compilation takes some fifteen seconds, loading it from disk one or two. A page calls
-`load_kernel` in a thread; whatever is simulated meanwhile runs in Python, a hundred times slower.
+The first compilation takes some twenty seconds, loading it from disk one or two; Python is a
+hundred times slower.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
+from functools import cache
 from threading import Lock
-from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.leg import Mechanism, mechanism
 from paminsa_viz.model.lumped import EnergyTerms, energy_terms, lumped_coefficients
 from paminsa_viz.trajectory import plant
 from paminsa_viz.trajectory.sampled import Trajectory
@@ -25,92 +26,95 @@ _WORK = 1_000_000
 """Poses that a simulation counts as when it is decided whether to load compiled kernels."""
 
 
-class _Kernel:
-    """Holds the module of the compiled equations once it is loaded."""
+@cache
+def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
+    """Return `plant.derivative` and `plant.commanded`, compiled or loaded from disk by a call."""
+    from numba import njit  # slow to load
+    from numba.extending import register_jitable
+    from numba.np.unsafe.ndarray import to_fixed_tuple
 
-    def __init__(self) -> None:
-        self.module: ModuleType | None = None
-        self.lock = Lock()
+    from paminsa_viz.model.compiled import OPTIONS, register
 
-    def load(self) -> None:
-        """Load it; the lock is held by the caller."""
-        if self.module is None:
-            from paminsa_viz.trajectory import plant_kernel
+    # A closure variable is part of Numba's cache key, so that changed formulas are compiled again.
+    digest = register(plant.derivative, plant.commanded, inline=False)
+    lengths, terms = len(Mechanism._fields), len(EnergyTerms._fields)
 
-            plant_kernel.warm_up()
-            self.module = plant_kernel
+    @register_jitable
+    def unpack(robot):  # type: ignore[no-untyped-def]
+        rest = robot[lengths + terms :]
+        return (
+            Mechanism(*to_fixed_tuple(robot, lengths)),  # type: ignore[call-arg]
+            EnergyTerms(*to_fixed_tuple(robot[lengths:], terms)),
+            plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:]),
+        )
 
-    def get(self) -> ModuleType | None:
-        """Return it if it is to be used; does not wait for another thread that loads it."""
-        if not backend.worth_compiled(_WORK):
-            return None
-        if self.module is None and self.lock.acquire(blocking=False):
-            try:
-                self.load()
-            finally:
-                self.lock.release()
-        return self.module
+    @njit(**OPTIONS)
+    def derivative(t, state, robot, model, gains, times, states):  # type: ignore[no-untyped-def]
+        if digest < 0:
+            return state
+        return plant.derivative(t, state, unpack(robot), unpack(model), gains, times, states)
+
+    @njit(**OPTIONS)
+    def commanded(t, state, model, gains, times, states):  # type: ignore[no-untyped-def]
+        if digest < 0:
+            return state
+        return plant.commanded(t, state, unpack(model), gains, times, states)
+
+    robot = _packed(robot_numbers(Design()))
+    gains = plant.Gains(0.0, 0.0, 0.0, np.zeros(4), np.zeros(4))
+    states = np.tile([0.0, 0.0, 0.0, -0.5] + [0.0] * 8, (2, 1))
+    derivative(0.0, states[0, :10], robot, robot, gains, np.arange(2.0), states)
+    commanded(0.0, states[0, :10], robot, gains, np.arange(2.0), states)
+    return derivative, commanded
 
 
-_kernel = _Kernel()
+def _packed(robot: plant.Robot) -> Array:
+    """Return a robot as one array: compiled functions take a tuple of many numbers slowly."""
+    return np.hstack([value for part in robot for value in part])
+
+
+_loading = Lock()
 
 
 def load_kernel() -> None:
     """Compile the equations of motion, or load them from disk, and wait for it."""
-    with _kernel.lock:
-        _kernel.load()
+    with _loading:
+        _compiled()
 
 
 def robot_numbers(design: Design) -> plant.Robot:
     """Return the numbers of a robot; the guides have no end, so that motions reach it smoothly."""
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
-    f = design.friction
-    losses = plant.Losses(
-        design.gravity, f.viscous_rotary, f.coulomb_rotary, f.viscous_linear, f.coulomb_linear,
-        f.transition_speed,
-    )  # fmt: skip
-    return m, e, losses
+    f = design.actuator_friction
+    viscous, coulomb = np.array(f.viscous), np.array(f.coulomb)
+    inertia = np.array(design.drive_inertia)
+    drivetrain = plant.Drivetrain(design.gravity, f.transition_speed, viscous, coulomb, inertia)
+    return m, e, drivetrain
 
 
 def equations(
-    design: Design,
-    model: Design,
-    gains: plant.Gains,
-    trajectory: Trajectory,
+    design: Design, model: Design, gains: plant.Gains, trajectory: Trajectory
 ) -> tuple[Callable[[float, Array], Array], Callable[[Array, Array], Array]]:
     """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10)."""
-    true, believed = robot_numbers(design), robot_numbers(model)
-    times = np.array(trajectory.t)
+    true: Any = robot_numbers(design)
+    believed: Any = robot_numbers(model)
     track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration])
-    kernel = _kernel.get()
-    if kernel is not None:
-        numbers = kernel.pack(true, believed, gains)
-
-        def compiled(t: float, state: Array) -> Array:
-            growth = np.empty(10)
-            kernel.derivative(t, state, numbers, times, track, growth)
-            return growth
-
-        def compiled_torques(t: Array, states: Array) -> Array:
-            torque = np.empty((len(t), 4))
-            state = np.ascontiguousarray(states)
-            kernel.torques(t, state, numbers, times, track, torque)
-            return torque
-
-        return compiled, compiled_torques
+    wanted = (gains, np.array(trajectory.t), track)
+    growth, command = plant.derivative, plant.commanded
+    if backend.worth_compiled(_WORK):
+        load_kernel()
+        growth, command = _compiled()
+        true, believed = _packed(true), _packed(believed)
 
     def derivative(t: float, state: Array) -> Array:
-        growth = np.full(10, np.nan)
+        # also LinAlgError, of numbers that are not finite where the bars cannot close
         with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
-            plant.derivative(t, state, true, believed, gains, times, track, growth)
-        return growth
+            return growth(t, state, true, believed, *wanted)
+        return np.full(10, np.nan)
 
     def torques(t: Array, states: Array) -> Array:
-        rows = [
-            plant.commanded(now, state, believed, gains, times, track)
-            for now, state in zip(t, states, strict=True)
-        ]
-        return np.array(rows, dtype=np.float64).reshape(-1, 4)
+        rows = [command(*row, believed, *wanted) for row in zip(t, states.copy(), strict=True)]
+        return np.array(rows).reshape(-1, 4)
 
     return derivative, torques

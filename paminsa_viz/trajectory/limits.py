@@ -50,28 +50,25 @@ class MotionLimits:
     @property
     def rates(self) -> Array:
         """Limits of position and turn, (3 orders, 2); infinite where there is none."""
-        found = [
-            [self.speed, self.turn_speed],
-            [self.acceleration, self.turn_acceleration],
-            [self.jerk, self.turn_jerk],
-        ]
-        return np.array([[np.inf if v is None else v for v in row] for row in found])
+        return self._values()[:6].reshape(3, 2)
 
     @property
     def actuators(self) -> Array:
         """Limits of the actuators, (4,) [N m, N]; infinite where there is none."""
-        torque = np.inf if self.torque is None else self.torque
-        return np.array([torque, torque, torque, np.inf if self.force is None else self.force])
+        return self._values()[[6, 6, 6, 7]]
 
     @property
     def needs_torques(self) -> bool:
         """Whether a limit of an actuator is among them."""
         return self.torque is not None or self.force is not None
 
+    def _values(self) -> Array:
+        return np.array([np.inf if value is None else value for value in vars(self).values()])
+
 
 QUANTITIES = (
     "speed", "turning speed", "acceleration", "turning acceleration", "jerk", "turning jerk",
     "torque of M1", "torque of M2", "torque of M3", "force of M4",
 )  # fmt: skip
-"""What a limit is of, in the order in which `timing` looks at them."""
+"""Limited quantities, in the order in which `timing` looks at them."""
 UNITS = ("m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", "N m", "N m", "N m", "N")

@@ -7,6 +7,7 @@ on its duration; `Plan` scales it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -58,17 +59,14 @@ class Blend:
 
     @property
     def breaks(self) -> Array:
-        """See `Curve`."""
         inner = [t.begin + (t.end - t.begin) * t.law.breaks for t in self.terms]
         return np.unique(np.concatenate([[0.0, 1.0], *inner]))
 
     @property
     def bounded_jerk(self) -> bool:
-        """See `Curve`."""
         return all(term.law.bounded_jerk for term in self.terms)
 
     def __call__(self, u: Array, order: int = 0) -> Array:
-        """See `Curve`."""
         u = np.asarray(u, dtype=np.float64)
         value = np.zeros((*u.shape, 4)) + (self.start if order == 0 else 0.0)
         for term in self.terms:
@@ -98,16 +96,13 @@ class Arc:
 
     @property
     def breaks(self) -> Array:
-        """See `Curve`."""
         return self.law.breaks
 
     @property
     def bounded_jerk(self) -> bool:
-        """See `Curve`."""
         return self.law.bounded_jerk
 
     def __call__(self, u: Array, order: int = 0) -> Array:
-        """See `Curve`."""
         u = np.asarray(u, dtype=np.float64)
         phi = self.angle * self.law(u)[..., None]
         out = self.first * np.cos(phi) + self.second * np.sin(phi)
@@ -135,14 +130,9 @@ class Spline:
 
     spline: BSpline
     breaks: Array
-
-    @property
-    def bounded_jerk(self) -> bool:
-        """See `Curve`."""
-        return True
+    bounded_jerk: bool = True
 
     def __call__(self, u: Array, order: int = 0) -> Array:
-        """See `Curve`."""
         return self.spline(np.asarray(u, dtype=np.float64), order)
 
 
@@ -153,54 +143,36 @@ class Chain:
     Attributes:
         curves: Each starts where the one before it ends; all at rest there.
         ends: (number of curves + 1,) instants at which they begin and end, from 0 to 1.
+        backward: Which of them are run backward.
     """
 
     curves: tuple[UnitCurve, ...]
     ends: Array
+    backward: tuple[bool, ...] = ()
+
+    def _spans(self) -> list[tuple[UnitCurve, float, float]]:
+        """Return the curves with the instants of their own 0 and 1."""
+        turned = self.backward or (False,) * len(self.curves)
+        spans = zip(self.curves, turned, pairwise(self.ends), strict=True)
+        return [(c, *(span[::-1] if back else span)) for c, back, span in spans]
 
     @property
     def breaks(self) -> Array:
-        """See `Curve`."""
-        spans = zip(self.curves, self.ends[:-1], np.diff(self.ends), strict=True)
-        return np.unique(np.concatenate([begin + span * c.breaks for c, begin, span in spans]))
+        return np.unique(np.concatenate([a + (b - a) * c.breaks for c, a, b in self._spans()]))
 
     @property
     def bounded_jerk(self) -> bool:
-        """See `Curve`."""
         return all(curve.bounded_jerk for curve in self.curves)
 
     def __call__(self, u: Array, order: int = 0) -> Array:
-        """See `Curve`."""
         u = np.asarray(u, dtype=np.float64)
         which = np.clip(np.searchsorted(self.ends, u, "right") - 1, 0, len(self.curves) - 1)
         value = np.empty((*u.shape, 4))
-        for index, curve in enumerate(self.curves):
+        for index, (curve, begin, end) in enumerate(self._spans()):
             mine = which == index
-            begin, span = self.ends[index], self.ends[index + 1] - self.ends[index]
-            local = np.clip((u[mine] - begin) / span, 0.0, 1.0)
-            value[mine] = curve(local, order) / span**order
+            local = np.clip((u[mine] - begin) / (end - begin), 0.0, 1.0)
+            value[mine] = curve(local, order) / (end - begin) ** order
         return value
-
-
-@dataclass(frozen=True, eq=False)
-class Reversed:
-    """A curve run backwards."""
-
-    curve: UnitCurve
-
-    @property
-    def breaks(self) -> Array:
-        """See `Curve`."""
-        return 1.0 - self.curve.breaks[::-1]
-
-    @property
-    def bounded_jerk(self) -> bool:
-        """See `Curve`."""
-        return self.curve.bounded_jerk
-
-    def __call__(self, u: Array, order: int = 0) -> Array:
-        """See `Curve`."""
-        return (-1.0) ** order * self.curve(1.0 - np.asarray(u, dtype=np.float64), order)
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,16 +13,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.trajectory.plan import (
-    Arc,
-    Blend,
-    Chain,
-    Displacement,
-    Plan,
-    Reversed,
-    Spline,
-    UnitCurve,
-)
+from paminsa_viz.trajectory.plan import Arc, Blend, Chain, Displacement, Plan, Spline
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 PLACE = [0, 1, 3]
@@ -52,12 +43,8 @@ def point_to_point(
     """
     law = law or TimeLaw()
     begin, end = _pose(start, "start"), _pose(goal, "goal")
-    return Plan(
-        Blend(begin, (Displacement(end - begin, law),)),
-        duration,
-        name,
-        f"move, {law.profile.value}",
-    )
+    curve = Blend(begin, (Displacement(end - begin, law),))
+    return Plan(curve, duration, name, f"move, {law.profile.value}")
 
 
 def line(
@@ -106,11 +93,11 @@ def circle(
     middle = _pose(center, "center")
     if plane not in PLANES:
         raise InvalidInput("plane", f"one of {', '.join(PLANES)} is needed, not {plane!r}")
-    for argument, value in (("radius", radius), ("begin", begin), ("angle", angle)):
+    if not (np.isfinite(radius) and radius > 0):
+        raise InvalidInput("radius", f"a length above 0 m is needed, not {radius!r}")
+    for argument, value in (("begin", begin), ("angle", angle)):
         if not np.isfinite(value):
             raise InvalidInput(argument, f"a finite number is needed, not {value!r}")
-    if radius <= 0:
-        raise InvalidInput("radius", f"a length above 0 m is needed, not {radius!r}")
     axes = np.zeros((2, 4))
     axes[[0, 1], PLANES[plane]] = radius
     first = axes[0] * np.cos(begin) + axes[1] * np.sin(begin)
@@ -236,8 +223,7 @@ def chain(*plans: Plan, name: str = "") -> Plan:
 
 def round_trip(plan: Plan) -> Plan:
     """Return a plan followed by itself run backwards: a closed motion of twice the duration."""
-    both: tuple[UnitCurve, ...] = (plan.curve, Reversed(plan.curve))
-    curve = Chain(both, np.array([0.0, 0.5, 1.0]))
+    curve = Chain((plan.curve,) * 2, np.array([0.0, 0.5, 1.0]), (False, True))
     return Plan(curve, 2 * plan.duration, f"{plan.name}, there and back", plan.kind, plan.notes)
 
 

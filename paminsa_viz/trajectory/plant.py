@@ -1,8 +1,9 @@
-"""The robot and its controller as plain formulas of numbers, for simulation in time.
+"""The robot and its controller as plain formulas of one state, for simulation in time.
 
-The same source runs in Python and compiled (`plant_kernel`). Unlike `robot.drive` it works in the
-platform's coordinates and never divides by the closure's determinant, so that it stays exact close
-to a type-2 singularity.
+The same source runs in Python and compiled (`equations`). Unlike `robot.inverse_dynamics_kernel`
+the motion is worked out in the platform's coordinates, without the closure's determinant, so that
+it stays exact close to a type-2 singularity. Vectors (4,) are (x, y, theta, z) of the platform or
+M1..M4 of the actuators.
 """
 
 from __future__ import annotations
@@ -10,31 +11,28 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple, TypeAlias
 
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.leg import LegPosition, Mechanism, leg_motion, leg_position
 from paminsa_viz.model.leg_forces import leg_forces
 from paminsa_viz.model.lumped import EnergyTerms
-from paminsa_viz.model.robot import (
-    AXIS_X,
-    AXIS_Y,
-    _vector,
-    mass_matrix,
-    platform_determinant,
-    solve_wrench,
-)
+from paminsa_viz.model.robot import AXIS_X, AXIS_Y, mass_matrix
+
+Legs: TypeAlias = tuple[LegPosition, LegPosition, LegPosition]
 
 
-class Losses(NamedTuple):
-    """Gravity [m/s^2] and friction of the actuators, see `design.Friction`."""
+class Drivetrain(NamedTuple):
+    """Gravity [m/s^2], friction and drives' inertia (4,) at the actuators, see `Design`."""
 
     gravity: float
-    viscous_rotary: float
-    coulomb_rotary: float
-    viscous_linear: float
-    coulomb_linear: float
     transition: float
+    viscous: Array
+    coulomb: Array
+    inertia: Array
 
 
-Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Losses]
+Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Drivetrain]
 """A robot as the formulas take it."""
 
 
@@ -42,24 +40,18 @@ class Gains(NamedTuple):
     """Gains of the controller; ``mode`` is the index in `control.ControlMode`.
 
     With computed torque ``rate`` and ``damping`` turn errors of the pose into an acceleration
-    [1/s^2, 1/s]; with PD the others turn errors of the actuators into torques.
+    [1/s^2, 1/s]; with PD the others (4,) turn errors of the actuators into torques.
     """
 
     mode: float
     rate: float
     damping: float
-    p1: float
-    p2: float
-    p3: float
-    p4: float
-    d1: float
-    d2: float
-    d3: float
-    d4: float
+    proportional: Array
+    derivative: Array
 
 
-def legs(m: Mechanism, pose: Any) -> tuple[LegPosition, LegPosition, LegPosition]:
-    """Solve the three legs at a pose (x, y, theta, z)."""
+def solve_legs(m: Mechanism, pose: Array) -> Legs:
+    """Solve the three legs at a pose."""
     x, y, theta, z = pose
     c, s = math.cos(theta), math.sin(theta)
     return (
@@ -69,130 +61,50 @@ def legs(m: Mechanism, pose: Any) -> tuple[LegPosition, LegPosition, LegPosition
     )
 
 
-def turn_rate(g: LegPosition, vx: Any, vy: Any, vt: Any) -> Any:
-    """Return theta_k' for a platform velocity."""
-    return (vy * g.ux - vx * g.uy + vt * (g.px * g.ux + g.py * g.uy)) * g.inverse_rho
+def actuator_rows(m: Mechanism, legs: Legs) -> Array:
+    """Return the matrix (4, 4) that turns the platform's velocity into the actuators' speeds."""
+    rows = np.zeros((4, 4))
+    for i, g in enumerate(legs):
+        rows[i, 0] = -g.uy * g.inverse_rho
+        rows[i, 1] = g.ux * g.inverse_rho
+        rows[i, 2] = (g.px * g.ux + g.py * g.uy) * g.inverse_rho
+    rows[3, 3] = m.inverse_k
+    return rows
 
 
-def speeds(m: Mechanism, a: Any, b: Any, d: Any, velocity: Any) -> Any:
-    """Return the actuators' speeds."""
-    vx, vy, vt, vz = velocity
-    return (
-        turn_rate(a, vx, vy, vt),
-        turn_rate(b, vx, vy, vt),
-        turn_rate(d, vx, vy, vt),
-        vz * m.inverse_k,
-    )
-
-
-def _leg_load(
-    m: Mechanism, e: EnergyTerms, g: LegPosition, velocity: Any, acceleration: Any
-) -> Any:
-    """Return the load of a leg on the platform: forces along x, y, z and the moment about z."""
+def platform_load(robot: Robot, legs: Legs, velocity: Array, acceleration: Array) -> Array:
+    """Return the generalized force on the platform that makes a motion of the whole robot."""
+    m, e, o = robot
     vx, vy, vt, vz = velocity
     ax, ay, at, az = acceleration
-    f = leg_forces(m, e, g, leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az))
-    across = f.tangential + f.torque * g.inverse_rho
-    fx = f.radial * g.ux - across * g.uy
-    fy = f.radial * g.uy + across * g.ux
-    return fx, fy, g.px * fy - g.py * fx, f.vertical + f.lift * m.inverse_k
-
-
-def platform_load(
-    m: Mechanism, e: EnergyTerms, gravity: Any, a: Any, b: Any, d: Any,
-    velocity: Any, acceleration: Any,
-) -> Any:  # fmt: skip
-    """Return the generalized force (x, y, theta, z) that makes a motion of the whole robot."""
-    la = _leg_load(m, e, a, velocity, acceleration)
-    lb = _leg_load(m, e, b, velocity, acceleration)
-    ld = _leg_load(m, e, d, velocity, acceleration)
-    return (
-        la[0] + lb[0] + ld[0] + e.mass * acceleration[0],
-        la[1] + lb[1] + ld[1] + e.mass * acceleration[1],
-        la[2] + lb[2] + ld[2] + (e.inertia + 6.0 * e.turn) * acceleration[2],
-        la[3] + lb[3] + ld[3] + e.mass * (acceleration[3] + gravity),
+    load = np.array(
+        [e.mass * ax, e.mass * ay, (e.inertia + 6 * e.turn) * at, e.mass * (az + o.gravity)]
     )
+    load[3] += o.inertia[3] * m.inverse_k * m.inverse_k * az
+    for i, g in enumerate(legs):
+        motion = leg_motion(m, g, vx, vy, vt, vz, ax, ay, at, az)
+        f = leg_forces(m, e, g, motion)
+        across = f.tangential + (f.torque + o.inertia[i] * motion.beta_acc) * g.inverse_rho
+        fx = f.radial * g.ux - across * g.uy
+        fy = f.radial * g.uy + across * g.ux
+        load += np.array([fx, fy, g.px * fy - g.py * fx, f.vertical + f.lift * m.inverse_k])
+    return load
 
 
-def to_actuators(m: Mechanism, pose: Any, a: Any, b: Any, d: Any, load: Any) -> Any:
-    """Return the torques with the same power as a generalized force of the platform."""
-    va, vb, vd = _vector(a), _vector(b), _vector(d)
-    determinant = platform_determinant(m, pose[0], pose[1], math.cos(pose[2]))
-    t = solve_wrench(determinant, va, vb, vd, load[0], load[1], load[2])
-    return t.t1 * va.rho2, t.t2 * vb.rho2, t.t3 * vd.rho2, load[3] * m.k
-
-
-def to_platform(m: Mechanism, a: Any, b: Any, d: Any, torque: Any) -> Any:
-    """Return the generalized force of the platform with the same power as torques."""
-    fa, fb, fd = torque[0] * a.inverse_rho, torque[1] * b.inverse_rho, torque[2] * d.inverse_rho
-    return (
-        -fa * a.uy - fb * b.uy - fd * d.uy,
-        fa * a.ux + fb * b.ux + fd * d.ux,
-        fa * (a.px * a.ux + a.py * a.uy)
-        + fb * (b.px * b.ux + b.py * b.uy)
-        + fd * (d.px * d.ux + d.py * d.uy),
-        torque[3] * m.inverse_k,
-    )
-
-
-def friction(o: Losses, speed: Any) -> Any:
+def friction(o: Drivetrain, speed: Array) -> Array:
     """Return the friction torques at the actuators' speeds."""
-    inverse = 1.0 / o.transition
-    return (
-        o.viscous_rotary * speed[0] + o.coulomb_rotary * math.tanh(speed[0] * inverse),
-        o.viscous_rotary * speed[1] + o.coulomb_rotary * math.tanh(speed[1] * inverse),
-        o.viscous_rotary * speed[2] + o.coulomb_rotary * math.tanh(speed[2] * inverse),
-        o.viscous_linear * speed[3] + o.coulomb_linear * math.tanh(speed[3] * inverse),
-    )
+    return o.viscous * speed + o.coulomb * np.tanh(speed / o.transition)
 
 
-def inverse_torques(
-    m: Mechanism, e: EnergyTerms, o: Losses, pose: Any, velocity: Any, acceleration: Any
-) -> Any:
+def inverse_torques(robot: Robot, pose: Array, velocity: Array, acceleration: Array) -> Array:
     """Return the torques that make a motion, friction included."""
-    a, b, d = legs(m, pose)
-    load = platform_load(m, e, o.gravity, a, b, d, velocity, acceleration)
-    drive = to_actuators(m, pose, a, b, d, load)
-    loss = friction(o, speeds(m, a, b, d, velocity))
-    return drive[0] + loss[0], drive[1] + loss[1], drive[2] + loss[2], drive[3] + loss[3]
+    legs = solve_legs(robot[0], pose)
+    rows = actuator_rows(robot[0], legs)
+    load = platform_load(robot, legs, velocity, acceleration)
+    return np.linalg.solve(rows.T, load) + friction(robot[2], rows @ velocity)
 
 
-def solve(w: Any, f: Any) -> Any:
-    """Solve M q = f for a symmetric positive definite M (4, 4), given as its upper triangle."""
-    m00, m01, m02, m03, m11, m12, m13, m22, m23, m33 = w
-    l00 = math.sqrt(m00)
-    l10, l20, l30 = m01 / l00, m02 / l00, m03 / l00
-    l11 = math.sqrt(m11 - l10 * l10)
-    l21, l31 = (m12 - l20 * l10) / l11, (m13 - l30 * l10) / l11
-    l22 = math.sqrt(m22 - l20 * l20 - l21 * l21)
-    l32 = (m23 - l30 * l20 - l31 * l21) / l22
-    l33 = math.sqrt(m33 - l30 * l30 - l31 * l31 - l32 * l32)
-    y0 = f[0] / l00
-    y1 = (f[1] - l10 * y0) / l11
-    y2 = (f[2] - l20 * y0 - l21 * y1) / l22
-    y3 = (f[3] - l30 * y0 - l31 * y1 - l32 * y2) / l33
-    q3 = y3 / l33
-    q2 = (y2 - l32 * q3) / l22
-    q1 = (y1 - l21 * q2 - l31 * q3) / l11
-    q0 = (y0 - l10 * q1 - l20 * q2 - l30 * q3) / l00
-    return q0, q1, q2, q3
-
-
-def acceleration_under(
-    m: Mechanism, e: EnergyTerms, gravity: Any, pose: Any, velocity: Any, torque: Any
-) -> Any:
-    """Return the platform's acceleration under torques that reach the mechanism."""
-    a, b, d = legs(m, pose)
-    bias = platform_load(m, e, gravity, a, b, d, velocity, (0.0, 0.0, 0.0, 0.0))
-    force = to_platform(m, a, b, d, torque)
-    inertia = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
-    return solve(
-        inertia,
-        (force[0] - bias[0], force[1] - bias[1], force[2] - bias[2], force[3] - bias[3]),
-    )
-
-
-def turn_error(wanted: LegPosition, actual: LegPosition) -> Any:
+def turn_error(wanted: LegPosition, actual: LegPosition) -> float:
     """Return theta_k wanted minus actual, without jumps of a full turn."""
     return math.atan2(
         actual.ux * wanted.uy - actual.uy * wanted.ux,
@@ -200,37 +112,22 @@ def turn_error(wanted: LegPosition, actual: LegPosition) -> Any:
     )
 
 
-def _toward(k: Gains, i: int, wanted: Any, rate: Any, growth: Any, pose: Any, velocity: Any) -> Any:
-    """Return the acceleration of a coordinate that brings its error back."""
-    return growth[i] + k.rate * (wanted[i] - pose[i]) + k.damping * (rate[i] - velocity[i])
-
-
-def command(
-    m: Mechanism, e: EnergyTerms, o: Losses, k: Gains,
-    wanted: Any, wanted_velocity: Any, wanted_acceleration: Any, pose: Any, velocity: Any,
-) -> Any:  # fmt: skip
-    """Return the torques that the controller commands; m, e and o are its model."""
+def command(model: Robot, k: Gains, wanted: Any, pose: Array, velocity: Array) -> Array:
+    """Return the torques that the controller commands for a wanted state, by its model."""
+    goal, rate, growth = wanted
     if k.mode == 2:  # computed torque
-        growth = (
-            _toward(k, 0, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-            _toward(k, 1, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-            _toward(k, 2, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-            _toward(k, 3, wanted, wanted_velocity, wanted_acceleration, pose, velocity),
-        )
-        return inverse_torques(m, e, o, pose, velocity, growth)
-    torque = inverse_torques(m, e, o, wanted, wanted_velocity, wanted_acceleration)
+        growth = growth + k.rate * (goal - pose) + k.damping * (rate - velocity)
+        return inverse_torques(model, pose, velocity, growth)
+    torque = inverse_torques(model, goal, rate, growth)
     if k.mode == 0:  # feed-forward alone
         return torque
-    a, b, d = legs(m, wanted)
-    aa, bb, dd = legs(m, pose)
-    w, v = speeds(m, a, b, d, wanted_velocity), speeds(m, aa, bb, dd, velocity)
-    lift = (wanted[3] - pose[3]) * m.inverse_k
-    return (
-        torque[0] + k.p1 * turn_error(a, aa) + k.d1 * (w[0] - v[0]),
-        torque[1] + k.p2 * turn_error(b, bb) + k.d2 * (w[1] - v[1]),
-        torque[2] + k.p3 * turn_error(d, dd) + k.d3 * (w[2] - v[2]),
-        torque[3] + k.p4 * lift + k.d4 * (w[3] - v[3]),
-    )
+    m = model[0]
+    there, here = solve_legs(m, goal), solve_legs(m, pose)
+    error = (goal - pose) * m.inverse_k
+    for i in range(3):
+        error[i] = turn_error(there[i], here[i])
+    slip = actuator_rows(m, there) @ rate - actuator_rows(m, here) @ velocity
+    return torque + k.proportional * error + k.derivative * slip
 
 
 def hermite(u: Any, h: Any, p0: Any, v0: Any, a0: Any, p1: Any, v1: Any, a1: Any) -> Any:
@@ -247,50 +144,46 @@ def hermite(u: Any, h: Any, p0: Any, v0: Any, a0: Any, p1: Any, v1: Any, a1: Any
     )
 
 
-def reference(t: Any, times: Any, states: Any) -> Any:
-    """Return the wanted pose, velocity and acceleration; ``states`` (n, 12) at ``times`` (n,)."""
-    low, high = 0, times.size - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if times[middle] <= t:
-            low = middle
-        else:
-            high = middle
-    h = times[high] - times[low]
-    u = min(max((t - times[low]) / h, 0.0), 1.0)
-    a, b = states[low], states[high]
-    x = hermite(u, h, a[0], a[4], a[8], b[0], b[4], b[8])
-    y = hermite(u, h, a[1], a[5], a[9], b[1], b[5], b[9])
-    o = hermite(u, h, a[2], a[6], a[10], b[2], b[6], b[10])
-    z = hermite(u, h, a[3], a[7], a[11], b[3], b[7], b[11])
-    return (x[0], y[0], o[0], z[0]), (x[1], y[1], o[1], z[1]), (x[2], y[2], o[2], z[2])
+def commanded(t: float, state: Array, model: Robot, k: Gains, times: Array, states: Array) -> Array:
+    """Return the commanded torques at a time and a state (pose, velocity, ...).
+
+    The wanted motion is given by ``states`` (n, 12) at ``times`` (n,).
+    """
+    right = min(max(np.searchsorted(times, t, "right"), 1), times.size - 1)
+    a, b = states[right - 1], states[right]
+    h = times[right] - times[right - 1]
+    u = min(max((t - times[right - 1]) / h, 0.0), 1.0)
+    wanted = hermite(u, h, a[:4], a[4:8], a[8:], b[:4], b[4:8], b[8:])
+    return command(model, k, wanted, state[:4], state[4:8])
 
 
-def commanded(t: Any, state: Any, believed: Any, k: Gains, times: Any, states: Any) -> Any:
-    """Return the commanded torques at a time and a state (pose, velocity, ...)."""
-    m, e, o = believed
-    pose = (state[0], state[1], state[2], state[3])
-    velocity = (state[4], state[5], state[6], state[7])
-    wanted, rate, growth = reference(t, times, states)
-    return command(m, e, o, k, wanted, rate, growth, pose, velocity)
+def acceleration_under(robot: Robot, pose: Array, velocity: Array, torque: Array) -> Array:
+    """Return the platform's acceleration under torques that reach the mechanism."""
+    m, e, o = robot
+    legs = solve_legs(m, pose)
+    bias = platform_load(robot, legs, velocity, np.zeros(4))
+    upper = mass_matrix(m, e, pose[0], pose[1], math.cos(pose[2]), math.sin(pose[2]), pose[3])
+    inertia = np.empty((4, 4))
+    number = 0
+    for i in range(4):
+        for j in range(i, 4):
+            inertia[i, j] = inertia[j, i] = upper[number]
+            number += 1
+    rows = actuator_rows(m, legs)
+    inertia += rows.T @ (np.diag(o.inertia) @ rows)
+    return np.linalg.solve(inertia, rows.T @ torque - bias)
 
 
 def derivative(
-    t: Any, state: Any, plant: Any, believed: Any, k: Gains, times: Any, states: Any, out: Any
-) -> None:
-    """Write the derivative of (pose, velocity, work of the actuators, friction losses) (10,)."""
-    m, e, o = plant
-    torque = commanded(t, state, believed, k, times, states)
-    pose = (state[0], state[1], state[2], state[3])
-    velocity = (state[4], state[5], state[6], state[7])
-    a, b, d = legs(m, pose)
-    speed = speeds(m, a, b, d, velocity)
-    loss = friction(o, speed)
-    net = (torque[0] - loss[0], torque[1] - loss[1], torque[2] - loss[2], torque[3] - loss[3])
-    growth = acceleration_under(m, e, o.gravity, pose, velocity, net)
-    out[0], out[1], out[2], out[3] = velocity
-    out[4], out[5], out[6], out[7] = growth
-    out[8] = (
-        torque[0] * speed[0] + torque[1] * speed[1] + torque[2] * speed[2] + torque[3] * speed[3]
-    )
-    out[9] = loss[0] * speed[0] + loss[1] * speed[1] + loss[2] * speed[2] + loss[3] * speed[3]
+    t: float, state: Array, robot: Robot, model: Robot, k: Gains, times: Array, states: Array
+) -> Array:
+    """Return the derivative of (pose, velocity, work of the actuators, friction losses) (10,)."""
+    pose, velocity = state[:4], state[4:8]
+    torque = commanded(t, state, model, k, times, states)
+    speed = actuator_rows(robot[0], solve_legs(robot[0], pose)) @ velocity
+    loss = friction(robot[2], speed)
+    growth = np.empty(10)
+    growth[:4] = velocity
+    growth[4:8] = acceleration_under(robot, pose, velocity, torque - loss)
+    growth[8], growth[9] = torque @ speed, loss @ speed
+    return growth

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -16,12 +17,6 @@ from paminsa_viz.model.reach import workspace_height
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import PLACE, arch, circle, line, point_to_point, via_points
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
-
-PAPER_ACCELERATION = 1.0
-"""Largest acceleration of the paper's motion [m/s^2]; all that its text says of it."""
-
-QUINTIC_PEAK = 10 / np.sqrt(3)
-"""Largest acceleration of the quintic law in unit time."""
 
 _FROM = (-0.08, 0.06, -0.4, -0.08)
 _TO = (0.1, -0.05, 0.5, 0.08)
@@ -73,8 +68,8 @@ def paper_like(geometry: Geometry) -> Plan:
     """
     frame = PresetFrame(geometry)
     start, goal = frame.pose(*_FROM), frame.pose(*_TO)
-    length = np.linalg.norm((goal - start)[PLACE])
-    duration = np.sqrt(QUINTIC_PEAK * length / PAPER_ACCELERATION)
+    # the largest acceleration of the quintic law in unit time is 10 / sqrt(3)
+    duration = np.sqrt(10 / np.sqrt(3) * np.linalg.norm((goal - start)[PLACE]))
     plan = point_to_point(start, goal, float(duration), name="four coordinates, 1 m/s²")
     note = (
         "A quintic move of all four coordinates with a largest acceleration of 1 m/s², which is "
@@ -84,18 +79,9 @@ def paper_like(geometry: Geometry) -> Plan:
     return replace(plan, notes=(note,))
 
 
-def _move(profile: Profile) -> Callable[[Geometry], Plan]:
-    def build(geometry: Geometry) -> Plan:
-        frame = PresetFrame(geometry)
-        return point_to_point(
-            frame.pose(*_FROM),
-            frame.pose(*_TO),
-            1.5,
-            TimeLaw(profile),
-            name=f"{profile.value} move",
-        )
-
-    return build
+def _move(profile: Profile, geometry: Geometry) -> Plan:
+    frame, name = PresetFrame(geometry), f"{profile.value} move"
+    return point_to_point(frame.pose(*_FROM), frame.pose(*_TO), 1.5, TimeLaw(profile), name=name)
 
 
 def _line(geometry: Geometry) -> Plan:
@@ -115,24 +101,22 @@ def _arch(geometry: Geometry) -> Plan:
     return arch(start, goal, 0.12 * frame.scale[3], 1.2, name="pick-and-place arch")
 
 
+_WAYPOINTS = (
+    (0.0, 0.0, 0.0, 0.0), (0.1, 0.02, 0.3, -0.05), (0.04, 0.1, 0.0, 0.04),
+    (-0.1, 0.03, -0.4, 0.06), (-0.03, -0.09, -0.1, -0.04), (0.0, 0.0, 0.0, 0.0),
+)  # fmt: skip
+
+
 def _waypoints(geometry: Geometry) -> Plan:
     frame = PresetFrame(geometry)
-    corners = [
-        (0.0, 0.0, 0.0, 0.0),
-        (0.1, 0.02, 0.3, -0.05),
-        (0.04, 0.1, 0.0, 0.04),
-        (-0.1, 0.03, -0.4, 0.06),
-        (-0.03, -0.09, -0.1, -0.04),
-        (0.0, 0.0, 0.0, 0.0),
-    ]
-    return via_points([frame.pose(*corner) for corner in corners], 4.0)
+    return via_points([frame.pose(*waypoint) for waypoint in _WAYPOINTS], 4.0)
 
 
 PRESETS: tuple[Preset, ...] = (
     Preset("paper-like", "Four coordinates, 1 m/s²", paper_like),
-    Preset("quintic", "Quintic move", _move(Profile.QUINTIC)),
-    Preset("trapezoid", "Trapezoidal-velocity move", _move(Profile.TRAPEZOID)),
-    Preset("s-curve", "S-curve move", _move(Profile.S_CURVE)),
+    Preset("quintic", "Quintic move", partial(_move, Profile.QUINTIC)),
+    Preset("trapezoid", "Trapezoidal-velocity move", partial(_move, Profile.TRAPEZOID)),
+    Preset("s-curve", "S-curve move", partial(_move, Profile.S_CURVE)),
     Preset("waypoints", "Through waypoints", _waypoints),
     Preset("line", "Straight line", _line),
     Preset("circle", "Circle", _circle),

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -162,7 +163,11 @@ def simulate(
         raise InvalidInput("model", "its geometry has to be that of the robot")
     check = check_path(design.geometry, trajectory, clearance)
     check.require()
-    start = _start(trajectory, offset)
+    shift = as_vectors(offset, "offset")
+    if shift.shape != (4,) or not np.isfinite(shift).all():
+        raise InvalidInput("offset", "four finite numbers are needed")
+    # pose, velocity, work, losses
+    start = np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
     stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE)
     stop_at[12:] = 0.0  # the singular distances hold a clearance already
     side = np.array(check.side)
@@ -175,14 +180,23 @@ def simulate(
 
     gains = controller.gains(model, trajectory.pose[0])
     derivative, torques = equations(design, model, gains, trajectory)
-    derivative = _bounded(derivative, _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration)
+    most = _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration
+    calls = count(1)
+
+    def bounded(t: float, state: Array) -> Array:
+        if next(calls) > most:
+            raise SimulationFailed(
+                t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
+                f"Coulomb friction would make it easier",
+            )  # fmt: skip
+        return derivative(t, state)
 
     def least_margin(_: float, state: Array) -> float:
         return float(margins(state[:4]).min())
 
     least_margin.terminal = True  # type: ignore[attr-defined]
     solution = solve_ivp(
-        derivative, (trajectory.t[0], trajectory.t[-1]), start, method="DOP853",
+        bounded, (trajectory.t[0], trajectory.t[-1]), start, method="DOP853",
         t_eval=trajectory.t, events=least_margin, rtol=tolerance, atol=0.01 * tolerance,
         max_step=_LONGEST_STEP,
     )  # fmt: skip
@@ -194,33 +208,6 @@ def simulate(
         design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
         trajectory.at(t), states[:, 8], states[:, 9], stopped, int(solution.nfev),
     )  # fmt: skip
-
-
-def _start(trajectory: Trajectory, offset: ArrayLike) -> Array:
-    """Return the state (10,) at the start: pose, velocity, work, losses."""
-    shift = as_vectors(offset, "offset")
-    if shift.shape != (4,) or not np.isfinite(shift).all():
-        raise InvalidInput("offset", "four finite numbers are needed")
-    return np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
-
-
-def _bounded(
-    derivative: Callable[[float, Array], Array], most: float
-) -> Callable[[float, Array], Array]:
-    """Return a function that raises when it has been called too often."""
-    calls = 0
-
-    def counted(t: float, state: Array) -> Array:
-        nonlocal calls
-        calls += 1
-        if calls > most:
-            raise SimulationFailed(
-                t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
-                f"Coulomb friction would make it easier",
-            )  # fmt: skip
-        return derivative(t, state)
-
-    return counted
 
 
 def _end(

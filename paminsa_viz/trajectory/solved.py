@@ -12,19 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction, Geometry
-from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque, frictionless
-from paminsa_viz.model.jacobians import inverse_jacobian
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
+from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
-from paminsa_viz.trajectory.check import (
-    SINGULAR_CLEARANCE,
-    PathCheck,
-    PathEvent,
-    check_path,
-)
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck, PathEvent, check_path
 from paminsa_viz.trajectory.sampled import Trajectory
 
 _WEIGHTS = slice(0, 3)
@@ -56,35 +52,39 @@ class SolvedTrajectory:
     def torques(self, design: Design, *, friction: bool = True) -> Array:
         """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
         torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
-        if design.gravity != self.gravity:
-            torque[:, 3] += self._extra_weight(design)
-        if friction and not frictionless(design.friction):
-            torque += self.friction(design.friction)
+        if design.gravity != self.gravity:  # the legs' weights are in c, the platform's in Y
+            mass = design.platform.mass + design.payload.mass
+            torque[:, 3] += self.geometry.magnification * (design.gravity - self.gravity) * mass
+        if any(design.drive_inertia):
+            torque += self.drive_inertia_torque(design)
+        if friction and not design.actuator_friction.zero:
+            torque += self.friction(design)
         return torque
 
-    def friction(self, friction: Friction) -> Array:
-        """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
-        kept = self._friction.get(friction)
-        if kept is None:
-            kept = friction_torque(friction, self.speed)
-            if frictionless(friction):
-                kept[~self.check.good] = np.nan
-            kept.setflags(write=False)
-            self._friction.clear()
-            self._friction[friction] = kept
-        return kept
+    def drive_inertia_torque(self, design: Design) -> Array:
+        """Return what accelerates the drives' own inertia, (n, 4) [N m, N]."""
+        return np.array(design.drive_inertia) * self.actuator_acceleration
 
     @cached_property
-    def _friction(self) -> dict[Friction, Array]:
+    def actuator_acceleration(self) -> Array:
+        """Acceleration of the actuators, (n, 4) [rad/s^2, m/s^2]; NaN where the motion fails."""
+        t = self.trajectory
+        found = actuator_acceleration(self.geometry, t.pose, t.velocity, t.acceleration)
+        found[~self.check.good] = np.nan
+        return found
+
+    def friction(self, design: Design) -> Array:
+        """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
+        friction = design.actuator_friction
+        if friction not in self._friction:
+            self._friction.clear()
+            self._friction[friction] = friction_torque(friction, self.speed)
+            self._friction[friction].setflags(write=False)
+        return self._friction[friction]
+
+    @cached_property
+    def _friction(self) -> dict[ActuatorFriction, Array]:
         return {}
-
-    def _extra_weight(self, design: Design) -> float:
-        """Return what the platform weighs on M4 beyond the gravity that Y was made with [N].
-
-        The legs' weights stand in c.
-        """
-        mass = design.platform.mass + design.payload.mass
-        return self.geometry.magnification * (design.gravity - self.gravity) * mass
 
     @cached_property
     def inertial(self) -> Array:
@@ -109,8 +109,14 @@ class SolvedTrajectory:
         mass = design.platform.mass + design.payload.mass
         gravity[:, 3] += self.geometry.magnification * design.gravity * mass
         inertial = regressor_torques(self.inertial, c)
+        if any(design.drive_inertia):
+            still = np.zeros_like(self.trajectory.velocity)
+            growth = actuator_acceleration(
+                self.geometry, self.trajectory.pose, still, self.trajectory.acceleration
+            )
+            inertial = inertial + np.array(design.drive_inertia) * growth
         velocity = self.torques(design, friction=False) - gravity - inertial
-        friction = np.array(self.friction(design.friction))
+        friction = np.array(self.friction(design))
         return TorqueBreakdown(gravity, inertial, velocity, friction)
 
     @cached_property

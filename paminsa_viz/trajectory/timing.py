@@ -19,7 +19,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Friction
+from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
@@ -126,19 +126,19 @@ def minimum_time(
     curve = plan.curve
     rates = limits.rates
     if np.isfinite(rates[2]).any() and not curve.bounded_jerk:
-        raise InvalidInput(
-            "limits", "the acceleration of this motion jumps, so its jerk has no bound"
-        )
-    columns = _rate_durations(curve, rates)
+        problem = "the acceleration of this motion jumps, so its jerk has no bound"
+        raise InvalidInput("limits", problem)
+    parts = [_rate_durations(curve, rates)]
     if limits.needs_torques and design is not None:
-        actuators = _torque_durations(curve, limits.actuators, design, misprints)
-        needed = supremum(
-            lambda u: np.concatenate([columns(u), actuators(u)], axis=1), curve.breaks
-        )
-        if not np.isfinite(needed.value):
-            raise _infeasible(curve, limits, design, misprints, needed.u)
-    else:
-        needed = supremum(columns, curve.breaks)
+        parts.append(_torque_durations(curve, limits.actuators, design, misprints))
+    needed = supremum(lambda u: np.concatenate([part(u) for part in parts], axis=1), curve.breaks)
+    if not np.isfinite(needed.value) and design is not None:
+        at = np.array([needed.u])
+        held = _parts(curve, design, misprints, at)[0][0]
+        worst = int(np.argmax(np.abs(held) / limits.actuators))
+        pose = tuple(map(float, curve(at)[0]))
+        most = float(limits.actuators[worst])
+        raise InfeasibleMotion(worst, needed.u, pose, float(held[worst]), most)
     if needed.value <= 0:
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)
@@ -170,12 +170,9 @@ def _rate_durations(curve: UnitCurve, limits: Array) -> Callable[[Array], Array]
     def durations(u: Array) -> Array:
         found = []
         for order in (1, 2, 3):
-            if np.isfinite(limits[order - 1]).any():
-                rate = curve(u, order)
-                size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
-                found.append((size / limits[order - 1]) ** (1.0 / order))
-            else:
-                found.append(np.zeros((len(u), 2)))
+            rate = curve(u, order)
+            size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
+            found.append((size / limits[order - 1]) ** (1.0 / order))
         return np.concatenate(found, axis=1)
 
     return durations
@@ -185,16 +182,15 @@ def _parts(
     curve: UnitCurve, design: Design, misprints: Misprint, u: Array
 ) -> tuple[Array, Array, Array]:
     """Return the torques' parts of order 0, 1 and 2 in 1/T along a curve, each (n, 4)."""
-    friction = design.friction
-    plain = replace(design, friction=Friction())
+    friction = design.actuator_friction
+    plain = design.without_friction()
     pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
     gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
     weightless = replace(plain, gravity=0.0)
     dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
     speed = actuator_velocity(design, pose, rate)
-    coulomb = np.array([friction.coulomb_rotary] * 3 + [friction.coulomb_linear])
-    viscous = np.array([friction.viscous_rotary] * 3 + [friction.viscous_linear])
+    coulomb, viscous = np.array(friction.coulomb), np.array(friction.viscous)
     return gravity + coulomb * np.sign(speed), viscous * speed, dynamic
 
 
@@ -221,20 +217,3 @@ def _torque_durations(
         return longest
 
     return durations
-
-
-def _infeasible(
-    curve: UnitCurve,
-    limits: MotionLimits,
-    design: Design,
-    misprints: Misprint,
-    u: float,
-) -> InfeasibleMotion:
-    """Return the error for an instant at which a torque is beyond its limit even at rest."""
-    at = np.array([u])
-    held = _parts(curve, design, misprints, at)[0][0]
-    actuator = int(np.argmax(np.abs(held) / limits.actuators))
-    pose = tuple(float(value) for value in curve(at)[0])
-    return InfeasibleMotion(
-        actuator, u, pose, float(held[actuator]), float(limits.actuators[actuator])
-    )

@@ -30,8 +30,8 @@ from paminsa_viz.model import (
 from paminsa_viz.model.leg_points import bar_length, bar_point
 from tests import oracle
 from tests.balancing.weighted import on_the_bars, random_weights
-from tests.model.cases import BOTH, Case, assert_close, assert_within, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, Case, assert_close, assert_within, cases
+from tests.support.samples import with_knee
 
 pytestmark = pytest.mark.slow
 

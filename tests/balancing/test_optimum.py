@@ -30,7 +30,7 @@ from paminsa_viz.model import APPENDIX_4, BAR_ENDS, Counterweight, Friction, lum
 from paminsa_viz.trajectory import Trajectory, analyze, solve_trajectory
 from tests.balancing.measuring import RANDOM, measured, of_random, terms
 from tests.balancing.robots import PATHS, changes, field, random_choices, solved, trajectory
-from tests.model.cases import Case, cases
+from tests.support.cases import Case, cases
 
 pytestmark = pytest.mark.slow
 

@@ -30,11 +30,12 @@ from paminsa_viz.model import (
     static_imbalance,
     static_torques,
 )
-from tests import oracle, samples
+from tests import oracle
 from tests.balancing.robots import changes
 from tests.balancing.weighted import on_the_bars
-from tests.model.cases import BOTH, Case, cases
-from tests.samples import with_knee
+from tests.support import samples
+from tests.support.cases import BOTH, Case, cases
+from tests.support.samples import with_knee
 
 pytestmark = pytest.mark.slow
 

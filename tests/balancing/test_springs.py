@@ -31,10 +31,10 @@ from paminsa_viz.model import (
     static_imbalance,
     static_torques,
 )
-from tests import samples
 from tests.balancing.robots import workspace
-from tests.model.cases import BOTH, Case, cases
-from tests.samples import with_knee
+from tests.support import samples
+from tests.support.cases import BOTH, Case, cases
+from tests.support.samples import with_knee
 
 ANCHORS = (
     at_joint(2), at_joint(3), at_joint(4), at_joint(5), at_joint(7), at_joint(8), at_joint(9),

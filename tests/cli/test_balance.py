@@ -12,9 +12,9 @@ from paminsa_viz.cli import COMMANDS, main
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 from paminsa_viz.trajectory import PRESET, analyze
-from tests.cli import running
+from tests.support import commands
 
-run = partial(running.run, "balance")
+run = partial(commands.run, "balance")
 
 RAIL = ("--rail", "b3", "7", "0", "200", "5")
 

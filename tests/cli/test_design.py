@@ -9,8 +9,7 @@ import pytest
 from paminsa_viz.cli import main
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEYS, TABLES
-from paminsa_viz.model.design import APPENDIX_4, KneeBranch
-from paminsa_viz.model.parameters import PARAMETERS
+from paminsa_viz.model.design import APPENDIX_4, PARAMETERS, KneeBranch
 
 OTHER = APPENDIX_4.vary({"links.b3": 0.203, "payload.mass": 2.0})
 

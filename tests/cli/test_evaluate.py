@@ -16,7 +16,7 @@ from paminsa_viz.files.columns import ACTUATORS, POSE, POSES, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from tests import oracle
-from tests.samples import random_design, random_states, with_knee
+from tests.support.samples import random_design, random_states, with_knee
 
 RESULTS = (*ACTUATORS, *TORQUES)
 

@@ -16,7 +16,7 @@ from paminsa_viz.cli import main
 from paminsa_viz.engines.poses import start_pose
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 
 def glb_pose(path: str) -> dict[str, float]:

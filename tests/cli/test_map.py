@@ -20,11 +20,11 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, backend, static_torques
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.quantities import QUANTITIES
-from tests.cli import running
-from tests.samples import with_knee
+from tests.support import commands
+from tests.support.samples import with_knee
 
-run = partial(running.run, "map")
-told = partial(running.told, "map")
+run = partial(commands.run, "map")
+told = partial(commands.run_json, "map")
 
 LIGHT = replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light")
 
@@ -129,4 +129,4 @@ def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
     ],
 )
 def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    running.check_refused("map", capsys, *words, place=place)
+    commands.check_refused("map", capsys, *words, place=place)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from paminsa_viz.cli import main
-from tests.cli import running
+from tests.support import commands
 
 pytestmark = pytest.mark.slow
 
@@ -35,4 +35,4 @@ def test_one_command_makes_it(folder, capsys) -> None:
     ],
 )
 def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(capsys, words, complaint) -> None:
-    running.check_refused("report", capsys, *words.split(), place=complaint)
+    commands.check_refused("report", capsys, *words.split(), place=complaint)

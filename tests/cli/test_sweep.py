@@ -26,12 +26,12 @@ from paminsa_viz.studies import (
 )
 from paminsa_viz.studies.running import PART, run_study
 from paminsa_viz.studies.study import Study
-from tests.cli import running
+from tests.support import commands
 
 pytestmark = pytest.mark.slow
 
 
-run = partial(running.run, "sweep")
+run = partial(commands.run, "sweep")
 
 GRID = ("--vary", "links.b3=0.2:0.6:3", "--vary", "joints.j7=0.1,0.3", "--cells", "8")
 LONG = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geometry.base_radius",
@@ -289,4 +289,4 @@ def test_a_worker_that_dies_is_exit_code_1(capsys, folder, monkeypatch) -> None:
     ],
 )
 def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    running.check_refused("sweep", capsys, "--out", "a.csv", *words, place=place)
+    commands.check_refused("sweep", capsys, "--out", "a.csv", *words, place=place)

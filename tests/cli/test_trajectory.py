@@ -19,14 +19,14 @@ from paminsa_viz.files.columns import POSE, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Friction, KneeBranch, Misprint
 from paminsa_viz.trajectory import PRESET, analyze, compare, home, point_to_point
-from tests.cli import running
-from tests.samples import random_design, with_knee
+from tests.support import commands
+from tests.support.samples import random_design, with_knee
 
 pytestmark = pytest.mark.slow
 
 
-run = partial(running.run, "trajectory")
-told = partial(running.told, "trajectory")
+run = partial(commands.run, "trajectory")
+told = partial(commands.run_json, "trajectory")
 
 TOO_FAR = "t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,0.45,0,0,-0.5\n2,0.9,0,0,-0.5\n"
 
@@ -250,4 +250,4 @@ def test_an_engine_is_compared_with_friction_on_both_sides(capsys, folder) -> No
     ],
 )
 def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    running.check_refused("trajectory", capsys, *words, place=place)
+    commands.check_refused("trajectory", capsys, *words, place=place)

@@ -17,8 +17,9 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.statics import static_torques
-from tests import oracle, samples
-from tests.samples import with_knee
+from tests import oracle
+from tests.support import samples
+from tests.support.samples import with_knee
 
 Engine = type[ClosedLoopRobot]
 RANDOM = samples.random_design(np.random.default_rng(1))

@@ -13,8 +13,9 @@ from paminsa_viz.engines.poses import joint_values, start_pose
 from paminsa_viz.errors import InvalidDesign, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
-from tests import oracle, samples
-from tests.samples import with_knee
+from tests import oracle
+from tests.support import samples
+from tests.support.samples import with_knee
 
 EACH = samples.each_robot((20, 21))
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch))

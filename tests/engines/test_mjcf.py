@@ -15,18 +15,14 @@ from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.simulation import play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
-from tests import oracle, samples
-from tests.model.cases import PROTOTYPES
-from tests.samples import with_knee
+from tests import oracle
+from tests.support import samples
+from tests.support.cases import PROTOTYPES
+from tests.support.samples import with_knee
 
 RANDOM = samples.random_design(np.random.default_rng(7))
 EACH = samples.each_robot((7, 8))
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
-
-
-@pytest.fixture
-def mujoco() -> Any:
-    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
 def run(mujoco: Any, text: str, seconds: float, control: Any = None) -> tuple[Any, Any, float]:

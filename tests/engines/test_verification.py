@@ -27,22 +27,18 @@ from paminsa_viz.model import (
     measure_singularity,
     static_imbalance,
 )
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
-from tests import oracle, samples
-from tests.samples import with_knee
+from tests import oracle
+from tests.support import samples
+from tests.support.samples import with_knee
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("mujoco")]
 
 
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 RANDOM = samples.random_design(np.random.default_rng(31))
 SHARP = 1e-11
-
-
-@pytest.fixture(autouse=True)
-def mujoco() -> Any:
-    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
 def motion(design: Design = APPENDIX_4) -> Trajectory:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -11,7 +9,9 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
+from paminsa_viz.explorer.panels.file_panel import uploaded_design
 from paminsa_viz.explorer.state import Document, initial_state
+from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -20,10 +20,8 @@ from paminsa_viz.model import (
     InvalidInput,
     KneeBranch,
 )
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS, largest, validate_limits
-from paminsa_viz.model.counterweight import Counterweight
-from tests.explorer.documents import assert_same, standing_state
-from tests.samples import random_design
+from tests.support.documents import assert_same, standing_state
+from tests.support.samples import random_design
 
 
 @given(seed=st.integers(0, 10**6))
@@ -51,6 +49,17 @@ def test_a_design_with_the_other_knee_turns_the_machine_over() -> None:
         actions.set_knee(state, KneeBranch.UPPER).document.pose,
     )
     assert loaded.reference == APPENDIX_4.with_knee(KneeBranch.UPPER)
+
+
+@pytest.mark.parametrize("knee", KneeBranch, ids=lambda knee: knee.name)
+def test_an_opened_file_decides_on_the_knee_whatever_it_was(knee: KneeBranch) -> None:
+    state = actions.pin_reference(actions.set_knee(initial_state(), KneeBranch.UPPER))
+    text = write_design(APPENDIX_4.with_knee(knee))
+    assert ("knee =" in text) == (knee is KneeBranch.UPPER)  # the lower knee is not written
+    opened = actions.load_design(state, uploaded_design("robot.toml", text.encode()))
+    assert opened.document.design == APPENDIX_4.with_knee(knee)
+    assert opened.document.reference == APPENDIX_4.with_knee(knee)
+    assert opened.standing.geometry.knee is knee
 
 
 def test_home_is_within_reach_with_both_knees() -> None:
@@ -98,16 +107,9 @@ def test_a_name_that_no_file_can_hold_is_refused() -> None:
 @given(path=st.sampled_from([p.path for p in PARAMETERS]), factor=st.floats(1.0001, 1e300))
 def test_no_number_beyond_any_machine_is_taken(path: str, factor: float) -> None:
     state = initial_state()
-    huge = min(largest(path) * factor, 1e308)
+    huge = min(PARAMETER[path].largest * factor, 1e308)
     with pytest.raises(InvalidDesign):
         actions.vary(state, {path: huge})
-    if PARAMETER[path].unit == "kg":
-        design = APPENDIX_4.vary({path: huge})
-        with pytest.raises(InvalidDesign):
-            actions.load_design(state, design)
-        for document in (Document(design), Document(reference=design)):
-            with pytest.raises(InvalidDesign):
-                actions.restore(state, document)
 
 
 @given(
@@ -131,16 +133,6 @@ def test_every_size_that_is_taken_can_be_drawn(
         assert frame.explanation
 
 
-def test_the_page_refuses_counterweights_out_of_its_range() -> None:
-    for weights in (
-        (Counterweight("b8", 8, 0.1, 1e5),),
-        (Counterweight("b8", 8, -1e3, 1.0),),
-        (Counterweight("b8", 8, 0.1, 1.0),) * (MOST_COUNTERWEIGHTS + 1),
-    ):
-        with pytest.raises(InvalidDesign, match="counterweights"):
-            validate_limits(replace(APPENDIX_4, counterweights=weights))
-
-
 def test_swapping_with_the_reference_twice_changes_nothing() -> None:
     state = actions.pin_reference(initial_state())
     state = actions.vary(state, {"links.b3": 2.0})
@@ -153,7 +145,7 @@ def test_swapping_with_the_reference_twice_changes_nothing() -> None:
 
 
 def test_without_a_reference_maps_show_no_difference() -> None:
-    state = actions.set_map_view(actions.pin_reference(initial_state()), difference=True)
+    state = actions.pin_reference(initial_state()).updated("map_view", difference=True)
     assert not actions.unpin_reference(state).map_view.difference
     assert not actions.restore(state, Document()).map_view.difference
     assert actions.restore(state, Document(reference=APPENDIX_4)).map_view.difference

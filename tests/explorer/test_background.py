@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.state import State, initial_state
-from tests.explorer.raw_page import TIMEOUT
+from tests.support.raw_page import TIMEOUT
 
 
 class Recorder:

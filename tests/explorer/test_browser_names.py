@@ -15,7 +15,7 @@ from viser import _messages
 from paminsa_viz.explorer.browser import bridge as bridges
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.page import has_graphics_card
-from tests.explorer.chromium import TIMEOUT, until
+from tests.support.chromium import TIMEOUT, until
 
 HIDDEN = """(path) => {
   // Whoever asks for the object through its global name does not find the hidden member.

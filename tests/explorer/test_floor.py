@@ -26,9 +26,8 @@ from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.plots import map_data
 from paminsa_viz.plots.scale import color_table
-from tests.samples import with_knee
-
-from .panel_desk import Desk, desk_with
+from tests.support.desk import Desk, desk_with
+from tests.support.samples import with_knee
 
 STORE = MapStore()
 ANY = st.floats(-5.0, 5.0)
@@ -145,7 +144,7 @@ class TestOnTheGround:
 
     def test_the_legend_says_what_the_colors_mean(self, desk: Desk) -> None:
         view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
-        desk.dispatch(lambda s: actions.set_map_view(s, quantity="tau_1", **view))
+        desk.dispatch(lambda s: s.updated("map_view", quantity="tau_1", **view))
         words = desk.panel._legend._words
         desk.until(lambda: (words["low"].text, words["high"].text) == ("−2.5", "7.5"))
         assert words["name"].text == "τ₁  [N·m]"

@@ -8,10 +8,10 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.explorer.history import DEPTH, PAUSE, History
+from paminsa_viz.explorer.session import DEPTH, PAUSE, History
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.model import APPENDIX_4
-from tests.explorer.documents import DOCUMENTS
+from tests.support.documents import DOCUMENTS
 
 
 @given(documents=st.lists(DOCUMENTS, min_size=2, max_size=8, unique_by=lambda d: d.pose))

@@ -21,8 +21,8 @@ from paminsa_viz.trajectory import (
     home,
     point_to_point,
 )
-from tests.explorer.chromium import TIMEOUT, until
-from tests.samples import with_knee
+from tests.support.chromium import TIMEOUT, until
+from tests.support.samples import with_knee
 
 NAME = "<b>& </script> “näme”"
 

@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.model import APPENDIX_4, inverse_kinematics, static_imbalance, static_torques
-from tests.explorer.chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -153,10 +153,7 @@ def test_a_reload_finds_its_state_and_another_tab_its_own(open_tab: Callable[...
         settled(tab)
         tab.wait_saved()
     for tab, x in ((first, 40), (second, -70)):
-        known = set(tab.app.sessions)
-        tab.page.reload()
-        number = until(lambda t=tab, k=known: set(t.app.sessions) - k, "a new session").pop()
-        tab.session = tab.app.sessions[number]
+        tab.reload()
         tab.wait_pose(0, 1e-3 * x)
         until(lambda t=tab, x=x: t.handle(SLIDERS[0]).value == x, "the slider shows it")
 

@@ -9,9 +9,9 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.settings import CounterweightSlot
+from paminsa_viz.explorer.balancing.jobs import CounterweightSlot
 from paminsa_viz.model import APPENDIX_4, static_imbalance
-from tests.explorer.chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 

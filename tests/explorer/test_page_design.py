@@ -8,8 +8,7 @@ import pytest
 
 from paminsa_viz.explorer.panels.design_layout import GROUPS
 from paminsa_viz.explorer.panels.design_layout import label as label_of
-
-from .chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 
 def box(tab: Tab, label: str) -> Any:

@@ -15,7 +15,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4, static_torques
-from tests.explorer.chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 

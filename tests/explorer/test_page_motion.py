@@ -13,7 +13,7 @@ from paminsa_viz.explorer.motion.description import Kind, Timing
 from paminsa_viz.explorer.panels.motion_panel import TIME
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze
-from tests.explorer.chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
@@ -107,7 +107,7 @@ def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
 
 
 def test_a_pose_slider_stops_the_playing(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: motions.play(motions.set_playback(s, loop=True)))
+    motion.session.dispatch("test", lambda s: motions.play(s.updated("playback", loop=True)))
     until(lambda: motion.state.playback.time > 0.1, "it plays")
     motion.open_tab("Pose")
     motion.type_number("z  [mm]", -480)
@@ -164,7 +164,7 @@ def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -
     motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
     until(lambda: motion.state.engine_answer is not answer, "the engine is asked again")
     motion.session.dispatch(
-        "test", lambda s: motions.set_plots(s, plot="differences", published=True)
+        "test", lambda s: s.updated("plots", plot="differences", published=True)
     )
     until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
     assert motion.text("motion-numbers").count("FAIL") == 4
@@ -228,8 +228,5 @@ def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
     until(lambda: planned(motion).duration == 2.5, "another duration")
     wanted = motion.state.document.motion
     motion.wait_saved()
-    known = set(motion.app.sessions)
-    motion.page.reload()
-    number = until(lambda: set(motion.app.sessions) - known, "a new session").pop()
-    motion.session = motion.app.sessions[number]
+    motion.reload()
     until(lambda: motion.state.document.motion == wanted, "the motion is back")

@@ -7,7 +7,7 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.meshes.layout import layout
-from tests.explorer.chromium import Tab, until
+from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 

@@ -19,10 +19,10 @@ from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
-from tests.explorer.documents import DOCUMENTS, assert_same, designs
-from tests.samples import random_design
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
+from tests.support.documents import DOCUMENTS, assert_same, designs
+from tests.support.samples import random_design
 
 
 @given(document=DOCUMENTS)
@@ -58,6 +58,15 @@ def test_share_codes_are_short() -> None:
     full = Document(heavy(), reference=heavy())
     assert len(persistence.share_code(full)) < persistence.LONGEST_CODE / 2
     assert len(persistence.dump(full)) < persistence.LONGEST_TEXT / 2
+
+
+def test_drives_survive_a_share_code() -> None:
+    drives = (Drive("motor", 1e-6, envelope=((0.0, 1.0), (9.0, 0.5))), None, None, None)
+    document = Document(design=replace(APPENDIX_4, drives=drives))
+    assert "drives" not in json.loads(persistence.dump(Document(design=APPENDIX_4)))
+    opened = persistence.open_share_code(persistence.share_code(document))
+    assert opened.design == document.design
+    assert opened.design.drives[0].name == "motor"
 
 
 def test_codes_from_before_there_were_counterweights_are_read() -> None:

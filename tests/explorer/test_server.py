@@ -20,8 +20,7 @@ from paminsa_viz.explorer.server.listening import (
     open_server,
     server_url,
 )
-
-from .raw_page import TIMEOUT, dial, get
+from tests.support.raw_page import TIMEOUT, dial, get
 
 
 def test_it_listens_on_this_machine_only_by_default(server: viser.ViserServer) -> None:

@@ -16,13 +16,12 @@ import viser
 
 from paminsa_viz.explorer import actions, bindings, session
 from paminsa_viz.explorer.bindings import Binding
-from paminsa_viz.explorer.entries import Slider
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
-
-from .raw_page import TIMEOUT, eventually
+from tests.support.raw_page import TIMEOUT, eventually
 
 
 @dataclass

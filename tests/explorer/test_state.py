@@ -10,7 +10,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import check_reach
-from tests.explorer.documents import COORDINATE, standing_state
+from tests.support.documents import COORDINATE, standing_state
 
 FAR = {"x": 5.0}
 """A move that no leg can follow."""

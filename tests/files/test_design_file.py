@@ -13,9 +13,10 @@ from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
-from paminsa_viz.model.parameters import PARAMETERS
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from tests.support.samples import possible_values
 
 VERSION = "schema_version = 1\n"
 NAMES = st.text(max_size=60).filter(str.isprintable)
@@ -23,7 +24,7 @@ PLACES = [(bar, joint) for bar, joints in BAR_ENDS.items() for joint in joints]
 WEIGHTS = st.lists(
     st.builds(
         lambda place, beyond, mass: Counterweight(*place, beyond, mass),
-        st.sampled_from(PLACES), st.floats(-10, 10), st.floats(0, 1e300),
+        st.sampled_from(PLACES), st.floats(-10, 10), possible_values(PARAMETER["links.b3"]),
     ),
     max_size=3,
 )  # fmt: skip
@@ -33,11 +34,7 @@ WEIGHTS = st.lists(
 def designs(draw: st.DrawFn) -> Design:
     """Any possible design: a few of its numbers are drawn from all that are allowed."""
     chosen = draw(st.lists(st.sampled_from(PARAMETERS), unique_by=lambda item: item.path))
-    changes = {}
-    for item in chosen:
-        least = item.positive or item.path == "geometry.magnification"
-        low = 1.0 if item.path == "geometry.magnification" else 0.0
-        changes[item.path] = draw(st.floats(low, 1e300, exclude_min=least))
+    changes = {item.path: draw(possible_values(item)) for item in chosen}
     try:
         design = APPENDIX_4.vary(changes).with_knee(draw(st.sampled_from(KneeBranch)))
         return replace(design, name=draw(NAMES), counterweights=tuple(draw(WEIGHTS)))
@@ -108,6 +105,48 @@ def test_a_guide_stroke_that_follows_its_link_stays_so() -> None:
 )
 def test_units_end_the_keys(unit: str, suffix: str) -> None:
     assert unit_suffix(unit) == suffix
+
+
+DRIVES = (
+    None,
+    Drive('a "quoted" motor', 1e-6, gear_ratio=50.0, efficiency=0.8, rated_torque=0.1),
+    Drive(),
+    Drive(
+        "axis", transmission="screw", lead=0.01, brake=True,
+        envelope=((0.0, 1.5), (300.0, 1.5), (600.0, 0.1)),
+    ),
+)  # fmt: skip
+
+
+def test_drives_are_read_back_exactly() -> None:
+    design = replace(APPENDIX_4, drives=DRIVES)
+    text = write_design(design)
+    assert read_design(text, "a.toml") == design
+    assert read_design(text, "a.toml").drives[1].name == DRIVES[1].name
+    assert "drives" not in write_design(APPENDIX_4)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "told"),
+    [
+        ("drives.M1]\nrotor_inertia_kg_m2 = -1.0", "drives.M1.rotor_inertia_kg_m2", "at least 0"),
+        ("drives.M1]\nefficiency = 1.2", "drives.M1.efficiency", "at most 1"),
+        ("drives.M1]\ngear_rato = 3.0", "drives.M1.gear_rato", "did you mean gear_ratio"),
+        ("drives.M5]\ngear_ratio = 3.0", "drives.M5", "[drives.M1]"),
+        ("drives.M2]\nenvelope = [[0, 1], [0, 2]]", "drives.M2.envelope", "increase"),
+        ("drives.M2]\nenvelope = [[0, 1, 2]]", "drives.M2.envelope.0", "pairs"),
+        ("drives.M4]\ngear_ratio = 3.0", "drives.M4.lead_m", "screw or belt"),
+        ('drives.M1]\nbrake = "yes"', "drives.M1.brake", "true or false"),
+        ('drives.M1]\ntransmission = "rope"', "drives.M1.transmission", "screw"),
+    ],
+)
+def test_impossible_drives_are_refused_with_their_key(table: str, key: str, told: str) -> None:
+    with pytest.raises(DesignFileError) as caught:
+        read_design(f"{VERSION}[{table}\n", "a.toml")
+    assert caught.value.key == key
+    assert told in caught.value.problem
+    assert caught.value.line is not None
+    assert "\n" not in str(caught.value)
 
 
 def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> None:

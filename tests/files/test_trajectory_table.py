@@ -37,7 +37,7 @@ from paminsa_viz.trajectory import (
     point_to_point,
     simulate,
 )
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 HEAD = "t_s,x_m,y_m,theta_rad,z_m"
 ROWS = "0,0,0,0,-0.5\n0.5,0.01,0,0,-0.5\n"

@@ -13,7 +13,7 @@ from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, layout
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES, inverse_kinematics
-from tests.samples import random_design, random_poses, with_knee
+from tests.support.samples import random_design, random_poses, with_knee
 
 seeds = st.integers(0, 10_000)
 

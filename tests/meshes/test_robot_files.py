@@ -20,19 +20,14 @@ from paminsa_viz.engines.poses import joint_values
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.robot_files import robot_files, zipped
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics
-from paminsa_viz.model.counterweight import Counterweight
-from tests import samples
-from tests.samples import with_knee
+from paminsa_viz.model.parameters import Counterweight
+from tests.support import samples
+from tests.support.samples import with_knee
 
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 LOADED = APPENDIX_4.vary({"payload.mass": 2.0})
 START = (0.06, -0.04, 0.3, -0.55)
 ELSEWHERE = (-0.05, 0.05, -0.2, -0.63)
-
-
-@pytest.fixture
-def mujoco() -> Any:
-    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
 def standing(pose: tuple[float, ...], knee: KneeBranch) -> list[float]:

@@ -11,8 +11,8 @@ from hypothesis import given
 from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch, closure, inverse_kinematics
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from tests.model import paper
-from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
+from tests.support.samples import with_knee
 
 
 def typed_knees(geometry: Geometry, pose: Any, actuators: Any) -> Any:

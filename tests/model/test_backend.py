@@ -26,7 +26,7 @@ from paminsa_viz.model.dynamics import InverseDynamics, TorqueBreakdown
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.measures import least_margin
 from paminsa_viz.model.robot import where
-from tests.model.cases import BY_HAND, PROTOTYPES, Case, cases
+from tests.support.cases import BY_HAND, PROTOTYPES, Case, cases
 
 Call = Callable[[Design, Any, Any, Any], list[Any]]
 """A function of the model on (design, pose, velocity, third), and its arrays."""

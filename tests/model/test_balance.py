@@ -26,8 +26,8 @@ from paminsa_viz.model import (
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.quantities import QUANTITIES
 from tests import oracle
-from tests.model.cases import BOTH, Case, assert_within, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, Case, assert_within, cases
+from tests.support.samples import with_knee
 
 pytestmark = pytest.mark.slow
 

@@ -29,8 +29,8 @@ from paminsa_viz.model import (
     torque_regressor,
     unit_torques,
 )
-from tests.model.cases import BOTH, Case, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, Case, cases
+from tests.support.samples import with_knee
 
 pytestmark = pytest.mark.slow
 

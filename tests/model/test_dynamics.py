@@ -27,9 +27,9 @@ from paminsa_viz.model import (
     torque_breakdown,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
-from tests import samples
-from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
-from tests.samples import with_knee
+from tests.support import samples
+from tests.support.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
+from tests.support.samples import with_knee
 
 RUBBING = Friction(
     viscous_rotary=0.4,

@@ -18,7 +18,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.kinematics import HEADINGS, wrap
 from tests import oracle
-from tests.model.cases import BY_HAND, Case, assert_within, cases
+from tests.support.cases import BY_HAND, Case, assert_within, cases
 
 
 def apart(a: Any, b: Any) -> Any:

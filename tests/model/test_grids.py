@@ -31,8 +31,8 @@ from paminsa_viz.model import (
 from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import UNIT_TORQUES
 from paminsa_viz.quantities import QUANTITIES, find
-from tests.model.cases import BOTH, Case, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, Case, cases
+from tests.support.samples import with_knee
 
 VALUES = {
     "x": np.linspace(-0.25, 0.3, 4),

@@ -21,7 +21,7 @@ from paminsa_viz.model import (
 )
 from tests import oracle
 from tests.model import paper
-from tests.model.cases import Case, assert_within, cases
+from tests.support.cases import Case, assert_within, cases
 
 
 def eight(pose: Any, actuators: Any) -> list[Any]:

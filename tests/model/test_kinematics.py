@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, KneeBranch, Limit, inverse_kinematics
 from paminsa_viz.model.kinematics import wrap
 from tests import oracle
-from tests.model.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
+from tests.support.samples import with_knee
 
 JOINTS = (2, 3, 4, 5, 7, 8, 9)
 

@@ -24,8 +24,8 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.lumped import MASS_PATHS
 from tests.model import paper
-from tests.model.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
+from tests.support.samples import with_knee
 
 
 def solve_eq_15(

@@ -25,7 +25,7 @@ from paminsa_viz.model import (
 )
 from tests import oracle
 from tests.model import paper
-from tests.model.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
+from tests.support.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
 
 
 @given(case=cases())

@@ -28,8 +28,8 @@ from paminsa_viz.model import (
     static_torques,
 )
 from tests import oracle
-from tests.model.cases import BOTH, PROTOTYPES, Case, assert_close, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, PROTOTYPES, Case, assert_close, cases
+from tests.support.samples import with_knee
 
 START = np.array([-0.09, -0.045, -0.3, -0.62])
 END = np.array([0.09, 0.045, 0.3, -0.52])

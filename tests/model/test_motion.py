@@ -12,8 +12,8 @@ from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics
 from paminsa_viz.model.kinematics import LEG_AXES, wrap
 from paminsa_viz.model.leg import leg_motion, leg_position, mechanism
 from tests import oracle
-from tests.model.cases import BOTH, BY_HAND, Case, assert_within, cases
-from tests.samples import with_knee
+from tests.support.cases import BOTH, BY_HAND, Case, assert_within, cases
+from tests.support.samples import with_knee
 
 JOINTS = (2, 3, 4, 5, 7, 8, 9)
 

@@ -28,7 +28,7 @@ from paminsa_viz.model.reach import (
     workspace_height,
     workspace_radius,
 )
-from tests.model.cases import BY_HAND, Case, assert_within, cases
+from tests.support.cases import BY_HAND, Case, assert_within, cases
 
 LEGS = st.integers(0, 2)
 AMOUNT = st.floats(1e-6, 0.1)

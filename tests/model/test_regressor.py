@@ -24,8 +24,8 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model import regressor as module
 from paminsa_viz.model.regressor import regressor_torques
-from tests import samples
-from tests.model.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
+from tests.support import samples
+from tests.support.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
 
 
 @given(case=cases(), flags=st.integers(0, Misprint.ALL.value).map(Misprint))

@@ -22,7 +22,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.kinematics import LEG_AXES, wrap
 from tests import oracle
-from tests.model.cases import BY_HAND, Case, assert_within, cases
+from tests.support.cases import BY_HAND, Case, assert_within, cases
 
 
 def rows_determinant(case: Case, pose: Any) -> Any:

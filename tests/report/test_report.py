@@ -16,7 +16,7 @@ import pytest
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design, UnreachablePose, static_imbalance
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.report import ReportRequest, report_html
 from paminsa_viz.report.balance_section import balance_section, contributions
 from paminsa_viz.report.blocks import Note, Row, Table
@@ -25,7 +25,7 @@ from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
 from paminsa_viz.units import format_value
-from tests.samples import random_design
+from tests.support.samples import random_design
 
 pytestmark = pytest.mark.slow
 

@@ -39,7 +39,7 @@ from paminsa_viz.studies import (
 )
 from paminsa_viz.studies.metrics import samples_hash
 from paminsa_viz.trajectory import PRESET, Trajectory, analyze, check_path
-from tests.samples import random_design, with_knee
+from tests.support.samples import random_design, with_knee
 
 pytestmark = pytest.mark.slow
 

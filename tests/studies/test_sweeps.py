@@ -23,7 +23,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies.sweeps import sweep, sweep_blocks
-from tests.model.cases import PROTOTYPES, Case, cases
+from tests.support.cases import PROTOTYPES, Case, cases
 
 pytestmark = pytest.mark.slow
 

@@ -22,7 +22,7 @@ from paminsa_viz.trajectory import (
     via_points,
 )
 from paminsa_viz.trajectory.supremum import GAP
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 A = np.array([-0.08, 0.03, -0.3, -0.55])
 B = np.array([0.07, -0.05, 0.4, -0.45])

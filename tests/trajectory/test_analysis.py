@@ -27,8 +27,8 @@ from paminsa_viz.trajectory import (
     via_points,
 )
 from paminsa_viz.trajectory.integrals import rms, running_integral
-from tests.model.cases import Case, assert_close, cases
-from tests.samples import with_knee
+from tests.support.cases import Case, assert_close, cases
+from tests.support.samples import with_knee
 from tests.trajectory.plans import (
     ALL_PRESETS,
     FRICTION,

@@ -22,7 +22,7 @@ from paminsa_viz.trajectory import (
     round_trip,
     via_points,
 )
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 from tests.trajectory.plans import ALL_PRESETS, LAWS, PLANS, A, B, C, inside, place, preset_plan
 
 lengths = st.floats(-0.3, 0.3)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -36,8 +35,8 @@ from paminsa_viz.trajectory import (
 )
 from paminsa_viz.trajectory import plant as formulas
 from paminsa_viz.trajectory.equations import robot_numbers
-from tests.model.cases import Case, assert_close, cases
-from tests.samples import with_knee
+from tests.support.cases import Case, assert_close, cases
+from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, A, B, preset_plan
 
 pytestmark = pytest.mark.slow
@@ -66,24 +65,14 @@ def run(design=APPENDIX_4, trajectory=SHORT, control=ControlMode.PD, **options) 
 def test_plant_formulas_are_the_models(case: Case) -> None:
     design = case.design.vary(FRICTION)
     robot = robot_numbers(design)
-    m, e, o = robot
     for pose, velocity, acceleration in zip(*case.states(3), strict=True):
-        inverse = formulas.inverse_torques(m, e, o, pose, velocity, acceleration)
+        inverse = formulas.inverse_torques(robot, pose, velocity, acceleration)
         exact = inverse_dynamics(design, pose, velocity, acceleration).torque
         assert_close(inverse, exact, 1e-10)
         loss = friction_torque(design.friction, actuator_velocity(design, pose, velocity))
-        forward = formulas.acceleration_under(m, e, o.gravity, pose, velocity, exact - loss)
+        forward = formulas.acceleration_under(robot, pose, velocity, exact - loss)
         assert_close(forward, acceleration, 1e-8)
         assert_close(forward_dynamics(design, pose, velocity, exact), forward, 1e-8)
-
-
-@given(st.integers(0, 10**6))
-def test_solve(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    root = rng.normal(size=(4, 4))
-    matrix, right = root @ root.T + 0.1 * np.eye(4), rng.normal(size=4)
-    found = formulas.solve(matrix[np.triu_indices(4)], right)
-    np.testing.assert_allclose(matrix @ np.array(found), right, atol=1e-11)
 
 
 @controls
@@ -166,8 +155,8 @@ def test_pd_gains_follow_the_inertia() -> None:
     j, m = jacobian(APPENDIX_4.geometry, A), mass_matrix(APPENDIX_4, A)
     inertia = np.diag(j.T @ m @ j)
     np.testing.assert_allclose(actuator_inertia(APPENDIX_4, A), inertia)
-    np.testing.assert_allclose([k.p1, k.p2, k.p3, k.p4], (6 * np.pi) ** 2 * inertia)
-    np.testing.assert_allclose([k.d1, k.d2, k.d3, k.d4], 2 * 0.7 * 6 * np.pi * inertia)
+    np.testing.assert_allclose(k.proportional, (6 * np.pi) ** 2 * inertia)
+    np.testing.assert_allclose(k.derivative, 2 * 0.7 * 6 * np.pi * inertia)
 
 
 def test_open_loop_error_grows_as_linearized() -> None:

@@ -20,8 +20,8 @@ from paminsa_viz.trajectory import (
     point_to_point,
 )
 from paminsa_viz.trajectory.limits import QUANTITIES
-from tests.model.cases import Case, cases
-from tests.samples import with_knee
+from tests.support.cases import Case, cases
+from tests.support.samples import with_knee
 from tests.trajectory.plans import FRICTION, LAWS, PLANS, A, B, all_plans, dense, place
 
 VISCOUS = {name: value for name, value in FRICTION.items() if "viscous" in name}

@@ -6,14 +6,12 @@ from dataclasses import replace
 from typing import Any
 
 from paminsa_viz.explorer.actions import renamed_if_changed, with_document
-from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import Goal
+from paminsa_viz.explorer.balancing.jobs import Goal, Job, Outcome, Task
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, InvalidInput
-from paminsa_viz.model.bounds import validate_limits
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 
 
 def change_settings(state: State, **changes: Any) -> State:
@@ -24,7 +22,7 @@ def change_settings(state: State, **changes: Any) -> State:
         return state
     refused = balancing.outcome is not None and balancing.outcome.problem is not None
     outcome = None if refused else balancing.outcome
-    return replace(state, balancing=replace(balancing, settings=settings, outcome=outcome))
+    return state.updated("balancing", settings=settings, outcome=outcome)
 
 
 def choose_goal(state: State, goal: Goal) -> State:
@@ -32,11 +30,6 @@ def choose_goal(state: State, goal: Goal) -> State:
     if goal is state.balancing.settings.goal:
         return state
     return change_settings(state, goal=goal, exact=goal.static)
-
-
-def show_output(state: State, output: int) -> State:
-    """Choose what the tornado chart shows, one of `paminsa_viz.balancing.OUTPUTS` by its place."""
-    return replace(state, balancing=replace(state.balancing, output=output))
 
 
 def make_job(state: State, task: Task) -> Job:
@@ -69,19 +62,19 @@ def start(state: State, task: Task) -> State:
     if state.balancing.running is not None:
         raise InvalidInput("balance", "the last task still runs; stop it or wait")
     running = make_job(state, task)
-    return replace(state, balancing=replace(state.balancing, running=running, done=0.0))
+    return state.updated("balancing", running=running, done=0.0)
 
 
 def stop(state: State) -> State:
     """Cancel the task that runs."""
-    return replace(state, balancing=replace(state.balancing, running=None))
+    return state.updated("balancing", running=None)
 
 
 def report_progress(state: State, job: Job, done: float) -> State:
     """Show how far a task is, 0 to 1."""
     if state.balancing.running is not job:
         return state
-    return replace(state, balancing=replace(state.balancing, done=done))
+    return state.updated("balancing", done=done)
 
 
 def receive_result(state: State, outcome: Outcome) -> State:
@@ -92,15 +85,14 @@ def receive_result(state: State, outcome: Outcome) -> State:
     """
     if state.balancing.running is not outcome.job:
         return state
-    balancing = replace(state.balancing, running=None)
     if outcome.job.task is Task.FRONT:
-        return replace(state, balancing=replace(balancing, front=outcome))
+        return state.updated("balancing", running=None, front=outcome)
     if outcome.job.task is Task.SENSITIVITY:
-        return replace(state, balancing=replace(balancing, tornado=outcome))
+        return state.updated("balancing", running=None, tornado=outcome)
     if outcome.after is not None and state.document.design != outcome.job.design:
         problem = InvalidInput("design", "it was changed in the meantime; ask once more")
         outcome = Outcome(outcome.job, problem=problem)
-    state = replace(state, balancing=replace(balancing, outcome=outcome))
+    state = state.updated("balancing", running=None, outcome=outcome)
     if outcome.after is None or outcome.after == state.document.design:
         return state
     return _compared(state, outcome.after, outcome.job.design)
@@ -115,8 +107,9 @@ def choose_point(state: State, index: int) -> State:
     found = state.balancing.front
     if found is None or index not in range(len(found.designs)):
         raise InvalidInput("front", "there is no such point")
-    state = replace(state, balancing=replace(state.balancing, outcome=None))
-    return _compared(state, found.designs[index], found.job.design)
+    return _compared(
+        state.updated("balancing", outcome=None), found.designs[index], found.job.design
+    )
 
 
 def chosen_point(state: State) -> int | None:
@@ -127,7 +120,7 @@ def chosen_point(state: State) -> int | None:
 
 
 def _compared(state: State, design: Design, reference: Design) -> State:
-    design = renamed_if_changed(validate_limits(design))
+    design = renamed_if_changed(design)
     return with_document(state, replace(state.document, design=design, reference=reference))
 
 
@@ -135,10 +128,10 @@ def set_counterweights(state: State, weights: tuple[Counterweight, ...]) -> Stat
     """Attach these counterweights to every leg, and no others.
 
     Raises:
-        InvalidDesign: If they are too many or too large to work with.
+        InvalidDesign: If they are too many.
     """
     changed = replace(state.document.design, counterweights=weights)
-    design = renamed_if_changed(validate_limits(changed))
+    design = renamed_if_changed(changed)
     return with_document(state, replace(state.document, design=design))
 
 

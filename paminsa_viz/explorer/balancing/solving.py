@@ -23,8 +23,15 @@ from paminsa_viz.balancing import (
     tornado,
     whole_mass,
 )
-from paminsa_viz.explorer.balancing.jobs import Effect, Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import BalanceSettings, Goal, changes_of
+from paminsa_viz.explorer.balancing.jobs import (
+    BalanceSettings,
+    Effect,
+    Goal,
+    Job,
+    Outcome,
+    Task,
+    changes_of,
+)
 from paminsa_viz.explorer.frame import near_singularity
 from paminsa_viz.explorer.maps import COARSE
 from paminsa_viz.model import (
@@ -40,7 +47,7 @@ from paminsa_viz.model import (
     static_imbalance,
     xy_grid,
 )
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_data import cell_centers, half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.motion import planning
 from paminsa_viz.explorer.motion.description import Kind, Pose, Timing, require_possible
 from paminsa_viz.explorer.motion.engine_check import Answer
 from paminsa_viz.explorer.motion.planning import Planned
-from paminsa_viz.explorer.motion.playback import SIMULATED, SPEEDS, advanced, started
+from paminsa_viz.explorer.motion.playback import SIMULATED, advanced, started
 from paminsa_viz.explorer.motion.simulation import (
     BANDWIDTHS,
     DAMPINGS,
@@ -145,7 +145,7 @@ def use_table(state: State, table: Trajectory) -> State:
 
 def show_time(state: State, time: float) -> State:
     """Show another instant; the robot stands there if it follows the motion."""
-    moved = replace(state, playback=replace(state.playback, time=time))
+    moved = state.updated("playback", time=time)
     return with_document(moved, moved.document)
 
 
@@ -154,8 +154,8 @@ def scrub(state: State, time: float) -> State:
     if not math.isfinite(time):
         raise InvalidInput("time", "a finite time is needed")
     time = min(max(time, 0.0), duration(state))
-    playback = replace(state.playback, playing=False, following=True)
-    return show_time(_with_path(replace(state, playback=playback)), time)
+    stopped = state.updated("playback", playing=False, following=True)
+    return show_time(_with_path(stopped), time)
 
 
 def play(state: State) -> State:
@@ -177,7 +177,7 @@ def _with_path(state: State) -> State:
 
 def pause(state: State) -> State:
     """Stop playing where the motion is."""
-    return replace(state, playback=replace(state.playback, playing=False))
+    return state.updated("playback", playing=False)
 
 
 def play_or_pause(state: State) -> State:
@@ -191,26 +191,6 @@ def advance_time(state: State, passed: float) -> State:
         return state
     playback = advanced(state.playback, passed, duration(state))
     return show_time(replace(state, playback=playback), playback.time)
-
-
-def set_playback(state: State, **changes: Any) -> State:
-    """Change speed or loop.
-
-    Raises:
-        InvalidInput: If the speed is not one of `SPEEDS`.
-    """
-    playback = replace(state.playback, **changes)
-    if playback.speed not in SPEEDS:
-        raise InvalidInput("speed", f"one of {', '.join(f'{s:g}' for s in SPEEDS)} is needed")
-    return replace(state, playback=playback)
-
-
-def set_plots(state: State, **changes: Any) -> State:
-    """Change what is plotted."""
-    plots = replace(state.plots, **changes)
-    if plots.actuator not in range(4) or plots.color not in range(4):
-        raise InvalidInput("actuator", "one of M1 to M4 is needed")
-    return replace(state, plots=plots)
 
 
 def set_simulation(state: State, **changes: Any) -> State:
@@ -229,7 +209,7 @@ def set_simulation(state: State, **changes: Any) -> State:
         value = getattr(settings, name)
         if not low <= value <= high:
             raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
-    return replace(state, simulating=replace(state.simulating, settings=settings))
+    return state.updated("simulating", settings=settings)
 
 
 def wanted_job(state: State) -> SimulationJob:
@@ -251,11 +231,9 @@ def simulate(state: State) -> State:
     """
     if state.simulating.running is not None:
         raise InvalidInput("simulation", "the last one still runs")
-    plots = state.plots
-    if plots.plot not in SIMULATED:
-        plots = replace(plots, plot="errors")
-    running = wanted_job(state)
-    return replace(state, plots=plots, simulating=replace(state.simulating, running=running))
+    if state.plots.plot not in SIMULATED:
+        state = state.updated("plots", plot="errors")
+    return state.updated("simulating", running=wanted_job(state))
 
 
 def simulation_is_current(state: State) -> bool:
@@ -271,7 +249,7 @@ def receive_simulation(state: State, outcome: SimulationOutcome) -> State:
     """Take over the outcome of the job that runs; that of an older one is dropped."""
     if state.simulating.running is not outcome.job:
         return state
-    return replace(state, simulating=replace(state.simulating, running=None, outcome=outcome))
+    return state.updated("simulating", running=None, outcome=outcome)
 
 
 def receive_engine_answer(state: State, answer: Answer) -> State:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from paminsa_viz.model import Design, Friction, InvalidInput, PaminsaError
+from paminsa_viz.model import Design, InvalidInput, PaminsaError
 from paminsa_viz.trajectory import Controller, ControlMode, Simulation, Trajectory, simulate
 
 BANDWIDTHS = (0.0, 50.0)
@@ -107,7 +107,7 @@ def run(job: SimulationJob) -> SimulationOutcome:
     """Simulate; raises nothing that is the robot's or the person's fault."""
     settings, model = job.settings, job.design
     if not settings.knows_friction:
-        model = replace(model, friction=Friction())
+        model = model.without_friction()
     try:
         payload = replace(model.payload, mass=model.payload.mass + settings.payload_mismatch)
         simulation = simulate(

@@ -1,1 +1,30 @@
-"""Panels of the page; each builds its inputs once and then draws what changed."""
+"""Panels of the page, tables of entries each, and the templates of their texts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup
+
+from paminsa_viz import units
+
+_ENVIRONMENT = Environment(
+    loader=PackageLoader("paminsa_viz.explorer.panels"),
+    autoescape=True,
+    undefined=StrictUndefined,
+    auto_reload=False,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+_ENVIRONMENT.filters |= {
+    "fixed": units.fixed,
+    "number": units.number,
+    "symbol": lambda text: Markup(units.symbol_html(text)),
+    "unit": units.unit_text,
+}
+
+
+def render(template: str, **context: Any) -> str:
+    """Return a template of this folder filled in, as HTML; all but `Markup` is escaped."""
+    return _ENVIRONMENT.get_template(template).render(context)

@@ -11,8 +11,8 @@ import numpy as np
 from paminsa_viz.balancing import OUTPUTS
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import Outcome
-from paminsa_viz.explorer.entries import finite
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.panels.balance_text import variable_html
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State

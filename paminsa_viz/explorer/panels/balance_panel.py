@@ -11,40 +11,49 @@ from viser import Icon
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Job, Outcome, Task
-from paminsa_viz.explorer.balancing.settings import SLOTS, CounterweightSlot, FreeMasses, Goal
+from paminsa_viz.explorer.balancing.jobs import (
+    SLOTS,
+    CounterweightSlot,
+    FreeMasses,
+    Goal,
+    Job,
+    Outcome,
+    Task,
+)
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import (
-    MILLIMETERS,
-    PERCENT,
-    PLAIN,
     Button,
     ButtonGroup,
-    Checkbox,
     Condition,
     Custom,
-    Dropdown,
     Effect,
     Folder,
     Html,
-    Number,
-    Pair,
     Progress,
-    Slider,
 )
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import (
+    MILLIMETERS,
+    PERCENT,
+    PLAIN,
+    Checkbox,
+    Dropdown,
+    Number,
+    Pair,
+    Slider,
+    attribute,
+)
 from paminsa_viz.explorer.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.panels import balance_charts as charts
 from paminsa_viz.explorer.panels import balance_text as text
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_panel import gauge_html
-from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import BAR_ENDS
+from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS
 from paminsa_viz.units import DisplayUnit
 
 PLACES = {
@@ -56,8 +65,9 @@ ALL = "all"
 """What the button says that removes all of them."""
 
 
-def _setting(state: State) -> Any:
-    return state.balancing.settings
+def _setting(name: str) -> dict[str, Any]:
+    """Return how an input reads and applies one of the settings."""
+    return attribute(f"balancing.settings.{name}", balancing.change_settings)
 
 
 def _idle(state: State) -> bool:
@@ -81,8 +91,7 @@ def _number(
     """Return the input of one number of the settings."""
     return Number(
         f"balance.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
-        visible=visible, read=lambda state: getattr(_setting(state), name),
-        apply=lambda state, value: balancing.change_settings(state, **{name: value}),
+        visible=visible, **_setting(name),
     )  # fmt: skip
 
 
@@ -90,7 +99,7 @@ def _slot(name: str, bar: str, joint: int) -> Pair:
     """Return the input of a counterweight slot: longest lever and largest mass."""
 
     def read(state: State) -> tuple[float, float]:
-        slot = getattr(_setting(state), name)
+        slot = getattr(state.balancing.settings, name)
         return slot.max_lever, slot.max_mass
 
     def apply(state: State, value: tuple[float, float]) -> State:
@@ -105,31 +114,29 @@ def _slot(name: str, bar: str, joint: int) -> Pair:
 
 
 def _frees_masses(state: State) -> bool:
-    return _setting(state).movable is not FreeMasses.NONE
+    return state.balancing.settings.movable is not FreeMasses.NONE
 
 
 SETTINGS = (
     Dropdown(
         "balance.goal", "Goal", options={goal.value: goal for goal in Goal},
         hint="What is minimized; torques are those of M1–M3",
-        read=lambda state: _setting(state).goal, apply=balancing.choose_goal,
+        read=lambda state: state.balancing.settings.goal, apply=balancing.choose_goal,
     ),
     Slider(
         "balance.motion_weight", "Weight of motion [%]", range=(0.0, 100.0), step=1.0, unit=PERCENT,
         hint="Against the static torques; each peak relative to its current value",
-        visible=lambda state: _setting(state).goal is Goal.BOTH,
-        read=lambda state: _setting(state).motion_weight,
-        apply=lambda state, value: balancing.change_settings(state, motion_weight=value),
+        visible=lambda state: state.balancing.settings.goal is Goal.BOTH,
+        **_setting("motion_weight"),
     ),
     Checkbox(
         "balance.exact", "only M_p2 = 0",
         hint="Otherwise a balance comes as near as it can, and other goals are free of it",
-        read=lambda state: _setting(state).exact,
-        apply=lambda state, value: balancing.change_settings(state, exact=value),
+        **_setting("exact"),
     ),
     Html(
-        "balance.slots", depends=lambda _: None,
-        content=lambda _: render(
+        "balance.slots",
+        content=render(
             "note.j2", testid="", muted=True,
             text="Counterweights past a joint: longest lever [mm], largest mass on each leg [kg]. "
             "Clearance to the frame is not checked.",
@@ -139,8 +146,7 @@ SETTINGS = (
     Dropdown(
         "balance.movable", "Joints, links", options={item.value: item for item in FreeMasses},
         hint="Which other masses of a leg may change",
-        read=lambda state: _setting(state).movable,
-        apply=lambda state, value: balancing.change_settings(state, movable=value),
+        **_setting("movable"),
     ),
     _number(
         "max_increase", "Max increase [kg]", 100.0, visible=_frees_masses,
@@ -154,7 +160,7 @@ SETTINGS = (
         "max_added", "Max added [kg]", 1e3,
         hint="Largest added mass of the whole robot, for goals on the motion and for the front; "
         "0: no limit",
-        visible=lambda state: not _setting(state).goal.static,
+        visible=lambda state: not state.balancing.settings.goal.static,
     ),
     Button(
         "balance.optimize", "Optimize", visible=_idle,
@@ -274,7 +280,7 @@ SENSITIVITY = (
             Dropdown(
                 "balance.output", "Output",
                 options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
-                read=lambda state: state.balancing.output, apply=balancing.show_output,
+                **attribute("balancing.output"),
             ),
             Custom("tornado.chart", make=charts.tornado_chart),
         ),
@@ -301,7 +307,7 @@ BALANCE = (
     ),
     Folder("balance.settings", "Optimization settings", entries=SETTINGS, open=False),
     Html(
-        "balance.details", depends=lambda frame: frame.state.balancing.outcome,
+        "balance.details",
         content=lambda frame: text.details_html(frame.state.balancing.outcome),
     ),
     Folder("balance.weights", "Counterweights of each leg", entries=COUNTERWEIGHTS),

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import math
 import re
+from functools import lru_cache
 from html import escape
 
 import numpy as np
 from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
-from paminsa_viz.explorer.balancing.jobs import Outcome, Task
-from paminsa_viz.explorer.balancing.settings import Goal
+from paminsa_viz.explorer.balancing.jobs import Goal, Outcome, Task
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.render import render
-from paminsa_viz.meshes.weights import clearance_text
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import NONE, number, symbol_html, symbols_html, unit_text
@@ -94,6 +94,7 @@ def variable_html(name: str) -> Markup:
     return Markup(symbols_html(name))
 
 
+@lru_cache(maxsize=4)
 def details_html(outcome: Outcome | None) -> str:
     """Return what was changed, what that does, and the certificate; empty without a result."""
     if outcome is None or outcome.optimum is None or outcome.after is None:

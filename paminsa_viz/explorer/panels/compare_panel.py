@@ -11,9 +11,9 @@ from markupsafe import Markup
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Html
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.balance_text import weights_by_place
 from paminsa_viz.explorer.panels.design_layout import DIGITS, STROKE, is_changed
-from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import Slider
+from paminsa_viz.explorer.inputs import Slider
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -22,7 +22,6 @@ from paminsa_viz.model import (
     InvalidInput,
     Parameter,
 )
-from paminsa_viz.model.bounds import largest
 from paminsa_viz.units import number, symbol_text
 
 STROKE = "geometry.guide_stroke"
@@ -159,7 +158,7 @@ def fitted_range(path: str, ends: tuple[float, float], value: float) -> tuple[fl
     """Return a slider's range, grown if it has to be to hold ``value`` with room above it."""
     low, high = ends
     if value > high:
-        most = PARAMETER[path].display.from_si(largest(path))
+        most = PARAMETER[path].display.from_si(PARAMETER[path].largest)
         high = min(round_up(1.5 * value), max(most, value))
     return min(low, value), high
 

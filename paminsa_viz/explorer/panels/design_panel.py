@@ -7,10 +7,11 @@ from dataclasses import replace
 from functools import lru_cache, partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Slider, Tabs
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Slider
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group, is_changed, slider
-from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import APPENDIX_4, Geometry, Parameter, lumped_matrix, static_imbalance
 from paminsa_viz.model.arrays import Array

@@ -5,18 +5,15 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
-from typing import Any
 
 from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Entry, Html, Number, Run
+from paminsa_viz.explorer.entries import ButtonGroup, Entry, Html, Run
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
-from paminsa_viz.explorer.motion import exporting
-from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -68,11 +65,6 @@ class Exporter:
             self._busy.release()
 
 
-def set_export(state: State, **changes: Any) -> State:
-    """Change the export settings."""
-    return replace(state, export=replace(state.export, **changes))
-
-
 def export_entries(store: MapStore) -> Sequence[Entry]:
     """Return the entries of the tab; maps come from the store.
 
@@ -90,10 +82,10 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
 
     def curves(kind: str, session: Session) -> exports.File:
         state = session.state
-        return exporting.figure(state, kind, state.export.width, state.export.dpi)
+        return exports.motion_figure(state, kind, state.export.width, state.export.dpi)
 
     def series(kind: str, session: Session) -> exports.File:
-        return exporting.table(session.state, kind)
+        return exports.motion_table(session.state, kind)
 
     def view(session: Session) -> exports.File:
         return exports.view(session.state, session.client, session.state.export.view_size)
@@ -119,20 +111,17 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             "export.single", "maps",
             options={"torque maps τ₁ τ₂ τ₃": False, "single map": True},
             hint="What to export, as its tab shows it",
-            read=lambda state: state.export.single,
-            apply=lambda state, value: set_export(state, single=value),
+            **attribute("export.single"),
         ),
         Number(
             "export.width", "width [mm]", range=exports.WIDTHS, step=1.0,
             hint="Width of the figure on paper: 85 mm is a column, 170 mm a page",
-            read=lambda state: state.export.width,
-            apply=lambda state, value: set_export(state, width=value),
+            **attribute("export.width"),
         ),
         Number(
             "export.dpi", "dpi", range=exports.RESOLUTIONS, step=10.0,
             hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
-            read=lambda state: state.export.dpi,
-            apply=lambda state, value: set_export(state, dpi=value),
+            **attribute("export.dpi"),
         ),
         ButtonGroup(
             "export.figure", "figure", choices=figures(map_figure),
@@ -143,8 +132,8 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             hint="SI units, with every number of the design",
         ),
         Html(
-            "export.robot_heading", depends=lambda _: None,
-            content=lambda _: render(
+            "export.robot_heading",
+            content=render(
                 "heading.j2", kind="", title="Robot",
                 text="in its current pose; in MuJoCo’s viewer, sliders move it",
             ),
@@ -152,8 +141,7 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
         Dropdown(
             "export.view_size", "view size", options=VIEW_SIZES,
             hint="Size of the picture of the 3D view [pixels]",
-            read=lambda state: state.export.view_size,
-            apply=lambda state, value: set_export(state, view_size=value),
+            **attribute("export.view_size"),
         ),
         ButtonGroup(
             "export.scene", "export",
@@ -183,7 +171,8 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             "export.series", "data",
             choices=tables(series) | {
                 "HTML page": exporter.run(
-                    "a page that plays the motion", lambda session: exporting.page(session.state)
+                    "a page that plays the motion",
+                    lambda session: exports.motion_page(session.state),
                 )
             },
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
@@ -200,7 +189,7 @@ def _maps_heading(frame: Frame) -> str:
 
 
 def _motion_heading(frame: Frame) -> str:
-    kind = exporting.figure_kind(frame.state)
+    kind = exports.motion_figure_kind(frame.state)
     text = f"as chosen in “Motion”; the figure is: {kind}, as in “Motion plots”"
     return render("heading.j2", kind="", title="Motion", text=text)
 

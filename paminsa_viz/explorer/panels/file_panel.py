@@ -8,13 +8,13 @@ from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
-from paminsa_viz.explorer.entries import Button, Folder, Html, Run, TextBox, Upload
-from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.explorer.entries import Button, Folder, Html, Run, Upload
+from paminsa_viz.explorer.inputs import TextBox
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
-from paminsa_viz.model.bounds import validate_limits
+from paminsa_viz.model import APPENDIX_4, Design
 
 
 def file_name(design: Design) -> str:
@@ -32,10 +32,7 @@ def uploaded_design(name: str, content: bytes) -> Design:
     """
     if not content:
         raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
-    try:
-        return validate_limits(read_design(content, name))
-    except InvalidDesign as error:
-        raise DesignFileError(name, str(error)) from error
+    return read_design(content, name)
 
 
 def _download(session: Session) -> None:
@@ -65,7 +62,8 @@ FILE = (
             ),
             Upload(
                 "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,
-                mime_type=".toml,.txt", hint="A design file in TOML", color="gray",
+                mime_type=".toml,.txt", color="gray",
+                hint="A design file in TOML; without the key knee, the lower knee",
             ),
             Button(
                 "file.open", "Appendix 4 (prototype)", icon=Icon.BOOK, color="gray",
@@ -78,8 +76,8 @@ FILE = (
         "file.share", "Share code",
         entries=(
             Html(
-                "file.about_code", depends=lambda _: None,
-                content=lambda _: render(
+                "file.about_code",
+                content=render(
                     "note.j2", testid="", muted=True,
                     text="Design, pose, motion and reference in one line. Copy it to hand it on; "
                     "paste another one over it to open that.",

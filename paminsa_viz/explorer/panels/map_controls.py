@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import Button, Checkbox, Dropdown, Entry, Pair
+from paminsa_viz.explorer.entries import Button, Entry
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput
@@ -29,7 +29,7 @@ def choose_quantity(state: State, quantity: str) -> State:
     mode = view.range_mode
     if mode is RangeMode.MANUAL and QUANTITIES[quantity].unit != QUANTITIES[view.quantity].unit:
         mode = RangeMode.AUTO
-    return actions.set_map_view(state, quantity=quantity, range_mode=mode)
+    return state.updated("map_view", quantity=quantity, range_mode=mode)
 
 
 def show_figure_3(state: State) -> State:
@@ -38,8 +38,7 @@ def show_figure_3(state: State) -> State:
     The position stays if the robot can take it at that angle, else the platform goes to the
     middle.
     """
-    view = replace(state.map_view, range_mode=RangeMode.AUTO, shared=True, difference=False)
-    shown = replace(state, map_view=view)
+    shown = state.updated("map_view", range_mode=RangeMode.AUTO, shared=True, difference=False)
     turned = actions.move(shown, theta=FIG_3_ANGLE)
     if turned.standing.pose != turned.document.pose:
         turned = actions.move(shown, x=0.0, y=0.0, theta=FIG_3_ANGLE)
@@ -54,7 +53,7 @@ def set_difference(state: State, value: bool) -> State:
     """
     if value and state.document.reference is None:
         raise InvalidInput("difference", "pin a reference design first")
-    return actions.set_map_view(state, difference=value)
+    return state.updated("map_view", difference=value)
 
 
 def quantity_entry(name: str) -> Entry:
@@ -97,14 +96,14 @@ def range_entries(
     def set_manual(state: State, ends: Ends) -> State:
         """Use these ends; the state's range is in the unit of its quantity."""
         quantity = "max_torque" if another_unit(state) else state.map_view.quantity
-        return actions.set_map_view(
-            state, range_mode=RangeMode.MANUAL, low=ends[0], high=ends[1], quantity=quantity
+        return state.updated(
+            "map_view", range_mode=RangeMode.MANUAL, low=ends[0], high=ends[1], quantity=quantity
         )
 
     def choose_mode(state: State, chosen: RangeMode) -> State:
         if chosen is RangeMode.MANUAL:
             return set_manual(state, shown_range(state))
-        return actions.set_map_view(state, range_mode=chosen)
+        return state.updated("map_view", range_mode=chosen)
 
     def displayed(state: State) -> Ends:
         factor = display_unit(unit(state)).factor
@@ -149,8 +148,7 @@ def switch_entries(name: str, *, brief: bool) -> tuple[Entry, Entry]:
         Checkbox(
             f"{name}.log", "log" if brief else "log scale",
             hint="Symmetric logarithm: linear around zero, logarithmic beyond, on both sides",
-            read=lambda state: state.map_view.logarithmic,
-            apply=lambda state, value: actions.set_map_view(state, logarithmic=value),
+            **attribute("map_view.logarithmic"),
         ),
         Checkbox(
             f"{name}.difference", "Δ ref." if brief else "Δ reference",
@@ -168,8 +166,7 @@ def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
         Checkbox(
             f"{name}.shared", "shared",
             hint="One color range for all three maps, or one for each",
-            read=lambda state: state.map_view.shared,
-            apply=lambda state, value: actions.set_map_view(state, shared=value),
+            **attribute("map_view.shared"),
         ),
         *switch_entries(name, brief=True),
         Button(

@@ -7,11 +7,11 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
+from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
-from paminsa_viz.explorer.panels.render import render
-from paminsa_viz.explorer.panels.slots import Slots, marker
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.plots.contours import joined

@@ -7,9 +7,10 @@ from typing import Any
 import viser
 
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import finite
+from paminsa_viz.explorer.browser.bridge import Bridge, Slots
+from paminsa_viz.explorer.browser.style import MARGIN
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
@@ -17,8 +18,6 @@ from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entr
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
-from paminsa_viz.explorer.panels.slots import Slots
-from paminsa_viz.explorer.placing import MARGIN
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.quantities import TORQUES
 

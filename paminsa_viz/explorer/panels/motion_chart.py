@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import finite
+from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.plots.series import Values
 from paminsa_viz.plots.series_uplot import (
     Chart,

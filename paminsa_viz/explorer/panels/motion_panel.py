@@ -10,22 +10,17 @@ from viser import Icon
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.entries import (
+from paminsa_viz.explorer.entries import Button, ButtonGroup, Condition, Custom, Entry, Folder, Html
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import (
     MILLIMETERS,
     PLAIN,
-    Button,
-    ButtonGroup,
     Checkbox,
-    Condition,
-    Custom,
     Dropdown,
-    Entry,
-    Folder,
-    Html,
     Number,
     Slider,
+    attribute,
 )
-from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import (
     DURATIONS,
@@ -43,9 +38,9 @@ from paminsa_viz.explorer.motion.simulation import (
     run,
 )
 from paminsa_viz.explorer.panels import motion_text as text
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_file import MotionFile
 from paminsa_viz.explorer.panels.motion_simulation import SIMULATION
-from paminsa_viz.explorer.panels.render import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.trajectory import PRESETS, Profile
@@ -93,13 +88,11 @@ PLAYBACK = (
     ),
     Dropdown(
         "playback.speed", "speed", options={f"{speed:g} ×": speed for speed in SPEEDS},
-        hint="1 × is true time", read=lambda state: state.playback.speed,
-        apply=lambda state, speed: motions.set_playback(state, speed=speed),
+        hint="1 × is true time", **attribute("playback.speed"),
     ),
     Checkbox(
         "playback.loop", "repeat", hint="Start again at the end",
-        read=lambda state: state.playback.loop,
-        apply=lambda state, loop: motions.set_playback(state, loop=loop),
+        **attribute("playback.loop"),
     ),
     Slider(
         "playback.time", TIME, range=lambda state: (0.0, playback_end(state)), step=0.001,
@@ -183,13 +176,11 @@ DESCRIPTION: tuple[Entry, ...] = (
         },
         hint="How the motion runs in time",
         visible=lambda state: state.document.motion.kind.has_law,
-        read=lambda state: state.document.motion.profile,
-        apply=lambda state, profile: motions.change(state, profile=profile),
+        **attribute("document.motion.profile", motions.change),
     ),
     Checkbox(
         "motion.back", "Return to start", visible=_planned, hint="A closed motion",
-        read=lambda state: state.document.motion.back,
-        apply=lambda state, back: motions.change(state, back=back),
+        **attribute("document.motion.back", motions.change),
     ),
 )  # fmt: skip
 
@@ -231,7 +222,7 @@ TIMING: tuple[Entry, ...] = (
         "motion.limits", "Limits",
         visible=lambda state: _planned(state) and state.document.motion.timing is Timing.SHORTEST,
         entries=(
-            Html("motion.limits.note", content=lambda _: render("motion_limits.j2")),
+            Html("motion.limits.note", content=render("motion_limits.j2")),
             _limit("speed", "m/s", "m/s", 0.1),
             _limit("turn_speed", "°/s", "rad/s", 10.0),
             _limit("acceleration", "m/s²", "m/s^2", 0.5),
@@ -268,8 +259,7 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
                 Dropdown(
                     "plots.color", "Colored by", options=ACTUATORS,
                     hint="Torque or force of this actuator; red where the motion fails",
-                    read=lambda state: state.plots.color,
-                    apply=lambda state, actuator: motions.set_plots(state, color=actuator),
+                    **attribute("plots.color"),
                 ),
                 Html(
                     "motion.legend",

@@ -7,9 +7,9 @@ from typing import Any
 
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.entries import Checkbox, Dropdown
+from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.engine_check import Answer, ask_engine
 from paminsa_viz.explorer.motion.playback import COMPARED, PLOTS, SIMULATED
@@ -17,7 +17,6 @@ from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_text as text
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
 from paminsa_viz.explorer.panels.motion_panel import ACTUATORS
-from paminsa_viz.explorer.panels.slots import Slots, marker
 from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.plots.series import Statistics, Trace, statistics
@@ -28,29 +27,25 @@ from paminsa_viz.trajectory import TrajectoryAnalysis
 INPUTS = (
     Dropdown(
         "plots.plot", "show", options=PLOTS, order=5, hint="What is plotted along the motion",
-        read=lambda state: state.plots.plot,
-        apply=lambda state, plot: motions.set_plots(state, plot=plot),
+        **attribute("plots.plot"),
     ),
     Dropdown(
         "plots.actuator", "actuator", options=ACTUATORS, order=6,
         hint="Whose torque is shown by its causes",
         visible=lambda state: state.plots.plot == "breakdown",
-        read=lambda state: state.plots.actuator,
-        apply=lambda state, actuator: motions.set_plots(state, actuator=actuator),
+        **attribute("plots.actuator"),
     ),
     Checkbox(
         "plots.engine", "MuJoCo", order=6.5,
         hint="Marks: the torques of an independent physics engine",
         visible=lambda state: state.plots.plot == "torques",
-        read=lambda state: state.plots.engine,
-        apply=lambda state, shown: motions.set_plots(state, engine=shown),
+        **attribute("plots.engine"),
     ),
     Checkbox(
         "plots.published", "as published", order=7,
         hint="Dotted: what the paper's formulas give with all their misprints",
         visible=lambda state: state.plots.plot in (*COMPARED, "differences"),
-        read=lambda state: state.plots.published,
-        apply=lambda state, shown: motions.set_plots(state, published=shown),
+        **attribute("plots.published"),
     ),
 )  # fmt: skip
 

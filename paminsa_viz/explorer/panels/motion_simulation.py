@@ -4,17 +4,8 @@ from __future__ import annotations
 
 from viser import Icon
 
-from paminsa_viz.explorer.entries import (
-    MILLIMETERS,
-    PLAIN,
-    Button,
-    Checkbox,
-    Condition,
-    Dropdown,
-    Entry,
-    Html,
-    Number,
-)
+from paminsa_viz.explorer.entries import Button, Condition, Entry, Html
+from paminsa_viz.explorer.inputs import MILLIMETERS, PLAIN, Checkbox, Dropdown, Number, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.simulation import (
     BANDWIDTHS,
@@ -54,8 +45,7 @@ SIMULATION: tuple[Entry, ...] = (
             "feed-forward alone": ControlMode.FEED_FORWARD,
         },
         hint="Feed-forward alone has no feedback: the robot is unstable without it",
-        read=lambda state: state.simulating.settings.control,
-        apply=lambda state, control: motions.set_simulation(state, control=control),
+        **attribute("simulating.settings.control", motions.set_simulation),
     ),
     _setting(
         "bandwidth", "Bandwidth [Hz]", BANDWIDTHS, 0.5,
@@ -73,8 +63,7 @@ SIMULATION: tuple[Entry, ...] = (
     Checkbox(
         "simulation.friction", "Controller knows the friction",
         hint="The friction itself is a number of the design, zero in the paper",
-        read=lambda state: state.simulating.settings.knows_friction,
-        apply=lambda state, known: motions.set_simulation(state, knows_friction=known),
+        **attribute("simulating.settings.knows_friction", motions.set_simulation),
     ),
     Button(
         "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.motion import planning
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.playback import COMPARED
 from paminsa_viz.explorer.motion.results import MotionResults
-from paminsa_viz.explorer.panels.render import render
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.state import Pose, State
 from paminsa_viz.plots.series import Statistics, Trace

@@ -1,18 +1,58 @@
-"""The pose: a slider for each coordinate, the knee's branch, and the steps back and forth."""
+"""The pose: its status and numbers, a slider for each coordinate, the knee, undo and redo."""
 
 from __future__ import annotations
 
 from functools import lru_cache
 from math import ceil, floor
 
+import numpy as np
+
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import ButtonGroup, Dropdown, Run, Slider
+from paminsa_viz.explorer.entries import ButtonGroup, Html, Run
+from paminsa_viz.explorer.frame import Frame, Health
+from paminsa_viz.explorer.inputs import Dropdown, Slider
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
-from paminsa_viz.model.reach import home_pose, workspace_radius
+from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
 from paminsa_viz.units import display_unit
+
+LEVELS = {Health.OK: "ok", Health.NEAR: "warn", Health.UNREACHABLE: "bad"}
+
+
+def status_html(frame: Frame) -> str:
+    """Return the status line."""
+    return render(
+        "status.j2", testid="status", level=LEVELS[frame.health],
+        title=frame.health.value.capitalize(), lines=[frame.explanation],
+    )  # fmt: skip
+
+
+def actuators_html(frame: Frame) -> str:
+    """Return positions and static torques of the four actuators."""
+    return render(
+        "actuators.j2", frame=frame, pinned=frame.state.document.reference is not None,
+        reference=frame.reference_torques, degrees=np.degrees,
+    )  # fmt: skip
+
+
+def quality_html(frame: Frame) -> str:
+    """Return static imbalance, condition, distances to singularities and the legs' margins."""
+    return render(
+        "quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
+        margins=frame.configuration.reach.margins,
+        limits={limit.label: index for index, limit in enumerate(MARGINS)},
+    )  # fmt: skip
+
+
+READOUT = (
+    Html("readout.status", content=status_html),
+    Html("readout.actuators", content=actuators_html),
+    Html("readout.quality", content=quality_html),
+)
+
 
 GRAIN = 10
 """Ends of ranges are multiples of this [mm or degrees]."""

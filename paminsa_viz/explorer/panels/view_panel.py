@@ -1,14 +1,22 @@
-"""The View tab: camera presets, and a switch for every layer of the scene."""
+"""The View tab, and the command palette: cameras, layers of the scene, and frequent actions."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import ButtonGroup, Checkbox, Entry, Run, Slider
+from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.bindings import perform
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Run
+from paminsa_viz.explorer.inputs import Checkbox, Slider, attribute
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
 
 LEGS = tuple(name for name in CAMERAS if name.startswith("Leg"))
 WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
@@ -23,17 +31,17 @@ def view_entries() -> tuple[Entry, ...]:
         Slider(
             "floor_opacity", "Map opacity", range=(0.1, 1.0), step=0.05,
             hint="Of the map under the robot",
-            read=lambda state: state.floor_opacity,
-            apply=lambda state, value: replace(state, floor_opacity=value),
+            **attribute("floor_opacity"),
         ),
     )  # fmt: skip
 
 
 def _cameras(key: str, label: str, names: Iterable[str]) -> ButtonGroup:
-    def turn(name: str) -> Run:
-        return Run(lambda session: session.submit(lambda: look(session, name)))
+    return ButtonGroup(key, label, choices={name: _camera(name) for name in names})
 
-    return ButtonGroup(key, label, choices={name: turn(name) for name in names})
+
+def _camera(name: str) -> Run:
+    return Run(lambda session: session.submit(lambda: look(session, name)))
 
 
 def _switch(layer: Layer) -> Checkbox:
@@ -42,3 +50,66 @@ def _switch(layer: Layer) -> Checkbox:
         read=lambda state: layer.key in state.layers,
         apply=lambda state, visible: actions.set_layers(state, **{layer.key: visible}),
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Command:
+    """A line of the command palette.
+
+    Attributes:
+        key: Name of its action; see `paminsa_viz.explorer.entries.Entry`.
+        label: What the palette shows.
+        effect: What it does.
+        hotkey, modifier: Its keys, if it has any.
+        undo: Whether it can be undone.
+    """
+
+    key: str
+    label: str
+    effect: Effect
+    hotkey: str | None = None
+    modifier: str | None = None
+    undo: bool = True
+
+
+def _toggle(layer: str, state: State) -> State:
+    return actions.set_layers(state, **{layer: layer not in state.layers})
+
+
+def commands() -> tuple[Command, ...]:
+    """Return every command; those of the layers follow their registry."""
+    return (
+        Command("home", "Home pose", actions.go_home, "H"),
+        Command("undo", "Undo", Run(lambda session: session.undo()), "Z", "cmd/ctrl"),
+        Command("redo", "Redo", Run(lambda session: session.redo()), "Z", "cmd/ctrl+shift"),
+        Command("reference", "Pin the design as reference", actions.pin_reference, "P"),
+        Command("reference", "Unpin the reference", actions.unpin_reference, "P", "shift"),
+        Command("balance", "Balance as in the paper", balancing.balance_now, "B"),
+        Command(
+            "playback.play", "Play or pause the motion", motions.play_or_pause, "M", undo=False
+        ),
+        *(
+            Command(f"camera.{name}", f"Camera: {name}", _camera(name), str(number))
+            for number, name in enumerate(CAMERAS, start=1)
+        ),
+        *(
+            Command(
+                f"layers.{key}", f"Show or hide: {layer.label.lower()}", partial(_toggle, key),
+                layer.shortcut,
+            )
+            for key, layer in LAYERS.items()
+        ),
+    )  # fmt: skip
+
+
+def register_commands(session: Session) -> None:
+    """Put the commands on the page."""
+    for command in commands():
+        keys: dict[str, Any] = {"hotkey": command.hotkey, "modifier": command.modifier}
+        handle = session.client.gui.add_command(command.label, **keys)
+        handle.on_trigger(partial(_trigger, session, command))
+
+
+def _trigger(session: Session, command: Command, event: Any) -> None:
+    del event
+    perform(session, command.key, command.effect, undo=command.undo)

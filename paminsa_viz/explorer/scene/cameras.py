@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.explorer.placing import covered_share
+from paminsa_viz.explorer.browser.style import covered_share
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.meshes.frame import lift_motor_height, plinth_radius
 from paminsa_viz.meshes.layout import layout

@@ -14,8 +14,7 @@ from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 
 from .limits import Limits, RateLimit, logger
-from .message_filter import MessageFilter
-from .messages import Decode
+from .message_filter import Decode, MessageFilter
 from .names import NameRules
 
 _READ_BYTES = 4096  # read at a time: at most some 700 of the smallest frames, a few ms

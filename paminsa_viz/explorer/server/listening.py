@@ -113,15 +113,14 @@ def server_url(server: viser.ViserServer) -> str:
 
 def _bind(host: str, port: int) -> socket.socket:
     # Bound here and not by viser, which would go on to the next port without a word.
+    if not 0 <= port <= 65535:
+        raise CannotListen(host, port, "a port is a number from 0 to 65535")
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
         # "localhost" is both; IPv4 first, as that is what the address in the README says.
         family, *_, address = min(found, key=lambda entry: entry[0] != socket.AF_INET)
         both = family == socket.AF_INET6 and host == "::" and socket.has_dualstack_ipv6()
-        # Not the port of the look-up, which wraps 70000 around to 4464.
         return socket.create_server((address[0], port), family=family, dualstack_ipv6=both)
-    except OverflowError:
-        raise CannotListen(host, port, "a port is a number from 0 to 65535") from None
     except OSError as error:
         if error.errno == errno.EADDRINUSE:
             raise PortTaken(host, port) from error

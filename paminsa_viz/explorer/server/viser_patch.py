@@ -10,7 +10,7 @@ keeps its bookkeeping in private attributes. What is used of it:
   the handlers that are shared by all pages, and ``_live_connections``, to find the connection of a
   session.
 * ``GuiApi._gui_input_handle_from_uuid``: the inputs of a session.
-* ``viser._messages``: the messages of a page, from which ``messages`` makes stricter types.
+* ``viser._messages``: the messages of a page, from which ``message_filter`` makes stricter types.
 
 Each is looked for at the start, and a viser that has another shape is refused with
 :class:`ViserChanged`. This is why the project pins ``viser>=1.1.1,<1.2``.
@@ -36,7 +36,7 @@ from websockets.asyncio.server import serve as websockets_serve
 
 from .connection import ConnectionGuard, GuardedConnection
 from .limits import logger, socket_logger
-from .messages import Decode, UnknownMessage, page_decoder
+from .message_filter import Decode, UnknownMessage, page_decoder
 
 SERIES = "1.1."
 """The releases of viser that this file was written for."""

@@ -7,8 +7,7 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Task
-from paminsa_viz.explorer.balancing.settings import CounterweightSlot, FreeMasses, Goal
+from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, FreeMasses, Goal, Task
 from paminsa_viz.explorer.balancing.solving import plane, run, static_torque
 from paminsa_viz.explorer.frame import compute, near_singularity
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference

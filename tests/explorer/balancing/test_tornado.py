@@ -64,4 +64,4 @@ def test_without_a_motion_the_tornado_says_what_it_can(start: State) -> None:
     table = motions.choose_kind(start, motions.Kind.TABLE)
     after = solved(table, Task.SENSITIVITY)
     assert "Nothing to show" not in text(after)
-    assert "Nothing to show" in text(balancing.show_output(after, 3))
+    assert "Nothing to show" in text(after.updated("balancing", output=3))

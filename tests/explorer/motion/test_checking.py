@@ -11,9 +11,8 @@ import pytest
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.verification import TOLERANCE, verify
-from paminsa_viz.explorer import actions
+from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion import exporting
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
@@ -24,21 +23,16 @@ from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data
 from paminsa_viz.units import power_of_ten
-from tests.samples import with_knee
+from tests.support.samples import with_knee
 
 needs_mujoco = pytest.mark.usefixtures("mujoco")
-
-
-@pytest.fixture
-def mujoco() -> Any:
-    return pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
 
 
 @pytest.fixture
 def state() -> State:
     """A design of its own on the paper-like motion, its torques beside the engine's."""
     changed = actions.vary(initial_state(), {"payload.mass": 2.0, "links.b4": 0.9})
-    return motions.set_plots(changed, engine=True, published=True)
+    return changed.updated("plots", engine=True, published=True)
 
 
 def analyzed(state: State) -> MotionResults:
@@ -106,7 +100,7 @@ def test_an_answer_holds_for_what_was_asked_about_alone(state: State) -> None:
             marks = [trace for trace in chart.traces if trace.marks]
             assert marks
             assert all(np.isnan(trace.values).all() for trace in marks)
-        other = motions.set_plots(other, plot="differences")
+        other = other.updated("plots", plot="differences")
         for chart in drawn_charts(other, analyzed(other)):
             assert all(np.isnan(trace.values).all() for trace in chart.traces)
         assert "computing" in caption(found, other)
@@ -134,7 +128,7 @@ def test_marks_lie_on_the_curves_and_charts_stay(state: State) -> None:
 
 @needs_mujoco
 def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> None:
-    state = motions.set_plots(answered(state), plot="differences", published=False)
+    state = answered(state).updated("plots", plot="differences", published=False)
     found = analyzed(state)
     assert found.answer is not None
     torques = found.answer.found
@@ -151,14 +145,14 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     assert "FAIL" not in table
     assert "PASS" in caption(found, state)
 
-    state = motions.set_plots(state, published=True)
+    state = state.updated("plots", published=True)
     found = analyzed(state)
     drawn = drawn_charts(state, found)
     assert (drawn[0].unit, drawn[1].unit) == ("N·m", "N")
     table = difference_html(drawn, found, 0.1)
     assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
     assert "misprints" in caption(found, state)
-    figure = exporting.figure(state, "svg", 120.0, 100.0)
+    figure = exports.motion_figure(state, "svg", 120.0, 100.0)
     assert "comparison" in figure.name
     assert b"Formulas as published and MuJoCo" in figure.content
 
@@ -176,7 +170,7 @@ def test_where_the_motion_fails_nothing_is_compared(state: State) -> None:
     comparison = torques.comparison(found.analysis)
     assert len(comparison.computed) == good.sum()
     assert comparison.agrees(TOLERANCE)
-    (chart, _) = drawn_charts(motions.set_plots(line, plot="differences"), found)
+    (chart, _) = drawn_charts(line.updated("plots", plot="differences"), found)
     np.testing.assert_array_equal(np.isnan(chart.traces[0].values), ~good)
     np.testing.assert_array_equal(chart.failing, ~good)
 
@@ -199,10 +193,10 @@ def test_a_missing_engine_is_told_once_for_all_designs(
         assert "pip install" in said
         assert str(EngineMissing("MuJoCo")).split(";")[0] in said
         assert "–" in difference_html(
-            drawn_charts(motions.set_plots(other, plot="differences"), found), found, 0.0
+            drawn_charts(other.updated("plots", plot="differences"), found), found, 0.0
         )
     with pytest.raises(InvalidInput, match="pip install"):
-        exporting.figure(motions.set_plots(state, plot="differences"), "png", 120.0, 100.0)
+        exports.motion_figure(state.updated("plots", plot="differences"), "png", 120.0, 100.0)
 
 
 class Asked:
@@ -276,9 +270,9 @@ def test_a_motion_that_plays_keeps_no_one_waiting(
 
 def test_nothing_is_asked_that_is_not_shown(state: State) -> None:
     assert state.plots.needs_engine
-    assert not motions.set_plots(state, plot="power").plots.needs_engine
-    assert not motions.set_plots(state, engine=False).plots.needs_engine
-    assert motions.set_plots(state, engine=False, plot="differences").plots.needs_engine
+    assert not state.updated("plots", plot="power").plots.needs_engine
+    assert not state.updated("plots", engine=False).plots.needs_engine
+    assert state.updated("plots", engine=False, plot="differences").plots.needs_engine
 
 
 @needs_mujoco

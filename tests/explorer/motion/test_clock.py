@@ -12,11 +12,10 @@ import pytest
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.clock import Clock
 from paminsa_viz.explorer.motion.description import Timing
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
-from tests.explorer.raw_page import TIMEOUT, eventually
+from tests.support.raw_page import TIMEOUT, eventually
 
 
 class Watch:
@@ -39,7 +38,7 @@ def played() -> Iterator[tuple[Session, Watch]]:
     page: Any = SimpleNamespace(atomic=contextlib.nullcontext, flush=lambda: None, camera=camera)
     state = motions.change(initial_state(), timing=Timing.GIVEN, duration=0.3)
     session, watch = Session(cast(Any, page), state), Watch()
-    session.immediate += [Clock(session), watch]
+    session.immediate.append(watch)
     session.start()
     yield session, watch
     session.close()
@@ -62,7 +61,7 @@ def test_a_motion_is_played_to_its_end_and_is_no_step(played: tuple[Session, Wat
 
 def test_a_motion_repeats_until_it_is_paused(played: tuple[Session, Watch]) -> None:
     session, watch = played
-    session.dispatch("loop", lambda s: motions.play(motions.set_playback(s, loop=True)), step=False)
+    session.dispatch("loop", lambda s: motions.play(s.updated("playback", loop=True)), step=False)
     eventually(lambda: (np.diff(watch.times) < 0).sum() >= 2)
     session.dispatch("pause", motions.pause, step=False)
     eventually(lambda: not session.state.playback.playing)

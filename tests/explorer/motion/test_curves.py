@@ -26,7 +26,7 @@ from paminsa_viz.trajectory import analyze
 def state() -> State:
     """A heavier design with the paper's pinned, and the formulas as published shown."""
     state = actions.pin_reference(motions.choose_preset(initial_state(), "circle"))
-    return motions.set_plots(actions.vary(state, {"links.b4": 2.0}), published=True)
+    return actions.vary(state, {"links.b4": 2.0}).updated("plots", published=True)
 
 
 @pytest.fixture
@@ -79,7 +79,7 @@ def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
 def test_parts_add_up(state: State) -> None:
     found = MotionStore().all(state)
     assert found is not None
-    (chart,) = drawn_charts(motions.set_plots(state, plot="breakdown", actuator=1), found)
+    (chart,) = drawn_charts(state.updated("plots", plot="breakdown", actuator=1), found)
     *parts, whole = (trace.values for trace in chart.traces)
     np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
 

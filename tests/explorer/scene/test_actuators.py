@@ -10,7 +10,7 @@ import viser
 
 from paminsa_viz.explorer.scene.actuators import FACES, TorqueArrows, arc_arrow, force_arrow
 from paminsa_viz.explorer.scene.layers import SceneContext
-from tests.explorer.scene.seen import frame_at
+from tests.support.scene import frame_at
 
 
 @pytest.mark.parametrize("fraction", [-1.0, -0.3, 0.0, 0.4, 1.0])

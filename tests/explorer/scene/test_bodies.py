@@ -12,8 +12,8 @@ from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.meshes.bodies import body_glb
 from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.model.design import APPENDIX_4, Design
-from tests.explorer.scene.seen import UPPER, Scene
-from tests.samples import random_poses
+from tests.support.samples import random_poses
+from tests.support.scene import UPPER, Scene
 
 
 @pytest.mark.parametrize("design", [APPENDIX_4, UPPER], ids=["lower", "upper"])

@@ -7,8 +7,8 @@ import pytest
 
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
-from tests.explorer.scene.seen import solved
-from tests.samples import with_knee
+from tests.support.samples import with_knee
+from tests.support.scene import solved
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))

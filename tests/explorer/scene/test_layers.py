@@ -10,16 +10,14 @@ import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import perform
-from paminsa_viz.explorer.commands import commands
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.panels.view_panel import commands, view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
 from paminsa_viz.explorer.scene.skeleton import sticks
-from paminsa_viz.explorer.server.listening import open_server
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4
-from tests.explorer.panel_desk import desk_with
-from tests.explorer.scene.seen import Scene, solved
+from tests.support.desk import desk_with
+from tests.support.scene import Scene, solved
 
 ANIMATED = [key for key, layer in LAYERS.items() if layer.animated]
 OWN_NODES = {
@@ -31,14 +29,6 @@ OWN_NODES = {
     "labels": "/actuators/m1",
     "gizmo": "/gizmo",
 }
-
-
-@pytest.fixture
-def guarded() -> Iterator[viser.ViserServer]:
-    """A server whose pages answer to a raw socket."""
-    running = open_server(port=0)
-    yield running
-    running.stop()
 
 
 @pytest.fixture
@@ -61,8 +51,8 @@ def grid_layer() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("grid_layer")
-def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) -> None:
-    with desk_with(guarded, view_entries()) as desk:
+def test_one_entry_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -> None:
+    with desk_with(server, view_entries()) as desk:
         scene = desk.session.client.scene
         context = SceneContext(scene, desk.session.dispatch)
         desk.session.submit(
@@ -71,7 +61,7 @@ def test_one_entry_is_a_switch_a_command_and_a_node(guarded: viser.ViserServer) 
         nodes = scene._handle_from_node_name
         desk.until(lambda: "/grid" in nodes)
         box = desk.handle("layers.grid")
-        desk.set(box, True)
+        desk.set("layers.grid", True)
         desk.until(lambda: "grid" in desk.state.layers)
         desk.until(lambda: nodes["/grid"].visible)
         (command,) = [c for c in commands() if c.label == "Show or hide: grid"]

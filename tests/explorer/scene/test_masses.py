@@ -9,12 +9,12 @@ import pytest
 
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centers
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients
-from tests.explorer.scene.seen import Scene, solved
-from tests.samples import random_poses
+from paminsa_viz.model.parameters import Counterweight
+from tests.support.samples import random_poses
+from tests.support.scene import Scene, solved
 
 
 def test_the_payload_shows_its_mass(scene: Scene) -> None:

@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from paminsa_viz.explorer.server.listening import Limits
-
-from .guarded import GuardedServer
+from tests.support.guarded import GuardedServer
 
 
 @pytest.fixture(scope="module")

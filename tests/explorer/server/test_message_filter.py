@@ -9,11 +9,9 @@ import pytest
 import viser
 
 from paminsa_viz.explorer.server.limits import Limits
-from paminsa_viz.explorer.server.message_filter import MessageFilter
-from paminsa_viz.explorer.server.messages import page_decoder
-
-from ..raw_page import RawPage, eventually, pack, update
-from .guarded import GuardedServer
+from paminsa_viz.explorer.server.message_filter import MessageFilter, page_decoder
+from tests.support.guarded import GuardedServer
+from tests.support.raw_page import RawPage, eventually, pack, update
 
 POINTER = {
     "type": "ScenePointerMessage", "event_type": "click", "ray_origin": [1.0, 2.0, 3.0],

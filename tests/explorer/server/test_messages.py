@@ -9,9 +9,8 @@ import msgspec
 import pytest
 from viser import _messages
 
-from paminsa_viz.explorer.server.messages import PAGE_MESSAGES, page_decoder
-
-from ..raw_page import CAMERA, pack
+from paminsa_viz.explorer.server.message_filter import PAGE_MESSAGES, page_decoder
+from tests.support.raw_page import CAMERA, pack
 
 RAY = {"ray_origin": [1, 2, 3], "ray_direction": [0, 0, 1.5], "modifier": "cmd/ctrl"}
 POINTS = {"start_position": [1, 2, 3], "start_screen_pos": [0, 1], "end_screen_pos": [1, 0]}

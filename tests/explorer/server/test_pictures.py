@@ -10,10 +10,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from paminsa_viz.explorer.server.limits import Limits
-from paminsa_viz.explorer.server.message_filter import MessageFilter, pixel_count
-from paminsa_viz.explorer.server.messages import page_decoder
-
-from ..raw_page import pack
+from paminsa_viz.explorer.server.message_filter import MessageFilter, page_decoder, pixel_count
+from tests.support.raw_page import pack
 
 
 def _drawn(width: int, height: int, kind: str, **options: object) -> bytes:

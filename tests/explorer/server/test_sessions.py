@@ -12,9 +12,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 from paminsa_viz.explorer.server.connection import GuardedConnection
 from paminsa_viz.explorer.server.listening import Limits
-
-from ..raw_page import TIMEOUT, dial, eventually, update
-from .guarded import GuardedServer
+from tests.support.guarded import GuardedServer
+from tests.support.raw_page import TIMEOUT, dial, eventually, update
 
 pytestmark = pytest.mark.slow
 

@@ -1,0 +1,186 @@
+"""Every input of every panel: what it shows, takes, refuses and undoes."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import viser
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.bindings import same
+from paminsa_viz.explorer.entries import Entry, given
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, Pair, Slider, TextBox
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Kind
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels.balance_panel import BALANCE
+from paminsa_viz.explorer.panels.design_panel import DESIGN
+from paminsa_viz.explorer.panels.export_panel import export_entries
+from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entries
+from paminsa_viz.explorer.panels.motion_panel import motion_entries
+from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
+from paminsa_viz.explorer.panels.pose_panel import POSE
+from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import InvalidInput
+from tests.support.desk import desk_with
+
+
+def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
+    """Yield all inputs of a table, those in folders and tabs as well."""
+    for entry in entries:
+        if isinstance(entry, Input):
+            yield entry
+        for inner in (getattr(entry, "entries", ()), *getattr(entry, "tabs", {}).values()):
+            yield from inputs_in(inner)
+
+
+def name(entry: Input, state: State) -> str:
+    """Return what messages call an input."""
+    return given(entry.label, state) or entry.key
+
+
+NO_PICTURE: Any = SimpleNamespace(scales=())
+PANELS: dict[str, tuple[Entry, ...]] = {
+    "pose": POSE,
+    "design": DESIGN,
+    "balance": BALANCE,
+    "motion": motion_entries(MotionStore()),
+    "plots": PLOT_INPUTS,
+    "view": view_entries(),
+    "export": tuple(export_entries(MapStore())),
+    "file": FILE,
+    "torque maps": torque_entries("torque maps", NO_PICTURE),
+    "single map": single_entries("single map", NO_PICTURE),
+}
+INPUTS = [
+    pytest.param(entry, id=f"{panel}:{entry.key}")
+    for panel, entries in PANELS.items()
+    for entry in inputs_in(entries)
+]
+JUNK: dict[type[Input], list[Any]] = {
+    Slider: [math.nan, math.inf, 10**400, "1", None, True, [1.0]],
+    Number: [math.nan, -math.inf, 10**400, "1", None, False, [1.0]],
+    Pair: [[1.0, math.nan], [1.0], [1.0, 2.0, 3.0], [True, 1.0], "ab", None],
+    Checkbox: [1, "on", None],
+    Dropdown: ["no such text", 3, None],
+    TextBox: [3, None],
+}
+ONE_WAY = {"balance.point", "weights.add"}
+"""Inputs that show no value of the state: a step to a design of the front, an action."""
+
+
+@pytest.fixture(scope="module")
+def state() -> State:
+    """A state in which as many inputs as possible have something to show."""
+    state = actions.pin_reference(actions.move(initial_state(), x=0.02, theta=0.3))
+    state = balancing.add_counterweight(state, "b8", 8)
+    return motions.choose_kind(state, Kind.ARCH)
+
+
+def ends(entry: Input, state: State) -> list[tuple[Any, Any]]:
+    """Return the lowest and highest values of a number's range, and values beyond them."""
+    if isinstance(entry, (Slider, Number)):
+        low, high = given(entry.range, state) if isinstance(entry, Slider) else entry.range
+        return [(end, end + sign) for end, sign in ((low, -1.0), (high, 1.0)) if end is not None]
+    if isinstance(entry, Pair) and None not in sum(entry.range, ()):
+        low, high = zip(*entry.range, strict=True)
+        return [(low, (low[0], low[1] - 1.0)), (high, (high[0] + 1.0, high[1]))]
+    return []
+
+
+def another(entry: Input, state: State) -> Any:
+    """Return a possible value that the input does not show."""
+    if isinstance(entry, Checkbox):
+        return not entry.shown(state)
+    if isinstance(entry, Dropdown):
+        return next(text for text in given(entry.options, state) if text != entry.shown(state))
+    if isinstance(entry, TextBox):
+        return {"file.name": "light arms"}.get(entry.key, entry.shown(initial_state()))
+    if entry.key.endswith(".ends"):
+        return (-2.5, 4.0)
+    if entry.key.startswith("weights."):
+        return (150.0, 2.5)
+    if isinstance(entry, Pair):
+        return next(end for end, _ in ends(entry, state) if end != entry.shown(state))
+    assert isinstance(entry, (Slider, Number))
+    value, (_, high) = entry.shown(state), given(entry.range, state)
+    return value + entry.step if value < high else value - entry.step
+
+
+@pytest.mark.parametrize("entry", INPUTS)
+def test_input_takes_back_what_it_shows(entry: Input, state: State) -> None:
+    if entry.key not in ONE_WAY:
+        shown = entry.shown(state)
+        after = entry.apply(state, entry.parse(state, shown))
+        assert same(entry.shown(after), shown)
+
+
+@pytest.mark.parametrize("entry", INPUTS)
+def test_value_of_another_kind_is_refused_by_name(entry: Input, state: State) -> None:
+    for value in JUNK[type(entry)]:
+        with pytest.raises(InvalidInput) as error:
+            entry.parse(state, value)
+        assert error.value.argument == name(entry, state) != ""
+
+
+@pytest.mark.parametrize("entry", INPUTS)
+def test_ends_of_a_range_are_taken_and_no_number_beyond_them(entry: Input, state: State) -> None:
+    if entry.key in ONE_WAY:
+        return
+    for end, beyond in ends(entry, state):
+        after = entry.apply(state, entry.parse(state, end))
+        assert entry.shown(after) == pytest.approx(end, rel=1e-12, abs=5e-4)
+        if not isinstance(entry, Slider):
+            with pytest.raises(InvalidInput) as error:
+                entry.parse(state, beyond)
+            assert error.value.argument == name(entry, state)
+        elif entry.fit is None:
+            assert entry.parse(state, beyond) == entry.parse(state, end)
+        else:
+            assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
+
+
+@pytest.mark.parametrize("entry", [p for p in INPUTS if isinstance(p.values[0], Dropdown)])
+def test_every_choice_is_shown_once_it_is_made(entry: Dropdown, state: State) -> None:
+    for text in given(entry.options, state):
+        if entry.key not in ONE_WAY:
+            assert entry.shown(entry.apply(state, entry.parse(state, text))) == text
+
+
+def test_keys_and_labels_tell_inputs_apart(state: State) -> None:
+    keys = Counter(entry.key for entries in PANELS.values() for entry in inputs_in(entries))
+    assert {key for key, count in keys.items() if count > 1} == {"layers.path"}  # in two panels
+    for entries in PANELS.values():
+        names = Counter(name(entry, state) for entry in inputs_in(entries))
+        assert max(names.values()) == 1, names.most_common(1)
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_each_input_sets_the_state_and_undo_takes_it_back(
+    server: viser.ViserServer, panel: str, state: State
+) -> None:
+    entries = PANELS[panel]
+    with desk_with(server, entries) as desk:
+        for entry in inputs_in(entries):
+            if entry.key in ONE_WAY or (entry.key.startswith("weights.") and entry.key[-1] != "0"):
+                continue
+            desk.dispatch(lambda _: state)
+            desk.until(lambda e=entry: desk.handle(e.key).value == e.shown(state))
+            value = another(entry, state)
+            expected = entry.apply(state, entry.parse(state, value))
+            desk.set(entry.key, value)
+            desk.until(lambda e=entry, s=expected: e.read(desk.state) == e.read(s))
+            assert desk.state == expected
+            if expected.document != state.document and entry.undo:
+                desk.session.undo()
+                desk.until(lambda: desk.state.document == state.document)
+                assert not desk.notices

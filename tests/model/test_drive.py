@@ -1,0 +1,181 @@
+"""Drives: their limits, and what their inertia and friction add to the robot's dynamics."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+
+from paminsa_viz.engines.mujoco_model import MujocoRobot
+from paminsa_viz.engines.pinocchio_model import PinocchioRobot
+from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    actuator_acceleration,
+    actuator_velocity,
+    drive_regressor,
+    forward_dynamics,
+    friction_torque,
+    inverse_dynamics,
+    inverse_jacobian,
+    kinetic_energy,
+    lumped_coefficients,
+    mass_matrix,
+    regressor_torques,
+    torque_breakdown,
+    torque_regressor,
+)
+from paminsa_viz.model.drive import NO_DRIVES, Drive
+from paminsa_viz.trajectory import PRESET, Controller, ControlMode, analyze, simulate
+from tests.support import samples
+from tests.support.cases import Case, assert_close, cases
+
+ROTARY = Drive("motor, gear", 4e-6, 1e-6, 100.0, 0.8, viscous=2e-6, coulomb=4e-3)
+SCREW = Drive(
+    "axis", 2e-5, 3e-6, 2.0, viscous=1e-5, coulomb=0.02, transmission="screw", lead=0.01,
+    lead_efficiency=0.9,
+)  # fmt: skip
+DRIVES = (ROTARY, replace(ROTARY, gear_ratio=50.0), replace(ROTARY, rotor_inertia=1e-5), SCREW)
+
+
+def driven(design: Design, *, rubs: bool = True) -> Design:
+    found = replace(design, drives=DRIVES)
+    return found if rubs else found.without_friction()
+
+
+def test_a_screw_turns_its_lead_into_a_ratio() -> None:
+    assert SCREW.ratio == pytest.approx(2.0 * 2 * math.pi / 0.01)
+    assert SCREW.reflected_inertia == pytest.approx(2.3e-5 * SCREW.ratio**2)
+    assert SCREW.total_efficiency == pytest.approx(0.9)
+    assert ROTARY.reflected_inertia == pytest.approx(5e-6 * 1e4)
+
+
+@given(case=cases())
+def test_inertia_and_friction_of_the_drives_are_added(case: Case) -> None:
+    pose, v, a = case.states()
+    design = driven(case.design)
+    growth = actuator_acceleration(design.geometry, pose, v, a)
+    speed = actuator_velocity(design, pose, v)
+    plain = inverse_dynamics(case.design, pose, v, a).torque
+    full = inverse_dynamics(design, pose, v, a).torque
+    own = np.array(design.drive_inertia) * growth
+    assert_close(full, plain + own + friction_torque(design.actuator_friction, speed), 1e-12)
+    y = torque_regressor(design.geometry, pose, v, a, gravity=design.gravity)
+    columns = drive_regressor(design.geometry, pose, v, a) @ np.array(design.drive_inertia)
+    linear = regressor_torques(y, lumped_coefficients(design)) + columns
+    assert_close(linear, inverse_dynamics(design.without_friction(), pose, v, a).torque, 1e-10)
+    parts = torque_breakdown(design, pose, v, a)
+    assert_close(parts.total, full, 1e-10)
+
+
+@given(case=cases())
+def test_mass_matrix_and_kinetic_energy_agree_with_the_drives(case: Case) -> None:
+    pose, v, a = case.states()
+    design = driven(case.design, rubs=False)
+    g = inverse_jacobian(design.geometry, pose)
+    added = np.einsum("nki,k,nkj->nij", g, np.array(design.drive_inertia), g)
+    matrix = mass_matrix(design, pose)
+    assert_close(matrix, mass_matrix(case.design, pose) + added, 1e-13)
+    energy = 0.5 * np.einsum("ni,nij,nj->n", v, matrix, v)
+    assert_close(kinetic_energy(design, pose, v)[:, None], energy[:, None], 1e-10)
+    torque = inverse_dynamics(design, pose, v, a).torque
+    assert_close(forward_dynamics(design, pose, v, torque), a, 1e-6)
+
+
+def test_actuator_accelerations_are_the_rate_of_their_speeds() -> None:
+    motion = PRESET["paper-like"].build(APPENDIX_4.geometry).sample(2000)
+    found = actuator_acceleration(
+        APPENDIX_4.geometry, motion.pose, motion.velocity, motion.acceleration
+    )
+    speed = actuator_velocity(APPENDIX_4, motion.pose, motion.velocity)
+    slope = np.gradient(speed, motion.t, axis=0)
+    assert np.abs(slope - found)[1:-1].max() < 1e-5 * np.abs(found).max()
+
+
+@pytest.mark.parametrize("engine", ["mujoco", "pinocchio"])
+@pytest.mark.parametrize("seed", [None, 3])
+def test_engines_agree_on_reflected_inertia(engine: str, seed: int | None) -> None:
+    pytest.importorskip(engine)
+    rng = np.random.default_rng(seed)
+    plain = APPENDIX_4 if seed is None else samples.random_design(rng)
+    design = driven(plain, rubs=False)
+    states = samples.random_states(rng, design, 60)
+    robot: Any = MujocoRobot if engine == "mujoco" else PinocchioRobot
+    found = robot(design).inverse_dynamics(*states)
+    ours = inverse_dynamics(design, *states).torque
+    assert (np.abs(found - ours).max(axis=0) / np.abs(ours).max(axis=0)).max() < 1e-10
+    j = np.linalg.inv(inverse_jacobian(design.geometry, states[0]))
+    inertia = np.einsum("nki,nkl,nlj->nij", j, mass_matrix(design, states[0]), j)
+    own = robot(design).actuator_inertia(states[0])
+    assert np.abs(own - inertia).max() < 1e-10 * np.abs(inertia).max()
+    without = inverse_dynamics(plain, *states).torque
+    assert np.abs(without - ours).max() > 1e-3 * np.abs(ours).max()
+
+
+def test_the_simulation_moves_a_driven_robot_and_balances_its_energy() -> None:
+    design = driven(APPENDIX_4)
+    motion = PRESET["quintic"].build(design.geometry).sample(200)
+    found = simulate(design, motion, model=design, controller=Controller(ControlMode.PD))
+    assert np.abs(found.error).max() < 1e-4
+    assert np.abs(found.energy_drift).max() < 1e-4
+    torque = analyze(design, motion)
+    assert np.abs(torque.energy_residual).max() < 2e-3
+    blind = simulate(design, motion, model=APPENDIX_4, controller=Controller(ControlMode.PD))
+    assert np.abs(blind.error).max() > 10 * np.abs(found.error).max()
+
+
+def test_the_envelope_in_force_ends_at_peak_torque_and_top_speed() -> None:
+    points = ((0.0, 2.0), (300.0, 2.0), (600.0, 0.5))
+    assert Drive(envelope=points).corners == points
+    limited = Drive(envelope=points, peak_torque=1.25, top_speed=500.0).corners
+    assert limited == ((0.0, 1.25), (300.0, 1.25), (450.0, 1.25), (500.0, 1.0))
+    assert Drive(peak_torque=1.0, top_speed=9.0).corners == ((0.0, 1.0), (9.0, 1.0))
+    assert Drive().output_limits == (math.inf, math.inf, math.inf)
+
+
+def test_limits_at_the_actuator() -> None:
+    drive = replace(SCREW, rated_torque=1.0, peak_torque=3.0, top_speed=300.0, gear_peak_torque=5.0)
+    peak, rated, speed = drive.output_limits
+    assert rated == pytest.approx(0.9 * drive.ratio)
+    assert peak == pytest.approx(5.0 * 2 * math.pi / 0.01 * 0.9)  # the gear's, below the motor's
+    assert speed == pytest.approx(300.0 / drive.ratio)
+
+
+@pytest.mark.parametrize(
+    ("field", "values"),
+    {
+        "inertia": ("rotor_inertia", {"rotor_inertia": -1e-6}),
+        "efficiency": ("efficiency", {"efficiency": 1.01}),
+        "no efficiency": ("efficiency", {"efficiency": 0.0}),
+        "ratio": ("gear_ratio", {"gear_ratio": 0.0}),
+        "speed twice": ("envelope", {"envelope": ((0, 1), (5, 1), (5, 0.5))}),
+        "backward": ("envelope", {"envelope": ((0, 1), (5, 1), (4, 0.5))}),
+        "late start": ("envelope", {"envelope": ((1, 1), (5, 1))}),
+        "no pairs": ("envelope", {"envelope": (1, 2)}),
+        "negative torque": ("envelope", {"envelope": ((0, 1), (5, -1))}),
+        "lead alone": ("lead", {"lead": 0.01}),
+        "transmission": ("transmission", {"transmission": "rope", "lead": 0.01}),
+    }.values(),
+    ids=lambda value: str(value) if isinstance(value, str) else "-".join(map(str, value.values())),
+)
+def test_impossible_drives_are_refused_by_field(field: str, values: dict[str, Any]) -> None:
+    with pytest.raises(InvalidDesign) as caught:
+        Drive(**values)
+    assert caught.value.field == f"drive.{field}"
+
+
+def test_a_design_has_four_drives_and_only_the_lift_a_screw() -> None:
+    for drives in ((), (None,) * 3, (SCREW, None, None, None), (None, None, None, ROTARY)):
+        with pytest.raises(InvalidDesign, match="drives"):
+            replace(APPENDIX_4, drives=drives)
+    assert APPENDIX_4.drives == NO_DRIVES
+    design = driven(APPENDIX_4)
+    assert design.value("drives.M4.lead") == 0.01
+    assert design.vary({"drives.M2.gear_ratio": 7.0}).drives[1] == replace(DRIVES[1], gear_ratio=7)
+    assert design != APPENDIX_4
+    assert len({design, APPENDIX_4, driven(APPENDIX_4)}) == 2

@@ -1,0 +1,1 @@
+"""What tests share, as a pytest plugin: fixtures, random robots, sessions without a browser."""

@@ -1,0 +1,33 @@
+"""The command line, run in this process."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from paminsa_viz.cli import main
+
+
+def run(command: str, capsys, *words: str) -> tuple[int, str, str]:
+    """Run a command; return its exit code, stdout and stderr."""
+    code = main([command, *words])
+    printed = capsys.readouterr()
+    return code, printed.out, printed.err
+
+
+def run_json(command: str, capsys, *words: str) -> Any:
+    """Run a command with ``--json``; check that it succeeds silently, and return its result."""
+    code, out, err = run(command, capsys, *words, "--json")
+    assert (code, err) == (0, "")
+    return json.loads(out)
+
+
+def check_refused(command: str, capsys, *words: str, place: str) -> None:
+    """Check that a command fails with one line that names the place, and changes no file here."""
+    before = {path: path.read_bytes() for path in Path().iterdir() if path.is_file()}
+    code, out, err = run(command, capsys, *words)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert place in err
+    assert {path: path.read_bytes() for path in Path().iterdir() if path.is_file()} == before

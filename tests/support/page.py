@@ -1,0 +1,118 @@
+"""Fixtures: a guarded server, a panel on a session, a running explorer, tabs of a browser on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+if TYPE_CHECKING:
+    import viser
+
+    from tests.support.chromium import Tab
+    from tests.support.desk import Desk
+    from tests.support.scene import Scene
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    """A guarded server on any free port."""
+    from paminsa_viz.explorer.server.listening import open_server
+
+    running = open_server(port=0)
+    yield running
+    running.stop()
+
+
+@pytest.fixture
+def desk(server: viser.ViserServer, request: pytest.FixtureRequest) -> Iterator[Desk]:
+    """The module's ``PANEL`` on a session: a table of entries, or what makes a view."""
+    from tests.support.desk import desk_with
+
+    with desk_with(server, request.module.PANEL) as desk:
+        yield desk
+
+
+@pytest.fixture
+def scene(server: viser.ViserServer) -> Iterator[Scene]:
+    """All animated layers in the scene of a tab; nothing is drawn yet."""
+    from paminsa_viz.explorer.scene.layers import SceneContext, build_views
+    from tests.support.raw_page import RawPage
+    from tests.support.scene import Scene
+
+    page = RawPage(server)
+    yield Scene(page.client.scene, build_views(SceneContext(page.client.scene), animated=True))
+    page.socket.close()
+
+
+@pytest.fixture(scope="module")
+def app() -> Iterator[Any]:
+    """An explorer on any free port."""
+    from paminsa_viz.app import App, AppOptions
+    from paminsa_viz.model import APPENDIX_4, backend
+
+    backend.compile_now()
+    running = App(AppOptions(port=0, browser=False), APPENDIX_4)
+    yield running
+    running.stop()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless browser."""
+    from tests.support.chromium import FLAGS, browser_path
+
+    playwright = pytest.importorskip("playwright.sync_api")
+    path = browser_path()
+    with playwright.sync_playwright() as driver:
+        chromium = driver.chromium.launch(executable_path=path, args=FLAGS)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture(scope="module")
+def open_tab(browser: Any, app: Any) -> Iterator[Callable[..., Tab]]:
+    """A function that opens a tab; at the end nothing may have gone wrong in any page."""
+    from tests.support.chromium import Tab
+
+    contexts: list[Any] = []
+    tabs: list[Tab] = []
+
+    def start(width: int = 1280, height: int = 720, context: Any = None) -> Tab:
+        if context is None:
+            context = browser.new_context(
+                viewport={"width": width, "height": height}, accept_downloads=True
+            )
+            contexts.append(context)
+        tabs.append(Tab(context.new_page(), app))
+        return tabs[-1]
+
+    yield start
+    for context in contexts:
+        context.close()
+    for tab in tabs:
+        assert tab.errors == []
+
+
+@pytest.fixture(scope="module")
+def one_tab(open_tab: Callable[..., Tab]) -> Tab:
+    """A tab that the tests of a module share."""
+    return open_tab()
+
+
+@pytest.fixture
+def tab(one_tab: Tab) -> Tab:
+    """The shared tab, as it was at the start."""
+    from paminsa_viz.explorer.state import initial_state
+    from tests.support.chromium import until
+
+    one_tab.page.bring_to_front()
+    one_tab.session.dispatch("test", lambda _: initial_state())
+    one_tab.open_tab("Pose")
+    until(
+        lambda: one_tab.state == initial_state() and one_tab.handle("x  [mm]").value == 0,
+        "the tab is as at the start",
+    )
+    one_tab.page.wait_for_timeout(200)
+    return one_tab
