@@ -155,6 +155,7 @@ def run(options: AppOptions) -> None:
         PaminsaError: If the design file is not usable or the port is taken.
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
+    from paminsa_viz.files.design_file import load_design
     from paminsa_viz.model import APPENDIX_4
 
     # A tab may go while it is drawn; viser would report every message that it no longer got.
