@@ -15,7 +15,7 @@ from paminsa_viz.cli.flags import JsonFlags, check_ending
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import KEYS, KNEE, TABLES
+from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, choice
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -78,7 +78,9 @@ class Show(JsonFlags):
         design = _load(self.file)
         if self.json:
             values = {key.path: design.value(key.parameter.path) for key in KEYS}
-            facts = {"name": design.name, "knee": design.geometry.knee.value, "values": values}
+            facts: dict[str, Any] = {"name": design.name}
+            facts |= {name: choice(design, table, name).value for table, name in CHOICES}
+            facts["values"] = values
             facts |= {"counterweights": _weights(design)}
             print_json(facts | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
@@ -183,9 +185,10 @@ def _rows(first: Design, second: Design) -> list[Row]:
         parameter = key.parameter
         values = (first.value(parameter.path), second.value(parameter.path))
         rows.append((key.table, key.name, *values, f"{parameter.symbol}, {parameter.label}"))
-    knees = (first.geometry.knee.value, second.geometry.knee.value)
-    meaning = "branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image"
-    rows.insert(len(TABLES["geometry"]), ("geometry", KNEE, *knees, meaning))
+    for table, name in CHOICES:
+        last = max(place for place, row in enumerate(rows) if row[0] == table)
+        words = [choice(design, table, name).value for design in (first, second)]
+        rows.insert(last + 1, (table, name, *words, CHOICE_MEANINGS[name]))
     return rows
 
 

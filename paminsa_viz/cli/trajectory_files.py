@@ -101,7 +101,9 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> EngineTorques:
     ]
     design, motion = analysis.design, analysis.trajectory
     robot = make(design)
-    torque = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
+    torque = robot.inverse_dynamics(
+        motion.pose, motion.velocity, motion.acceleration, load=motion.load
+    )
     torque[~analysis.check.good] = float("nan")
     return EngineTorques(name, torque + analysis.solved.friction(design))
 
