@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -19,7 +20,16 @@ from paminsa_viz.explorer.panels.compare_panel import (
     torques_html,
 )
 from paminsa_viz.explorer.panels.design_layout import is_changed
-from paminsa_viz.model import APPENDIX_4, PARAMETERS, Design, static_imbalance, static_torques
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    PARAMETERS,
+    Design,
+    LoadCase,
+    LoadFrame,
+    static_imbalance,
+    static_torques,
+)
 from tests.support.desk import Desk
 
 PANEL = COMPARE
@@ -49,8 +59,17 @@ def test_table_lists_exactly_what_differs(changes: dict[str, float | None]) -> N
     differ = [p.path for p in PARAMETERS if design.value(p.path) != APPENDIX_4.value(p.path)]
     rows = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
     found = [(value(row[1]), value(row[2])) for row in rows]
-    expected = [(APPENDIX_4.value(path), design.value(path)) for path in differ]
+    expected = [
+        [PARAMETER[path].display.from_si(of.value(path)) for of in (APPENDIX_4, design)]
+        for path in differ
+    ]
     assert np.array(found) == pytest.approx(np.array(expected), rel=1e-5)
+
+
+def test_load_that_turns_with_the_platform_differs() -> None:
+    turning = replace(APPENDIX_4, load=LoadCase(frame=LoadFrame.PLATFORM))
+    (row,) = cells(differences_html(turning, APPENDIX_4, "App. 4"))[1:]
+    assert row[1:3] == ["world", "platform"]
 
 
 def test_stroke_that_was_set_differs_from_one_that_follows_its_guide() -> None:

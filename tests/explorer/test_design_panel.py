@@ -57,7 +57,7 @@ def test_slider_reaches_appendix_4_and_only_possible_values(parameter: Parameter
     low, high, step = base_range(parameter)
     default = shown.from_si(parameter.default)
     assert low <= default <= high
-    steps = (default - low) / step if low == 0 else default / step
+    steps = (default - low) / step if low <= 0 else default / step
     assert steps == pytest.approx(round(steps), abs=1e-6)  # it can be dragged back to it
     for end in (low, high):
         state = row.apply(initial_state(), row.parse(initial_state(), end))

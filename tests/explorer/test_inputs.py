@@ -16,7 +16,16 @@ from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import Binding, same
 from paminsa_viz.explorer.entries import Entry, given
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, Pair, Slider, TextBox
+from paminsa_viz.explorer.inputs import (
+    Checkbox,
+    Dropdown,
+    Input,
+    Number,
+    Pair,
+    Slider,
+    TextBox,
+    in_unit,
+)
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
@@ -25,7 +34,7 @@ from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
-from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entries
+from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
 from paminsa_viz.explorer.panels.motion_panel import motion_entries
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.panels.pose_panel import POSE
@@ -92,10 +101,11 @@ def state() -> State:
 def ends(entry: Input, state: State) -> list[tuple[Any, Any]]:
     """Return the lowest and highest values of a number's range, and values beyond them."""
     if isinstance(entry, (Slider, Number)):
-        low, high = given(entry.range, state) if isinstance(entry, Slider) else entry.range
+        slider = isinstance(entry, Slider)
+        low, high = given(entry.range, state) if slider else in_unit(entry.range, entry.unit)
         return [(end, end + sign) for end, sign in ((low, -1.0), (high, 1.0)) if end is not None]
     if isinstance(entry, Pair) and None not in sum(entry.range, ()):
-        low, high = zip(*entry.range, strict=True)
+        low, high = zip(*map(in_unit, entry.range, entry.units), strict=True)
         return [(low, (low[0], low[1] - 1.0)), (high, (high[0] + 1.0, high[1]))]
     return []
 
@@ -115,7 +125,7 @@ def another(entry: Input, state: State) -> Any:
     if isinstance(entry, Pair):
         return next(end for end, _ in ends(entry, state) if end != entry.shown(state))
     assert isinstance(entry, (Slider, Number))
-    value, (_, high) = entry.shown(state), given(entry.range, state)
+    value, high = entry.shown(state), ends(entry, state)[-1][0]
     return value + entry.step if value < high else value - entry.step
 
 
