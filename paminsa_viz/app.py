@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli.arguments import PROGRAM, parse
+from paminsa_viz.cli import PROGRAM
 from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
@@ -102,11 +102,13 @@ class AppOptions:
         names = [Authority.parse(entry) for entry in self.allow_host]
         return not all(is_loopback(name) for name in (self.host, *(n.name for n in names if n)))
 
+    def run(self) -> int:
+        """Start the explorer and serve until it is stopped."""
+        run(self)
+        return 0
 
-def main(words: list[str]) -> int:
-    """Start the explorer and serve until it is stopped."""
-    run(parse(AppOptions, words, "", DESCRIPTION))
-    return 0
+
+FLAGS = AppOptions
 
 
 class App:
@@ -222,9 +224,10 @@ def run(options: AppOptions) -> None:
     print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
     if options.browser:
         threading.Thread(target=webbrowser.open, args=(app.url,), daemon=True).start()
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         threading.Event().wait()
-    app.stop()
+    finally:  # where Ctrl-C is an exception, as in a notebook
+        app.stop()
 
 
 if __name__ == "__main__":

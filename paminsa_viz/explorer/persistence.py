@@ -25,6 +25,7 @@ from paminsa_viz.model import (
     Design,
     InvalidInput,
     KneeBranch,
+    LoadFrame,
     PaminsaError,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
@@ -62,7 +63,9 @@ def _numbers(design: Design) -> dict[str, float]:
 def _described(design: Design) -> dict[str, Any]:
     """Return a design as plain data: its name, its numbers, its counterweights if it has any."""
     weights = [[w.bar, w.joint, w.beyond, w.mass] for w in design.counterweights]
-    described = {"name": design.name, "design": _numbers(design)}
+    described: dict[str, Any] = {"name": design.name, "design": _numbers(design)}
+    if design.load.frame is not LoadFrame.WORLD:
+        described["load_frame"] = design.load.frame.value
     drives = [None if drive is None else _changed_fields(drive) for drive in design.drives]
     described |= {"counterweights": weights} if weights else {}
     return described | ({"drives": drives} if any(design.drives) else {})
@@ -132,6 +135,7 @@ def _design(data: dict[str, Any]) -> Design:
     return replace(
         design,
         name=printable(str(data["name"]))[:NAME_CHARACTERS],
+        load=replace(design.load, frame=LoadFrame(data.get("load_frame", "world"))),
         drives=drives,
         counterweights=tuple(
             Counterweight(bar, joint, _number(beyond), _number(mass))

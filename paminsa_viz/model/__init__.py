@@ -46,6 +46,7 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
+from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
     Misprint,
@@ -76,6 +77,7 @@ from paminsa_viz.model.singularity import (
 from paminsa_viz.model.statics import (
     StaticBreakdown,
     lift_constant,
+    load_torques,
     potential_energy,
     static_breakdown,
     static_imbalance,
@@ -109,6 +111,8 @@ __all__ = [
     "KneeBranch",
     "Limit",
     "LinkMasses",
+    "LoadCase",
+    "LoadFrame",
     "Misprint",
     "OutputLimits",
     "PaminsaError",
@@ -123,6 +127,7 @@ __all__ = [
     "actuator_acceleration",
     "actuator_power",
     "actuator_velocity",
+    "center_wrench",
     "check_reach",
     "closure",
     "closure_matrix",
@@ -130,6 +135,7 @@ __all__ = [
     "forward_dynamics",
     "forward_kinematics",
     "friction_torque",
+    "generalized_force",
     "inverse_dynamics",
     "inverse_jacobian",
     "inverse_jacobian_rate",
@@ -138,6 +144,7 @@ __all__ = [
     "joint_rates",
     "kinetic_energy",
     "lift_constant",
+    "load_torques",
     "lumped_coefficients",
     "lumped_matrix",
     "mass_matrix",

@@ -1,4 +1,4 @@
-"""The robot's numbers: geometry, masses, inertias, payload, friction.
+"""The robot's numbers: geometry, masses, inertias, payload, friction, load.
 
 Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
 its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
@@ -22,6 +22,7 @@ from paminsa_viz.model.drive import (
     OutputLimits,
     check_drives,
 )
+from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
     SMALLEST,
@@ -135,6 +136,7 @@ class Design(Group, path="design"):
 
     Attributes:
         geometry, joints, links, inertias, platform, payload, friction: Its numbers, in groups.
+        load: An external force and moment on the platform.
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
@@ -151,6 +153,7 @@ class Design(Group, path="design"):
     platform: Platform = Platform()
     payload: Payload = Payload()
     friction: Friction = Friction()
+    load: LoadCase = NO_LOAD
     gravity: float = parameter(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
@@ -278,8 +281,7 @@ def _parameters() -> tuple[Parameter, ...]:
         items = fields(owner) if is_dataclass(owner) else (group,)
         for item in (item for item in items if "unit" in item.metadata):
             path = item.name if item is group else f"{group.name}.{item.name}"
-            names = {name: item.metadata[name] for name in ("symbol", "unit", "label", "positive")}
-            found.append(Parameter(path, default=APPENDIX_4.value(path), **names))
+            found.append(Parameter(path, default=APPENDIX_4.value(path), **item.metadata))
     return tuple(found)
 
 

@@ -67,6 +67,7 @@ class Parameter:
         label: Plain name.
         default: Appendix 4's value.
         positive: Whether zero is refused.
+        signed: Whether it may be negative.
     """
 
     path: str
@@ -75,6 +76,7 @@ class Parameter:
     label: str
     default: float
     positive: bool
+    signed: bool = False
 
     @property
     def display(self) -> DisplayUnit:

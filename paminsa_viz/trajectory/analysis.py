@@ -129,17 +129,20 @@ class TrajectoryAnalysis:
 
     @cached_property
     def energy_residual(self) -> Array:
-        """Work of all actuators minus growth of energy and friction losses, (n,) [J].
+        """Work of all actuators and the load minus growth of energy and friction losses, (n,) [J].
 
         Zero but for the integration over samples: the energy balance of the formulas. With
         `misprints` it does not balance.
         """
         until = self.check.until
-        friction = self.solved.friction(self.design)[:until]
-        loss = (friction * self.solved.speed[:until]).sum(axis=1)
-        lost = np.full(self.trajectory.size, np.nan)
-        lost[:until] = running_integral(self.trajectory.t[:until], loss)
-        return self.work.sum(axis=1) - lost - (self.energy - self.energy[0])
+        t, solved = self.trajectory, self.solved
+        friction = solved.friction(self.design)[:until]
+        power = -(friction * solved.speed[:until]).sum(axis=1)
+        if solved.loaded(self.design):
+            power += (solved.load_force(self.design) * t.velocity)[:until].sum(axis=1)
+        given = np.full(t.size, np.nan)
+        given[:until] = running_integral(t.t[:until], power)
+        return self.work.sum(axis=1) + given - (self.energy - self.energy[0])
 
 
 def analyze(

@@ -70,6 +70,7 @@ class Simulation:
         wanted: States of the trajectory, (n, 4) each.
         work: (n,) energy that the actuators have put in [J].
         loss: (n,) energy that friction has taken [J].
+        push: (n,) energy that the load has put in [J].
         stopped: Why it stopped before the trajectory's end; None if it did not.
         evaluations: Number of times the equations of motion were evaluated.
     """
@@ -83,6 +84,7 @@ class Simulation:
     wanted: States
     work: Array
     loss: Array
+    push: Array
     stopped: PathEvent | None
     evaluations: int
 
@@ -104,11 +106,11 @@ class Simulation:
 
     @cached_property
     def energy_drift(self) -> Array:
-        """Growth of energy minus work put in plus friction losses, (n,) [J].
+        """Growth of energy minus work put in, by the load as well, plus friction losses, (n,) [J].
 
         Zero but for the error of the solution: how far it is from a motion of the robot.
         """
-        return self.energy - self.energy[0] - (self.work - self.loss)
+        return self.energy - self.energy[0] - (self.work + self.push - self.loss)
 
 
 class SimulationFailed(PaminsaError):
@@ -140,10 +142,11 @@ def simulate(
     home pose, an error of theta grows by a factor e in 0.18 s.
 
     Args:
-        design: The robot itself, with its friction and its payload.
-        trajectory: The wanted motion.
+        design: The robot itself, with its friction, its payload and its load.
+        trajectory: The wanted motion, with a load that varies with time if it has one: the
+            controller knows that one.
         model: The controller's model of the robot; by default the robot itself. It may differ
-            in masses, payload, gravity and friction, not in geometry.
+            in masses, payload, gravity, friction and load, not in geometry.
         controller: By default feed-forward with PD at the actuators.
         offset: (4,) pose error at the start [m, m, rad, m].
         clearance: Least distance from singular positions [m].
@@ -166,8 +169,10 @@ def simulate(
     shift = as_vectors(offset, "offset")
     if shift.shape != (4,) or not np.isfinite(shift).all():
         raise InvalidInput("offset", "four finite numbers are needed")
-    # pose, velocity, work, losses
-    start = np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
+    # pose, velocity, work, losses, and the load's work
+    loaded = design.load.acts or trajectory.load is not None
+    energies = np.zeros(3 if loaded else 2)
+    start = np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], energies])
     stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE)
     stop_at[12:] = 0.0  # the singular distances hold a clearance already
     side = np.array(check.side)
@@ -206,7 +211,8 @@ def simulate(
         stopped, t, states = _end(trajectory, solution, margins)
     return Simulation(
         design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
-        trajectory.at(t), states[:, 8], states[:, 9], stopped, int(solution.nfev),
+        trajectory.at(t), states[:, 8], states[:, 9], states[:, 10:].sum(axis=1), stopped,
+        int(solution.nfev),
     )  # fmt: skip
 
 

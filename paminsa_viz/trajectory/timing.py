@@ -5,9 +5,9 @@ jerks by T^3. The actuators' torques are exactly
 
     Q(u; T) = gravity(u) + friction(u; T) + dynamic(u) / T^2,
 
-where the dynamic part holds inertia and velocity terms, both of second order in 1/T, and viscous
-friction is of first order. So every instant u has its own shortest duration in closed form, and
-that of the motion is the largest of them.
+where gravity includes the design's load, the dynamic part holds inertia and velocity terms, both of
+second order in 1/T, and viscous friction is of first order. So every instant u has its own shortest
+duration in closed form, and that of the motion is the largest of them.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
+from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
 from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
@@ -187,7 +188,7 @@ def _parts(
     pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
     gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
-    weightless = replace(plain, gravity=0.0)
+    weightless = replace(plain, gravity=0.0, load=NO_LOAD)
     dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
     speed = actuator_velocity(design, pose, rate)
     coulomb, viscous = np.array(friction.coulomb), np.array(friction.viscous)

@@ -15,6 +15,7 @@ from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 from tests.support.samples import possible_values
 
@@ -37,6 +38,7 @@ def designs(draw: st.DrawFn) -> Design:
     changes = {item.path: draw(possible_values(item)) for item in chosen}
     try:
         design = APPENDIX_4.vary(changes).with_knee(draw(st.sampled_from(KneeBranch)))
+        design = replace(design, load=replace(design.load, frame=draw(st.sampled_from(LoadFrame))))
         return replace(design, name=draw(NAMES), counterweights=tuple(draw(WEIGHTS)))
     except InvalidDesign:
         assume(False)
@@ -155,6 +157,17 @@ def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> Non
     assert '\nknee = "mirror"' in write_design(upper)
     assert read_design(f'{VERSION}[geometry]\nknee = "mirror"', "d").geometry == upper.geometry
     assert read_design(f'{VERSION}[geometry]\nknee = "printed"', "d") == APPENDIX_4
+
+
+def test_the_loads_frame_stands_in_a_file_only_where_it_is_not_the_world() -> None:
+    turning = replace(APPENDIX_4, load=LoadCase(force_x=-3.0, frame=LoadFrame.PLATFORM))
+    assert "\nframe" not in write_design(APPENDIX_4)
+    assert '\nframe = "platform"' in write_design(turning)
+    text = f'{VERSION}[load]\nforce_x_N = -3.0\nframe = "platform"'
+    assert read_design(text, "d") == turning
+    with pytest.raises(DesignFileError, match='"world" or "platform" is needed') as caught:
+        read_design(f'{VERSION}[load]\nframe = "tool"', "d")
+    assert (caught.value.key, caught.value.line) == ("load.frame", 3)
 
 
 @pytest.mark.parametrize("value", ['"upper"', "1", "true", '["mirror"]', "{a = 1}"])

@@ -31,7 +31,7 @@ def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
     low, high = possible_range(parameter.unit, parameter.positive)
     if parameter.path == "geometry.magnification":
         low += 1.0
-    numbers = st.floats(low, high)
+    numbers = st.floats(-high if parameter.signed else low, high)
     return numbers if parameter.positive else st.just(0.0) | numbers
 
 

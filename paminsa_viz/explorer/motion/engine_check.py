@@ -100,11 +100,4 @@ def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
     """Return evenly spread samples, both ends among them, and the motion of these alone."""
     count = min(trajectory.size, MOST_SAMPLES)
     kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
-    motion = replace(
-        trajectory,
-        t=trajectory.t[kept],
-        pose=trajectory.pose[kept],
-        velocity=trajectory.velocity[kept],
-        acceleration=trajectory.acceleration[kept],
-    )
-    return kept, motion
+    return kept, trajectory.take(kept)

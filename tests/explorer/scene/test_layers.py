@@ -61,7 +61,7 @@ def test_one_entry_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -
         nodes = scene._handle_from_node_name
         desk.until(lambda: "/grid" in nodes)
         box = desk.handle("layers.grid")
-        desk.set(box, True)
+        desk.set("layers.grid", True)
         desk.until(lambda: "grid" in desk.state.layers)
         desk.until(lambda: nodes["/grid"].visible)
         (command,) = [c for c in commands() if c.label == "Show or hide: grid"]
