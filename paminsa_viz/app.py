@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import logging
 import sys
@@ -16,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli.arguments import PROGRAM, parse
+from paminsa_viz.cli import PROGRAM
 from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
@@ -75,11 +74,13 @@ class AppOptions:
         if not self.host.strip():
             raise InvalidInput("--host", "an address or name is needed")
 
+    def run(self) -> int:
+        """Start the explorer and serve until it is stopped."""
+        run(self)
+        return 0
 
-def main(words: list[str]) -> int:
-    """Start the explorer and serve until it is stopped."""
-    run(parse(AppOptions, words, "", DESCRIPTION))
-    return 0
+
+FLAGS = AppOptions
 
 
 class App:
@@ -168,9 +169,10 @@ def run(options: AppOptions) -> None:
     print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
     if options.browser:
         threading.Thread(target=webbrowser.open, args=(app.url,), daemon=True).start()
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         threading.Event().wait()
-    app.stop()
+    finally:  # where Ctrl-C is an exception, as in a notebook
+        app.stop()
 
 
 if __name__ == "__main__":
