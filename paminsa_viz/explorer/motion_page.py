@@ -56,12 +56,7 @@ Frames = list[tuple[dict[str, Position], dict[str, Quaternion]]]
 """Positions and quaternions by scene node, of each instant."""
 
 
-def motion_html(
-    design: Design,
-    trajectory: Trajectory,
-    *,
-    frame_rate: float = FRAME_RATE,
-) -> bytes:
+def motion_html(design: Design, trajectory: Trajectory, *, frame_rate: float = FRAME_RATE) -> bytes:
     """Return a page that plays a motion in real time, over and over, with the robot and its path.
 
     A motion that the robot cannot run is played up to where it first fails; the rest of its path
@@ -124,12 +119,7 @@ def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> Non
             Curve(scene, f"/path/{name}", color, thickness=3.0).draw([way])
 
 
-def _page(
-    scene: str,
-    analysis: TrajectoryAnalysis,
-    times: Array,
-    frames: Frames,
-) -> str:
+def _page(scene: str, analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> str:
     """Return viser's page with our title, words, controls and places."""
     title = f"PAMINSA: {analysis.trajectory.name}"
     data = json.dumps(_data(analysis, times, frames))

@@ -12,11 +12,7 @@ from paminsa_viz.explorer.motion.engine_check import Answer
 from paminsa_viz.explorer.motion.playback import Playback, PlotView
 from paminsa_viz.explorer.motion.simulation import Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    Geometry,
-)
+from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 
 

@@ -87,9 +87,7 @@ class Simulating:
 
 
 def make_job(
-    design: Design,
-    trajectory: Trajectory | None,
-    settings: SimulationSettings,
+    design: Design, trajectory: Trajectory | None, settings: SimulationSettings
 ) -> SimulationJob:
     """Return a job.
 
