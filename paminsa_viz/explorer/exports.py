@@ -271,7 +271,7 @@ def motion_page(state: State) -> File:
     Raises:
         PaminsaError: If there is no motion, or the robot cannot even start it.
     """
-    from paminsa_viz.explorer.motion_page import motion_html  # late: it starts a server
+    from paminsa_viz.explorer.html_pages import motion_html  # late: it starts a server
 
     found = _motion_results(state)
     document = state.document
