@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions
+from paminsa_viz.explorer import actions, bindings
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.bindings import same
+from paminsa_viz.explorer.bindings import Binding, same
 from paminsa_viz.explorer.entries import Entry, given
+from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
     Checkbox,
     Dropdown,
@@ -38,9 +39,11 @@ from paminsa_viz.explorer.panels.motion_panel import motion_entries
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.panels.pose_panel import POSE
 from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
-from tests.support.desk import desk_with
+from tests.support.desk import SilentPage, desk_with, stop
+from tests.support.raw_page import eventually
 
 
 def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
@@ -159,6 +162,27 @@ def test_ends_of_a_range_are_taken_and_no_number_beyond_them(entry: Input, state
             assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
 
 
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("balance.max_increase", -1.0),
+        ("balance.max_decrease", 150.0),
+        ("balance.slot_b8", (2000.0, 1.0)),
+        ("balance.slot_b3", (100.0, -1.0)),
+        ("balance.max_added", 1e6),
+        ("balance.variation", 60.0),
+        ("export.width", 1e6),
+        ("export.dpi", 1e9),
+        ("motion.radius", 0.0),
+        ("simulation.bandwidth", 1e4),
+    ],
+)
+def test_absurd_setting_is_refused(key: str, value: object, state: State) -> None:
+    entries = {entry.key: entry for panel in PANELS.values() for entry in inputs_in(panel)}
+    with pytest.raises(InvalidInput, match=r"is possible|is needed"):
+        entries[key].parse(state, value)
+
+
 @pytest.mark.parametrize("entry", [p for p in INPUTS if isinstance(p.values[0], Dropdown)])
 def test_every_choice_is_shown_once_it_is_made(entry: Dropdown, state: State) -> None:
     for text in given(entry.options, state):
@@ -194,3 +218,66 @@ def test_each_input_sets_the_state_and_undo_takes_it_back(
                 desk.session.undo()
                 desk.until(lambda: desk.state.document == state.document)
                 assert not desk.notices
+
+
+@pytest.fixture
+def session() -> Iterator[Session]:
+    page: Any = SilentPage()
+    started = Session(page, initial_state())
+    started.start()
+    yield started
+    stop(started)
+
+
+class FakeInput:
+    """Stands in for an input of the page: its value is set at once, its callback comes later."""
+
+    value = 0.0
+
+    def __init__(self, session: Session, apply: Callable[[State, float], State]) -> None:
+        entry = Slider(
+            "x", range=(-1.0, 1.0), step=0.001, read=lambda s: s.document.pose[0], apply=apply
+        )
+        binding = Binding(session, entry, self)
+        self.drawn: list[State] = []
+
+        def draw(frame: Frame, dragging: bool) -> None:
+            binding.draw(frame.state)
+            self.drawn.append(frame.state)
+
+        view: Any = SimpleNamespace(draw=draw)
+        session.immediate.append(view)
+
+    def on_update(self, callback: Callable[[Any], None]) -> None:
+        self.callback = callback
+
+    def report(self) -> None:
+        """Run the callback of a value that the page has set."""
+        self.callback(SimpleNamespace(client=self))
+
+
+def test_value_set_while_another_frame_is_drawn_is_kept(session: Session) -> None:
+    handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
+    handle.value = 0.07  # the callback is still on its way
+    session.dispatch("elsewhere", lambda state: actions.move(state, x=0.01, y=0.02))
+    eventually(lambda: handle.drawn and handle.drawn[-1].document.pose[1] == 0.02)
+    assert handle.value == 0.07
+    handle.report()
+    eventually(lambda: session.state.document.pose[0] == 0.07)
+    session.undo()
+    eventually(lambda: handle.value == 0.01)
+
+
+@pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
+def test_input_is_set_back_after_a_refused_value(
+    session: Session, wrong: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(state: State, value: float) -> State:
+        raise InvalidInput("x", "it is not liked")
+
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
+    handle = FakeInput(session, refuse)
+    handle.value = wrong
+    handle.report()
+    eventually(lambda: handle.value == 0.0)
+    assert len(session.client.notices) == 1
