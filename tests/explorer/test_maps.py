@@ -161,7 +161,7 @@ class TestDifference:
         expected = now[..., 1][ok] - reference[..., 1][ok]
         np.testing.assert_allclose(delta.values[1][ok], expected, atol=1e-9)
         assert np.abs(expected).max() > 0.1
-        assert delta.provenance.reference == APPENDIX_4.name
+        assert delta.reference == APPENDIX_4
 
     def test_another_geometry_is_solved_with_its_own_lengths(self) -> None:
         store = MapStore()
