@@ -16,7 +16,6 @@ import numpy as np
 
 from paminsa_viz.model.design import Geometry
 
-
 ROUNDING = 2.0**-48
 """What rounding may change of a number, as a share of the numbers that it is the difference of.
 
