@@ -9,7 +9,7 @@ paper's equations, and engines have other laws for it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -201,7 +201,9 @@ def verify(
     checks = []
     for engine, version, robot in robots:
         at_rest = robot.static_torques(places)
-        moving = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
+        moving = robot.inverse_dynamics(
+            motion.pose, motion.velocity, motion.acceleration, load=motion.load
+        )
         static = Comparison(
             static_torques(design, places),
             at_rest,
@@ -225,6 +227,7 @@ def verify(
         played=play(
             design, wanted.t, wanted.pose, wanted.velocity,
             _computed(design, wanted), limit=STRAY_LIMIT * design.geometry.base_radius,
+            loads=wanted.load,
         ),
     )  # fmt: skip
 
@@ -255,18 +258,11 @@ def _along(design: Design, motion: Trajectory, reference: Array, misprints: Misp
 def _computed(design: Design, motion: Trajectory, misprints: Misprint = Misprint.NONE) -> Array:
     """Return the formulas's torques along a motion, (n, 4) [N m, N]."""
     states = motion.pose, motion.velocity, motion.acceleration
-    return inverse_dynamics(design, *states, misprints).torque
+    return inverse_dynamics(design, *states, misprints, load=motion.load).torque
 
 
 def _thinned(trajectory: Trajectory) -> Trajectory:
     """Return a trajectory with at most `MOST_STATES` of its samples, both ends among them."""
     if trajectory.size <= MOST_STATES:
         return trajectory
-    kept = np.linspace(0, trajectory.size - 1, MOST_STATES).round().astype(int)
-    return replace(
-        trajectory,
-        t=trajectory.t[kept],
-        pose=trajectory.pose[kept],
-        velocity=trajectory.velocity[kept],
-        acceleration=trajectory.acceleration[kept],
-    )
+    return trajectory.take(np.linspace(0, trajectory.size - 1, MOST_STATES).round().astype(np.intp))

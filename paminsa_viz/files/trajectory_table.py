@@ -29,9 +29,8 @@ from paminsa_viz.files.columns import (
 )
 from paminsa_viz.files.errors import TableFileError, shown
 from paminsa_viz.files.tables import DataTable, TableReader, open_table, provenance
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETERS, Design
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.model.parameters import PARAMETERS
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.imported import from_samples
 from paminsa_viz.trajectory.sampled import MOST_SAMPLES, Trajectory

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.files.columns import POSE, STATUS
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.model.design import Design
-from paminsa_viz.model.parameters import PARAMETERS
+from paminsa_viz.model.design import PARAMETERS, Design
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.caption import key_numbers
 from paminsa_viz.plots.map_data import MapData

@@ -5,7 +5,7 @@ from __future__ import annotations
 from paminsa_viz.balancing import balance, whole_mass
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
@@ -13,7 +13,6 @@ from paminsa_viz.model.lumped import (
     mass_vector,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.plots.series import SeriesSources
 from paminsa_viz.plots.series_builders import build_series

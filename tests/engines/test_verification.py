@@ -27,7 +27,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_imbalance,
 )
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle
 from tests.support import samples

@@ -21,9 +21,9 @@ from paminsa_viz.meshes.loads import (
     place_along,
 )
 from paminsa_viz.meshes.placement import place_parts
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 from tests.support.samples import random_design, random_poses, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
