@@ -19,6 +19,9 @@ from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.trajectory import Trajectory
 
+UPLOAD_TIMEOUT = 10.0
+"""How long an uploaded table may take to read [s]; the largest possible one takes some seconds."""
+
 
 def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
     """Return the trajectory in an uploaded CSV file.
@@ -30,7 +33,8 @@ def uploaded_trajectory(name: str, content: bytes, rest: bool) -> Trajectory:
     if not content:
         raise TableFileError(name, "is empty, or larger than 10 MB")
     decoded = content.decode("utf-8-sig", errors="surrogateescape")
-    return parse_trajectory(io.StringIO(decoded, newline=""), name, rest=rest)
+    lines = io.StringIO(decoded, newline="")
+    return parse_trajectory(lines, name, rest=rest, timeout=UPLOAD_TIMEOUT)
 
 
 class MotionFile:
