@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import threading
 
-import pytest
-
 from paminsa_viz.explorer.panels import motion_description
 from tests.support.desk import Desk
 from tests.support.raw_page import RawPage, upload_messages
@@ -23,7 +21,7 @@ def upload(desk: Desk, content: bytes) -> None:
 def test_a_table_that_takes_too_long_is_refused(desk: Desk, monkeypatch) -> None:
     monkeypatch.setattr(motion_description, "UPLOAD_TIMEOUT", 0.0)
     upload(desk, TABLE)
-    desk.noticed("motion.csv, row 1: takes longer than 0 s to read; thin it out")
+    desk.noticed("motion.csv: takes longer than 0 s to read; thin it out")
 
 
 def test_other_pages_are_served_while_a_file_is_read(desk: Desk, server, monkeypatch) -> None:
