@@ -14,7 +14,7 @@ from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
+from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_plots
 from paminsa_viz.explorer.panels.motion_plots import (
