@@ -155,7 +155,7 @@ def test_difference_is_plotted_in_a_readable_unit_with_a_verdict(state: State) -
     table = difference_html(drawn, found, 0.1)
     assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
     assert "misprints" in caption(found, state)
-    figure = exports.motion_figure(state, "svg", 120.0, 100.0)
+    figure = exports.motion_figure(state, "svg")
     assert "comparison" in figure.name
     assert b"Formulas as published and MuJoCo" in figure.content
 
@@ -196,7 +196,7 @@ def test_missing_engine_is_reported_once_for_all_designs(
         shown = other.updated("plots", plot="differences")
         assert "–" in difference_html(drawn_charts(shown, found), found, 0.0)
     with pytest.raises(InvalidInput, match="pip install"):
-        exports.motion_figure(state.updated("plots", plot="differences"), "png", 120.0, 100.0)
+        exports.motion_figure(state.updated("plots", plot="differences"), "png")
 
 
 class Bench:
