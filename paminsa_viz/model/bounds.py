@@ -52,13 +52,8 @@ def validate_limits(design: Design) -> Design:
                     f"here, its size is at most {LARGEST[unit]:g} [{unit}]",
                 )  # fmt: skip
     for name, drive in zip(ACTUATORS, design.drives, strict=True):
-        for item in fields(Drive) if drive is not None else ():
-            value = getattr(drive, item.name)
-            if "unit" in item.metadata and value and not DRIVE_RANGE[0] <= value <= DRIVE_RANGE[1]:
-                raise InvalidDesign(
-                    f"drives.{name}.{item.name}", value,
-                    f"here, it is from {DRIVE_RANGE[0]:g} to {DRIVE_RANGE[1]:g}",
-                )  # fmt: skip
+        if drive is not None:
+            validate_drive(drive, f"drives.{name}")
     for parameter in PARAMETERS:
         path, value = parameter.path, design.value(parameter.path)
         low, high = (SMALLEST if parameter.positive else 0.0), largest(path)
@@ -66,3 +61,18 @@ def validate_limits(design: Design) -> Design:
             unit = f" [{parameter.unit}]" if parameter.unit else ""
             raise InvalidDesign(path, value, f"here, it is from {low:g} to {high:g}{unit}")
     return design
+
+
+def validate_drive(drive: Drive, path: str) -> Drive:
+    """Return a drive if its numbers are of a size that can be worked with.
+
+    Raises:
+        InvalidDesign: If a number is out of `DRIVE_RANGE`.
+    """
+    low, high = DRIVE_RANGE
+    for item in fields(Drive):
+        value = getattr(drive, item.name)
+        if "unit" in item.metadata and value and not low <= value <= high:
+            allowed = f"here, it is from {low:g} to {high:g}"
+            raise InvalidDesign(f"{path}.{item.name}", value, allowed)
+    return drive
