@@ -8,7 +8,7 @@ nox.options.default_venv_backend = "venv"
 
 
 def install(session: nox.Session, extra: str, *packages: str) -> None:
-    """Install the package with an extra of pyproject.toml, and packages besides."""
+    """Install the package with an extra of pyproject.toml, and other packages."""
     session.install("-e", f".[{extra}]", *packages)
 
 
@@ -17,6 +17,13 @@ def tests(session: nox.Session) -> None:
     """Run the tests; arguments are pytest's, such as ``-- -m 'not slow'``."""
     install(session, "test")
     session.run("pytest", *session.posargs)
+
+
+@nox.session(venv_backend="none")
+@nox.parametrize("resolution", ["lowest", "newest"])
+def versions(session: nox.Session, resolution: str) -> None:
+    """Run the fast tests on the lowest versions that pyproject.toml names, and on the newest."""
+    session.run(".ci/versions", resolution, *session.posargs, external=True)
 
 
 @nox.session

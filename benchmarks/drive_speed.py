@@ -48,13 +48,8 @@ def main() -> None:
     cycle = duty_cycle(APPENDIX_4, [Duty(motion)])
     for load in cycle.loads:
         size_drives(load, motors(sloped=False))  # the load's own sums
-    rows = [
-        [
-            "loads of the motion",
-            "",
-            number(1e3 * best(lambda: duty_cycle(APPENDIX_4, [Duty(motion)]))),
-        ]
-    ]
+    loads = best(lambda: duty_cycle(APPENDIX_4, [Duty(motion)]))
+    rows = [["loads of the motion", "", number(1e3 * loads)]]
     for name, sloped in (("rectangular", False), ("sloped", True)):
         columns = motors(sloped=sloped)
         screws = replace(columns, ratio=columns.ratio * 2 * np.pi / 0.2)

@@ -86,10 +86,8 @@ def test_a_quantity_is_chosen_on_the_page(quantity: Quantity) -> None:
     server = open_server(port=0)
     try:
         with desk_with(server, lambda s: MapsPanel(s, Bridge(s.client), MotionStore())) as desk:
-            handles = desk.session.client.gui._gui_input_handle_from_uuid.values()
-            choice: Any = next(h for h in handles if getattr(h, "label", "") == "show")
-            assert quantity.label in choice.options
-            desk.set(choice, quantity.label)
+            assert quantity.label in desk.handle("show").options
+            desk.set("show", quantity.label)
             desk.until(lambda: desk.state.map_view.quantity == quantity.key)
     finally:
         server.stop()
@@ -125,9 +123,9 @@ def test_a_figure_format_is_written_by_page_and_commands(capsys, tmp_path, monke
 
 
 CHANGES = {
-    "model/design.py": (
-        '    j9: float = quantity(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
-        '{}    j10: float = quantity(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
+    "model/parameters.py": (
+        '    j9: float = parameter(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")\n',
+        '{}    j10: float = parameter(0.0, "m_10", "kg", "stop at the end of the guide link")\n',
     ),
     "model/lumped.py": (
         ('"m9",', '{} "m10",'),

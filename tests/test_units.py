@@ -21,7 +21,6 @@ from paminsa_viz.units import (
     symbols_html,
     unit_text,
 )
-from tests.explorer.design_rows import ROWS
 
 
 @pytest.mark.parametrize(
@@ -68,7 +67,7 @@ def test_units_are_typeset(unit: str, text: str) -> None:
     assert unit_text(unit) == text
 
 
-@given(path=st.sampled_from(sorted(ROWS)), value=st.floats(1e-6, 100))
+@given(path=st.sampled_from(sorted(PARAMETER)), value=st.floats(1e-6, 100))
 def test_a_value_survives_the_display_unit(path: str, value: float) -> None:
     unit = PARAMETER[path].display
     assert unit.to_si(unit.from_si(value)) == pytest.approx(value, abs=1e-9)
@@ -76,7 +75,7 @@ def test_a_value_survives_the_display_unit(path: str, value: float) -> None:
 
 
 def test_appendix_4_survives_the_display_unit_to_the_last_digit() -> None:
-    for path in ROWS:
+    for path in PARAMETER:
         value = APPENDIX_4.value(path)
         unit = PARAMETER[path].display
         assert unit.to_si(unit.from_si(value)) == value

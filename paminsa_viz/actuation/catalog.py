@@ -191,6 +191,8 @@ class _Column:
         if name in _TEXTS:
             return cls(name, name, ())
         for field, item in _FIELDS.items():
+            if not item.metadata and field != "brake":
+                continue
             units = UNITS.get(item.metadata.get("unit", ""), {"": 1.0})
             for ending, factor in units.items():
                 if name == (f"{field}_{ending}" if ending else field):
@@ -280,8 +282,6 @@ def _value(column: _Column, text: str, source: str, row: int) -> Any:
         if text.lower() not in ("yes", "no"):
             raise refused("yes or no is needed")
         return text.lower() == "yes"
-    if column.field == "transmission":
-        return text
     try:
         if column.field == "envelope":
             pairs = [pair.split() for pair in text.split(";") if pair.strip()]
@@ -292,7 +292,5 @@ def _value(column: _Column, text: str, source: str, row: int) -> Any:
         return float(text) * column.factors[0]
     except ValueError:
         if column.field == "envelope":
-            raise refused(
-                "pairs of speed and torque are needed, 0 0.9; 3000 0.9; 5000 0.4"
-            ) from None
+            raise refused("pairs are needed, 0 0.9; 3000 0.9; 5000 0.4") from None
         raise refused("a number is needed") from None

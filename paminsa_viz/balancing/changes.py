@@ -1,4 +1,4 @@
-"""What may change in a design: masses within bounds, and counterweights on bars."""
+"""Changes to a design: masses within bounds, and counterweights on bars."""
 
 from __future__ import annotations
 
@@ -9,8 +9,7 @@ import numpy as np
 from paminsa_viz.balancing.program import Levers, Variable
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETER, Design, Geometry
 from paminsa_viz.model.leg_points import bar_length, bar_point, counterweight_point
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -19,7 +18,7 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 LEGS = 3
 """A mass of a leg is there three times."""
@@ -62,7 +61,7 @@ class MassRange:
 
 @dataclass(frozen=True)
 class CounterweightRange:
-    """Where counterweights may be put: a piece of a bar or of its extension, on every leg.
+    """Where counterweights may be put: a part of a bar or of its extension, on every leg.
 
     Attributes:
         bar, joint: As in `Counterweight`.
@@ -181,10 +180,8 @@ def _inertias(mass: MassRange) -> list[str]:
 
 def whole_mass(design: Design) -> float:
     """Return the mass of all that moves, all three legs, platform and payload [kg]."""
-    group = {
-        path: design.value(path) for path in MASS_PATHS if PARAMETER[path].unit == "kg"
-    }  # fmt: skip
-    legs = sum(v for path, v in group.items() if not path.startswith(("platform", "payload")))
+    paths = [path for path in MASS_PATHS if PARAMETER[path].group in ("joints", "links")]
+    legs = sum(design.value(path) for path in paths)
     legs += sum(weight.mass for weight in design.counterweights)
     return LEGS * legs + design.platform.mass + design.payload.mass
 
@@ -201,23 +198,21 @@ def mass_space(design: Design, changes: Changes) -> MassSpace:
     before[:MASS], before[MASS] = lumped_coefficients(design), whole_mass(design)
     start = before.copy()
     variables: list[Variable] = []
-    for mass in changes.masses:
+    for place, mass in enumerate(changes.masses, AMOUNTS):
         held = design.value(mass.path)
         effect = np.zeros((3, size))
         effect[0, :MASS], effect[0, MASS] = _column(design, mass, matrix), mass.per_robot
         start -= held * effect[0]
-        before[AMOUNTS + len(variables)] = held
-        effect[0, AMOUNTS + len(variables)] = 1.0
+        before[place], effect[0, place] = held, 1.0
         variables.append(Variable(mass.path, mass.low, mass.high, effect))
-    for item in changes.counterweights:
+    for place, item in enumerate(changes.counterweights, AMOUNTS + len(changes.masses)):
         # a parabola is known from three of its points
         point = bar_point(design.geometry, item.bar, item.joint, np.array([-1.0, 0.0, 1.0]))
         left, middle, right = point_mass_column(point, design.gravity).T
         effect = np.zeros((3, size))
-        effect[0, :MASS], effect[0, MASS] = middle, LEGS
+        effect[0, :MASS], effect[0, MASS], effect[0, place] = middle, LEGS, 1.0
         effect[1, :MASS], effect[2, :MASS] = 0.5 * (right - left), 0.5 * (right + left) - middle
         span = (item.nearest, item.farthest)
-        effect[0, AMOUNTS + len(variables)] = 1.0
         variables.append(Variable(item.name, item.low, item.high, effect, span))
     counts = [mass.per_robot for mass in changes.masses] + [LEGS] * len(changes.counterweights)
     return MassSpace(design, changes, start, tuple(variables), before, np.array(counts, float))

@@ -19,10 +19,9 @@ from paminsa_viz.balancing.terms import (
 )
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, PARAMETERS, Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory.sampled import Trajectory
 from paminsa_viz.trajectory.solved import solve_trajectory
@@ -148,10 +147,10 @@ def _outputs(
     if trajectory is not None:
         solved = solve_trajectory(design.geometry, trajectory, gravity=design.gravity)
         terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
-    pieces = [term.piece(space) for term in terms]
+    functions = [term.convex_term(space) for term in terms]
 
     def outputs(state: Array) -> Array:
-        found = [state[MP2]] + [piece.value(state) for piece in pieces]
+        found = [state[MP2]] + [function.value(state) for function in functions]
         return np.array(found + [np.nan] * (len(OUTPUTS) - len(found)))
 
     return outputs, space.before

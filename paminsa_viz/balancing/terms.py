@@ -1,7 +1,7 @@
 """Terms of an optimization: torques, energy, added mass, change of masses.
 
 Each term is convex in the masses. Torques are linear in the state (c, mass) of a `MassSpace`; their
-peak is a maximum of linear functions, their RMS a norm, the energy that drives a sum of hinges.
+peak is a maximum of linear functions, their RMS a norm, the driving energy a sum of positive parts.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Term(Protocol):
     @property
     def unit(self) -> str: ...
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """Return it as a function of the space's states.
 
         Raises:
@@ -67,16 +67,30 @@ def _same_geometry(space: MassSpace, geometry: object, argument: str) -> None:
         raise InvalidInput(argument, "it was solved for another geometry than the design's")
 
 
-def _reached(field: Field) -> Array:
-    """Return Gamma where it has a value, (4, n) [m, 1].
-
-    Raises:
-        InvalidInput: If that is nowhere.
-    """
+def _reached(space: MassSpace, field: Field) -> Array:
+    """Return Gamma where it has a value, (4, n) [m, 1]; raises where that is nowhere."""
+    _same_geometry(space, field.geometry, "field")
     gamma = field.gamma[:, field.status == Limit.OK]
     if gamma.size == 0:
         raise InvalidInput("field", "the robot cannot take a single pose of the workspace grid")
     return gamma
+
+
+def _imbalance(space: MassSpace, factor: float) -> MaxAbs:
+    """Return a factor times |M_p2|."""
+    return MaxAbs(factor * _row(len(space.start), Mp2=1.0)[None], np.zeros(1))
+
+
+@dataclass(frozen=True)
+class Imbalance:
+    """|M_p2|, which all static torques of M1..M3 are proportional to (Eq. 8) [N]."""
+
+    label: str = "|M_p2|"
+    unit: str = "N"
+
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
+        """See `Term`."""
+        return _imbalance(space, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +104,9 @@ class StaticPeak:
     label: str = "peak static torque"
     unit: str = "N m"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        _same_geometry(space, self.field.geometry, "field")
-        return _balance_piece(space, float(np.abs(_reached(self.field)[:3]).max()))
+        return _imbalance(space, float(np.abs(_reached(space, self.field)[:3]).max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,26 +117,9 @@ class StaticRms:
     label: str = "RMS static torque"
     unit: str = "N m"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        _same_geometry(space, self.field.geometry, "field")
-        return _balance_piece(space, float(np.sqrt(np.mean(_reached(self.field)[:3] ** 2))))
-
-
-@dataclass(frozen=True)
-class Imbalance:
-    """|M_p2|, which all static torques of M1..M3 are proportional to (Eq. 8) [N]."""
-
-    label: str = "|M_p2|"
-    unit: str = "N"
-
-    def piece(self, space: MassSpace) -> ConvexTerm:
-        """See `Term`."""
-        return _balance_piece(space, 1.0)
-
-
-def _balance_piece(space: MassSpace, factor: float) -> MaxAbs:
-    return MaxAbs(_row(len(space.start), Mp2=factor)[None], np.zeros(1))
+        return _imbalance(space, float(np.sqrt(np.mean(_reached(space, self.field)[:3] ** 2))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,10 +130,9 @@ class StaticLift:
     label: str = "peak static force of M4"
     unit: str = "N"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        _same_geometry(space, self.field.geometry, "field")
-        lift = _reached(self.field)[3]
+        lift = _reached(space, self.field)[3]
         k, g = space.design.geometry.magnification, space.design.gravity
         matrix = [
             _row(len(space.start), Mp1=3 * k, Mp2=end, Mp3=3.0, m_pl=k * g)
@@ -179,12 +174,7 @@ def trajectory_rows(
 
 @dataclass(frozen=True, eq=False)
 class _Effort:
-    """Something of the torques of some actuators over a trajectory [N m, N].
-
-    Attributes:
-        solved: The trajectory, solved for the geometry.
-        actuators: Indices of those that count.
-    """
+    """A measure of the torques of some actuators over a trajectory."""
 
     solved: SolvedTrajectory
     actuators: tuple[int, ...] = ROTARY
@@ -214,7 +204,7 @@ class TrajectoryPeak(_Effort):
 
     measure = "peak"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         # samples of one actuator stay neighbors, so that a part of the list is a part of time
@@ -232,7 +222,7 @@ class TrajectoryRms(_Effort):
 
     measure = "RMS"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         t = self.solved.trajectory.t
@@ -259,7 +249,7 @@ class TrajectoryEnergy:
     label: str = "driving energy on the trajectory"
     unit: str = "J"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, (0, 1, 2, 3))
         weight = (time_weights(self.solved.trajectory.t)[:, None] * self.solved.speed).T
@@ -279,10 +269,9 @@ class AddedMass:
     label: str = "added mass"
     unit: str = "kg"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        row = np.zeros((1, len(space.start)))
-        row[0, MASS] = 1.0
+        row = np.eye(1, len(space.start), MASS)
         return MaxAbs(row, -space.before[[MASS]], absolute=False)
 
 
@@ -293,7 +282,7 @@ class MassChange:
     label: str = "mass moved"
     unit: str = "kg"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         held = space.before[AMOUNTS:]
         return deviations(space, held, held)

@@ -14,10 +14,9 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import MASS_PATHS, lumped_matrix, point_mass_column
-from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.statics import static_imbalance, static_torques, unit_torques_by_leg
 
@@ -61,11 +60,7 @@ def _relative(tolerances: Tolerances, paths: list[str]) -> Array:
     return values
 
 
-def mass_tolerance(
-    design: Design,
-    tolerances: Tolerances,
-    pose: ArrayLike,
-) -> MassTolerance:
+def mass_tolerance(design: Design, tolerances: Tolerances, pose: ArrayLike) -> MassTolerance:
     """Return the spread of M_p2 and of the static torques of M1..M3 from masses.
 
     Args:
@@ -92,9 +87,8 @@ def mass_tolerance(
     by_leg = unit_torques_by_leg(geometry, pose)[..., :3, :]
     by_leg = np.where(np.isfinite(torque)[..., None], by_leg, np.nan)
     variance = reach**2
-    total = float(variance.sum())
     order = np.argsort(-variance, kind="stable")
-    shares = {paths[i]: float(variance[i] / total) for i in order if variance[i] > 0}
+    shares = {paths[i]: float(variance[i] / variance.sum()) for i in order if variance[i] > 0}
     return MassTolerance(
         nominal=static_imbalance(design),
         deviation=float(deviation),

@@ -5,7 +5,9 @@ the Jacobian G of the loop closures with its drift, so that G v = 0 and G v' + d
 platform's four velocities as independent ones, v = S u and v' = S u' + s follow by solving for the
 others. The principle of virtual power then gives the forces in the actuated joints alone:
 
-    S_act^T tau = S^T (M v' + b).
+    S_act^T tau = S^T (M v' + b),
+
+where b holds the external load as well, which the engine puts on the platform in its own way.
 
 Closures of a plane loop by ball joints repeat themselves, so G has more rows than its rank; the
 dependent columns have full rank, and the consistent system is solved by least squares.
@@ -66,8 +68,11 @@ class ClosedLoopRobot(ABC):
         """Return closure Jacobian (m, nv) and mass matrix (nv, nv) at one configuration."""
 
     @abstractmethod
-    def _bias(self, q: Array, v: Array) -> tuple[Array, Array]:
-        """Return closure drift (m,) and bias forces (nv,) with gravity at one state."""
+    def _bias(self, q: Array, v: Array, wrench: Array | None) -> tuple[Array, Array]:
+        """Return closure drift (m,) and bias forces (nv,) with gravity at one state.
+
+        A wrench (6,) [N, N m] acts on the platform at the load's point, in its directions.
+        """
 
     def static_torques(self, poses: ArrayLike) -> Array:
         """Return what the actuators need to hold poses (..., 4) at rest.
@@ -80,14 +85,22 @@ class ClosedLoopRobot(ABC):
         return self.inverse_dynamics(poses, rest, rest)
 
     def inverse_dynamics(
-        self, poses: ArrayLike, velocities: ArrayLike, accelerations: ArrayLike
+        self,
+        poses: ArrayLike,
+        velocities: ArrayLike,
+        accelerations: ArrayLike,
+        *,
+        load: ArrayLike | None = None,
     ) -> Array:
         """Return what the actuators need for platform motions, without joint friction.
+
+        The design's load acts on the platform.
 
         Args:
             poses: (..., 4) [m, m, rad, m].
             velocities: (..., 4) rates of the pose [m/s, m/s, rad/s, m/s].
             accelerations: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
+            load: (..., 6) a wrench on top of the design's load [N, N m].
 
         Returns:
             (..., 4) = (tau_1, tau_2, tau_3 [N m], F_4 [N]); NaN where a pose cannot be reached
@@ -107,8 +120,18 @@ class ClosedLoopRobot(ABC):
         good, q = self._place(x, u, du)
         torque = np.full(x.shape, np.nan)
         if good.any():
-            torque[good] = self._project(q, u[good], du[good])
+            wrench = self._wrenches(load, shape)
+            wrench = None if wrench is None else wrench[good]
+            torque[good] = self._project(q, u[good], du[good], wrench)
         return torque.reshape(shape)
+
+    def _wrenches(self, load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
+        """Return the wrench of every state of a batch (..., 4), as (n, 6); None for none."""
+        own = self.design.load
+        if load is None and not own.acts:
+            return None
+        whole = np.array(own.wrench) + (np.zeros(6) if load is None else np.asarray(load, float))
+        return np.broadcast_to(whole, (*shape[:-1], 6)).reshape(-1, 6)
 
     def actuator_inertia(self, poses: ArrayLike) -> Array:
         """Return the mass matrix of the whole robot in its actuators (..., 4, 4).
@@ -168,11 +191,12 @@ class ClosedLoopRobot(ABC):
         spread[:, self._independent] = np.eye(4)
         return mass, spread, solve
 
-    def _project(self, q: Array, u: Array, du: Array) -> Array:
+    def _project(self, q: Array, u: Array, du: Array, wrench: Array | None) -> Array:
         """Inverse dynamics at configurations (n, nq), velocities and accelerations (n, 4)."""
         mass, spread, solve = self._eliminate(q)
         velocity = (spread @ u[..., None])[..., 0]
-        states = [self._bias(a, b) for a, b in zip(q, velocity, strict=True)]
+        loads = [None] * len(q) if wrench is None else wrench
+        states = [self._bias(*state) for state in zip(q, velocity, loads, strict=True)]
         drift = np.stack([state[0] for state in states])[..., None]
         bias = np.stack([state[1] for state in states])[..., None]
         force = mass @ (spread @ du[..., None] - solve(drift)) + bias

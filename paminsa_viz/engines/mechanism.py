@@ -24,10 +24,10 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.counterweight import BAR_ENDS
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import NO_DRIVES, Drives
 from paminsa_viz.model.kinematics import AXIS_ANGLES
+from paminsa_viz.model.parameters import BAR_ENDS
 
 Point = tuple[float, float, float]
 

@@ -8,9 +8,11 @@ import numpy as np
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
+from paminsa_viz.engines.mechanism import PLATFORM
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.load import LoadFrame
 
 
 def load_mujoco() -> Any:
@@ -67,7 +69,7 @@ class MujocoRobot(ClosedLoopRobot):
         rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
         return data.efc_J.reshape(-1, model.nv)[rows], mass
 
-    def _bias(self, q: Array, v: Array) -> tuple[Array, Array]:
+    def _bias(self, q: Array, v: Array, wrench: Array | None) -> tuple[Array, Array]:
         mujoco, model, data = self._mujoco, self.model, self.data
         data.qpos[:] = q
         data.qvel[:] = v
@@ -80,7 +82,27 @@ class MujocoRobot(ClosedLoopRobot):
             self._acceleration(first) - self._acceleration(second)
             for first, second in zip(model.eq_obj1id, model.eq_obj2id, strict=True)
         ]
-        return np.concatenate(drift), data.qfrc_bias.copy()
+        bias = data.qfrc_bias.copy()
+        if wrench is not None:
+            self.push(wrench)
+            mujoco.mj_fwdAcceleration(model, data)
+            # All forces on the joints but the closures': the bias and what was applied.
+            bias = data.qfrc_passive + data.qfrc_applied + data.qfrc_actuator - data.qfrc_smooth
+        return np.concatenate(drift), bias
+
+    def push(self, wrench: Array) -> None:
+        """Set ``xfrc_applied`` of the platform to a wrench (6,) at the load's point [N, N m].
+
+        The platform is where ``data`` has it; the wrench is in the load's directions.
+        """
+        data, load = self.data, self.design.load
+        body = self.model.body(PLATFORM).id
+        turn = data.xmat[body].reshape(3, 3)
+        force, moment = np.asarray(wrench[:3]), np.asarray(wrench[3:])
+        if load.frame is LoadFrame.PLATFORM:
+            force, moment = turn @ force, turn @ moment
+        arm = data.xpos[body] + turn @ np.array(load.point) - data.xipos[body]
+        data.xfrc_applied[body] = [*force, *(moment + np.cross(arm, force))]
 
     def _acceleration(self, site: int) -> Array:
         """Linear acceleration of a site (3,) in world axes; not `mj_jacDot`, wrong before 3.3.1."""

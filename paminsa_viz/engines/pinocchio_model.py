@@ -8,9 +8,10 @@ import numpy as np
 
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
-from paminsa_viz.engines.mechanism import Link, Point
+from paminsa_viz.engines.mechanism import PLATFORM, Link, Point
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.load import LoadFrame
 
 
 def load_pinocchio() -> Any:
@@ -52,6 +53,7 @@ class PinocchioRobot(ClosedLoopRobot):
         carriers: dict[str | None, int] = {None: 0}
         for link in self.mechanism.links:
             carriers[link.name] = self._add_link(link, carriers[link.parent])
+        self._platform = carriers[PLATFORM]
         self._pins = [
             (
                 self._add_frame(f"{p.name}_a", carriers[p.first], p.first_point),
@@ -107,9 +109,13 @@ class PinocchioRobot(ClosedLoopRobot):
             rows.append(one - pin.getFrameJacobian(model, data, second, axes)[:3])
         return np.concatenate(rows), mass
 
-    def _bias(self, q: Array, v: Array) -> tuple[Array, Array]:
+    def _bias(self, q: Array, v: Array, wrench: Array | None) -> tuple[Array, Array]:
         pin, model, data = self._pin, self.model, self.data
-        bias = np.array(pin.nonLinearEffects(model, data, q, v))
+        if wrench is None:
+            bias = np.array(pin.nonLinearEffects(model, data, q, v))
+        else:
+            still, forces = np.zeros(model.nv), self._external_forces(q, wrench)
+            bias = np.array(pin.rnea(model, data, q, v, still, forces))
         pin.forwardKinematics(model, data, q, v, np.zeros(model.nv))
         axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
         drift = []
@@ -117,3 +123,21 @@ class PinocchioRobot(ClosedLoopRobot):
             one = pin.getFrameClassicalAcceleration(model, data, first, axes).linear
             drift.append(one - pin.getFrameClassicalAcceleration(model, data, second, axes).linear)
         return np.concatenate(drift), bias
+
+    def _external_forces(self, q: Array, wrench: Array) -> Any:
+        """Return a wrench (6,) on the platform as Pinocchio takes it: in the frames of joints."""
+        pin, load = self._pin, self.design.load
+        pin.forwardKinematics(self.model, self.data, q)
+        force, moment = wrench[:3], wrench[3:]
+        if load.frame is LoadFrame.WORLD:
+            turn = self.data.oMi[self._platform].rotation.T
+            force, moment = turn @ force, turn @ moment
+        forces = pin.StdVec_Force()
+        for index in range(self.model.njoints):
+            on_platform = index == self._platform
+            forces.append(
+                pin.Force(force, moment + np.cross(load.point, force))
+                if on_platform
+                else pin.Force.Zero()
+            )
+        return forces

@@ -47,6 +47,7 @@ def play(
     *,
     step: float = 1e-4,
     limit: float = math.inf,
+    loads: ArrayLike | None = None,
 ) -> Played:
     """Let the robot move under actuator forces alone, from the first state of a motion.
 
@@ -59,6 +60,7 @@ def play(
         step: Longest time step; it also sets how stiff the loops are [s].
         limit: Stop once the platform strays by more [m]: the robot is unstable, and the further it
             is off, the less its motion says.
+        loads: Wrenches (n, 6) on top of the design's load, linear in between [N, N m].
 
     Raises:
         EngineMissing: If MuJoCo is not installed.
@@ -76,6 +78,9 @@ def play(
     model, data = robot.model, robot.data
     model.eq_solref[:] = (2 * step, 1)
     data.qpos[:], data.qvel[:] = robot.state(wanted[0], u[0])
+    wrench = np.array(design.load.wrench) + np.zeros((t.size, 6))
+    if loads is not None:
+        wrench = wrench + np.asarray(loads, float)
     found, gap = np.full_like(wanted, np.nan), np.full(t.size, np.nan)
     stray, until = np.full(t.size, np.nan), 0
     for index, now in enumerate(t):
@@ -85,6 +90,9 @@ def play(
             model.opt.timestep = (now - before) / count
             for part in (np.arange(count) + 0.5) / count:
                 data.ctrl[:] = (1 - part) * force[index - 1] + part * force[index]
+                if wrench.any():
+                    mujoco.mj_kinematics(model, data)
+                    robot.push((1 - part) * wrench[index - 1] + part * wrench[index])
                 mujoco.mj_step(model, data)
         mujoco.mj_fwdPosition(model, data)
         pose = robot.pose(data.qpos)

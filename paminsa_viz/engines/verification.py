@@ -9,7 +9,7 @@ paper's equations, and engines have other laws for it.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,9 @@ from paminsa_viz.trajectory import Trajectory, check_path
 
 TOLERANCE = 1e-6
 """Largest difference that passes, over the largest torque of the same actuator."""
+
+LARGEST_TOLERANCE = 0.1
+"""Largest tolerance: torques of another robot must not pass."""
 
 POSES = 200
 """Random poses of the static comparison, unless they are given."""
@@ -185,8 +188,9 @@ def verify(
         InvalidDesign: If a bar's inertias belong to no rigid body.
         InvalidInput: If the tolerance is not possible, or there are no such poses.
     """
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise InvalidInput("tolerance", f"a finite number above 0 is needed, not {tolerance!r}")
+    if not 0 < tolerance <= LARGEST_TOLERANCE:
+        problem = f"a number above 0 and at most {LARGEST_TOLERANCE} is needed, not {tolerance!r}"
+        raise InvalidInput("tolerance", problem)
     design = design.without_friction()
     check_path(design.geometry, trajectory).require()
     motion = _thinned(trajectory)
@@ -201,7 +205,9 @@ def verify(
     checks = []
     for engine, version, robot in robots:
         at_rest = robot.static_torques(places)
-        moving = robot.inverse_dynamics(motion.pose, motion.velocity, motion.acceleration)
+        moving = robot.inverse_dynamics(
+            motion.pose, motion.velocity, motion.acceleration, load=motion.load
+        )
         static = Comparison(
             static_torques(design, places),
             at_rest,
@@ -225,6 +231,7 @@ def verify(
         played=play(
             design, wanted.t, wanted.pose, wanted.velocity,
             _computed(design, wanted), limit=STRAY_LIMIT * design.geometry.base_radius,
+            loads=wanted.load,
         ),
     )  # fmt: skip
 
@@ -255,18 +262,11 @@ def _along(design: Design, motion: Trajectory, reference: Array, misprints: Misp
 def _computed(design: Design, motion: Trajectory, misprints: Misprint = Misprint.NONE) -> Array:
     """Return the formulas's torques along a motion, (n, 4) [N m, N]."""
     states = motion.pose, motion.velocity, motion.acceleration
-    return inverse_dynamics(design, *states, misprints).torque
+    return inverse_dynamics(design, *states, misprints, load=motion.load).torque
 
 
 def _thinned(trajectory: Trajectory) -> Trajectory:
     """Return a trajectory with at most `MOST_STATES` of its samples, both ends among them."""
     if trajectory.size <= MOST_STATES:
         return trajectory
-    kept = np.linspace(0, trajectory.size - 1, MOST_STATES).round().astype(int)
-    return replace(
-        trajectory,
-        t=trajectory.t[kept],
-        pose=trajectory.pose[kept],
-        velocity=trajectory.velocity[kept],
-        acceleration=trajectory.acceleration[kept],
-    )
+    return trajectory.take(np.linspace(0, trajectory.size - 1, MOST_STATES).round().astype(np.intp))

@@ -10,7 +10,6 @@ from paminsa_viz.explorer.scene.layers import with_layers
 from paminsa_viz.explorer.state import Document, LastReachable, State
 from paminsa_viz.files.design_writer import name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
-from paminsa_viz.model.bounds import validate_limits
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import home_pose
 
@@ -68,9 +67,9 @@ def vary(state: State, changes: Mapping[str, float | None]) -> State:
     """Change numbers of the design.
 
     Raises:
-        InvalidDesign: If no machine can have them, or they are too large to work with.
+        InvalidDesign: If no machine can have them.
     """
-    design = renamed_if_changed(validate_limits(state.document.design.vary(changes)))
+    design = renamed_if_changed(state.document.design.vary(changes))
     return with_document(state, replace(state.document, design=design))
 
 
@@ -96,12 +95,9 @@ def load_design(state: State, design: Design) -> State:
     """Work on another design, at the present pose if it can be taken, else at home.
 
     With another branch of the knee the pose is the mirrored one, as in `set_knee`.
-
-    Raises:
-        InvalidDesign: If a number is too large to work with.
     """
     document = with_knee(state.document, design.geometry.knee)
-    changed = with_document(state, replace(document, design=validate_limits(design)))
+    changed = with_document(state, replace(document, design=design))
     if changed.standing.geometry is not design.geometry:
         changed = go_home(changed)
     return changed
@@ -165,13 +161,7 @@ def rename(state: State, name: str) -> State:
 
 
 def restore(state: State, document: Document) -> State:
-    """Take over a whole document, as undo, redo and a reload do.
-
-    Raises:
-        InvalidDesign: If a number of a design is too large to work with.
-    """
-    for design in filter(None, (document.design, document.reference)):
-        validate_limits(design)
+    """Take over a whole document, as undo, redo and a reload do."""
     changed = with_document(stop_following(state), document)
     if document.reference is None and changed.map_view.difference:
         changed = changed.updated("map_view", difference=False)

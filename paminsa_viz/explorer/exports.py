@@ -19,13 +19,7 @@ from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
-from paminsa_viz.model import (
-    Configuration,
-    Design,
-    InvalidInput,
-    PaminsaError,
-    inverse_kinematics,
-)
+from paminsa_viz.model import Configuration, Design, InvalidInput, PaminsaError, inverse_kinematics
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
@@ -277,7 +271,7 @@ def motion_page(state: State) -> File:
     Raises:
         PaminsaError: If there is no motion, or the robot cannot even start it.
     """
-    from paminsa_viz.explorer.motion_page import motion_html  # late: it starts a server
+    from paminsa_viz.explorer.html_pages import motion_html  # late: it starts a server
 
     found = _motion_results(state)
     document = state.document

@@ -15,6 +15,8 @@ import zlib
 from dataclasses import fields, replace
 from typing import Any
 
+import msgspec
+
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -25,11 +27,11 @@ from paminsa_viz.model import (
     Design,
     InvalidInput,
     KneeBranch,
+    LoadFrame,
     PaminsaError,
 )
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.drive import NO_DRIVES, Drive
+from paminsa_viz.model.parameters import Counterweight
 
 VERSION = 1
 
@@ -63,7 +65,9 @@ def _numbers(design: Design) -> dict[str, float]:
 def _described(design: Design) -> dict[str, Any]:
     """Return a design as plain data: its name, its numbers, its counterweights if it has any."""
     weights = [[w.bar, w.joint, w.beyond, w.mass] for w in design.counterweights]
-    described = {"name": design.name, "design": _numbers(design)}
+    described: dict[str, Any] = {"name": design.name, "design": _numbers(design)}
+    if design.load.frame is not LoadFrame.WORLD:
+        described["load_frame"] = design.load.frame.value
     drives = [None if drive is None else _changed_fields(drive) for drive in design.drives]
     described |= {"counterweights": weights} if weights else {}
     return described | ({"drives": drives} if any(design.drives) else {})
@@ -113,7 +117,10 @@ def load(text: str) -> Document:
         )
     except PaminsaError:
         raise
-    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError):
+    except (
+        ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError,
+        msgspec.ValidationError,
+    ):  # fmt: skip
         raise InvalidInput("saved state", "it cannot be read") from None
 
 
@@ -127,14 +134,13 @@ def _design(data: dict[str, Any]) -> Design:
     """Read what `_described` returned."""
     design = APPENDIX_4.vary({path: _number(value) for path, value in data["design"].items()})
     weights = data.get("counterweights", [])
-    if len(weights) > MOST_COUNTERWEIGHTS:
-        raise InvalidInput("saved state", f"more than {MOST_COUNTERWEIGHTS} counterweights")
     drives: Any = tuple(
         None if drive is None else _drive(drive) for drive in data.get("drives", NO_DRIVES)
     )
     return replace(
         design,
         name=printable(str(data["name"]))[:NAME_CHARACTERS],
+        load=replace(design.load, frame=LoadFrame(data.get("load_frame", "world"))),
         drives=drives,
         counterweights=tuple(
             Counterweight(bar, joint, _number(beyond), _number(mass))

@@ -8,15 +8,10 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.motion.description import Motion, Pose
-from paminsa_viz.explorer.motion.engine_check import Answer
+from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.motion.playback import Playback, PlotView
-from paminsa_viz.explorer.motion.simulation import Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    Geometry,
-)
+from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 
 
@@ -108,6 +103,8 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         simulating, balancing, engine_answer: Jobs of the session and what came of them.
+        export: How files are exported.
+        table_at_rest: Whether a motion in an opened file starts and ends at rest.
     """
 
     document: Document
@@ -121,10 +118,18 @@ class State:
     balancing: Balancing = field(default_factory=Balancing)
     engine_answer: Answer | None = None
     export: ExportSettings = field(default_factory=ExportSettings)
+    table_at_rest: bool = False
 
     def updated(self, part: str, **changes: Any) -> State:
-        """Return the state with other attributes of one of its parts, such as ``"map_view"``."""
-        return replace(self, **{part: replace(getattr(self, part), **changes)})
+        """Return the state with other attributes of a part, such as ``"simulating.settings"``."""
+        return _updated(self, part, changes)
+
+
+def _updated(data: Any, part: str, changes: dict[str, Any]) -> Any:
+    if not part:
+        return replace(data, **changes)
+    name, _, rest = part.partition(".")
+    return replace(data, **{name: _updated(getattr(data, name), rest, changes)})
 
 
 def initial_state(design: Design = APPENDIX_4) -> State:

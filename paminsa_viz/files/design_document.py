@@ -12,22 +12,20 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 from pydantic_core import ErrorDetails
 
 from paminsa_viz.files.design_schema import (
+    CHOICES,
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
     DRIVE_KEYS,
     DRIVES,
-    KNEE,
     SCHEMA_VERSION,
     TABLES,
     key_hint,
     table_hint,
 )
-from paminsa_viz.model.counterweight import BAR_ENDS
-from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.drive import ACTUATORS, TRANSMISSIONS
+from paminsa_viz.model.parameters import BAR_ENDS
 
 _BARS = tuple(bar.upper() for bar in BAR_ENDS)
-_BRANCHES = tuple(branch.value for branch in KneeBranch)
 _CLOSED = ConfigDict(extra="forbid", strict=True)
 _Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -58,9 +56,16 @@ DriveTables = create_model(
 )
 
 
+def _words(name: str) -> tuple[str, ...]:
+    """Return what a key of `CHOICES` can be."""
+    return tuple(word.value for (_, key), kind in CHOICES.items() if key == name for word in kind)
+
+
 def _values(table: str) -> dict[str, Any]:
     values: dict[str, Any] = dict.fromkeys(TABLES[table], (_Number, None))
-    return values | ({KNEE: (Literal[_BRANCHES], None)} if table == "geometry" else {})
+    return values | {
+        name: (Literal[_words(name)], None) for place, name in CHOICES if place == table
+    }
 
 
 _FIELDS: dict[str, Any] = {
@@ -144,8 +149,8 @@ def _wrong_value(name: str, error: ErrorDetails) -> str:
         return "a whole number is needed"
     if name == "bar":
         return f"a counterweight is on one of the bars {', '.join(_BARS)}"
-    if name == KNEE:
-        return " or ".join(f'"{branch}"' for branch in _BRANCHES) + " is needed"
+    if words := _words(name):
+        return " or ".join(f'"{word}"' for word in words) + " is needed"
     if name == "transmission":
         return '"screw" or "belt" is needed, or nothing'
     if name == "brake":

@@ -29,19 +29,19 @@ from typing import Any
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.design_schema import (
+    CHOICES,
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
     DRIVE_KEYS,
     DRIVES,
     KEY_OF,
     KEYS,
-    KNEE,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
-from paminsa_viz.model.counterweight import Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
+from paminsa_viz.model.parameters import Counterweight
 
 LARGEST_FILE = 200_000
 """Largest design file [bytes], thirty times a complete one. Bounds what an upload can cost."""
@@ -175,11 +175,15 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
         for key in KEYS
         if key.name in (content.get(key.table, {}) if key.table else content)
     }
-    geometry, entries = content.get("geometry", {}), content.get(COUNTERWEIGHTS, [])
-    knee = KneeBranch(geometry.get(KNEE, APPENDIX_4.geometry.knee))
+    entries = content.get(COUNTERWEIGHTS, [])
+    chosen = {
+        (table, name): kind(content[table][name])
+        for (table, name), kind in CHOICES.items()
+        if name in content.get(table, {})
+    }
     count = content.get("value_count", 0)
     tables = content.get(DRIVES, {})
-    found = len(numbers) + (KNEE in geometry) + sum(map(len, (*entries, *tables.values())))
+    found = len(numbers) + len(chosen) + sum(map(len, (*entries, *tables.values())))
     if found < count:
         problem = (
             f"only {found} values are there, so the file was cut short; if you removed some to use "
@@ -206,7 +210,10 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
             key = DRIVE_KEYS[error.field.rpartition(".")[2]]
             raise refused(f"{DRIVES}.{actuator}.{key}", error.value, error.allowed) from error
     try:
-        design = APPENDIX_4.vary(numbers).with_knee(knee)
+        design = APPENDIX_4.vary(numbers)
+        for (group, key), value in chosen.items():
+            changed = replace(getattr(design, group), **{key: value})
+            design = replace(design, **{group: changed})
         held: Any = tuple(drives.get(actuator) for actuator in ACTUATORS)
         return replace(design, name=name, counterweights=tuple(weights), drives=held)
     except InvalidDesign as error:

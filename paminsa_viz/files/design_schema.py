@@ -9,9 +9,12 @@ from __future__ import annotations
 import difflib
 import re
 from dataclasses import dataclass, fields
+from enum import Enum
 
+from paminsa_viz.model.design import PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
-from paminsa_viz.model.parameters import PARAMETERS, Parameter
+from paminsa_viz.model.load import LoadFrame
+from paminsa_viz.model.parameters import Parameter
 
 SCHEMA_VERSION = 1
 """Version of the layout; raised when a key changes its name, place or meaning, not when one is
@@ -31,6 +34,25 @@ KNEE = "knee"
 
 DRIVES = "drives"
 """Name of the tables ``[drives.M1]`` .. ``[drives.M4]``; only those that are there are written."""
+
+FRAME = "frame"
+"""Key in ``[load]`` of what the load's direction is fixed in; written where it is not the world."""
+
+CHOICES: dict[tuple[str, str], type[Enum]] = {
+    ("geometry", KNEE): KneeBranch,
+    ("load", FRAME): LoadFrame,
+}
+"""Keys whose values are words, by table and name."""
+
+CHOICE_MEANINGS = {
+    KNEE: "branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image",
+    FRAME: "what the load's direction is fixed in: the world, or the platform",
+}
+
+
+def choice(design: Design, table: str, name: str) -> Enum:
+    """Return a value of `CHOICES`."""
+    return getattr(getattr(design, table), name)
 
 
 def unit_suffix(unit: str) -> str:

@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import fields
 
 from paminsa_viz.files.design_schema import (
+    CHOICE_MEANINGS,
+    CHOICES,
     COUNTERWEIGHT_KEYS,
     COUNTERWEIGHTS,
     DRIVE_KEYS,
     DRIVES,
     KEY_OF,
-    KNEE,
     SCHEMA_VERSION,
     TABLES,
     DesignKey,
+    choice,
 )
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.design import APPENDIX_4, Design
@@ -62,8 +64,10 @@ def write_design(design: Design, *, comment: str = "") -> str:
         body += _aligned(
             [(_assignment(design, key), _comment(design, key)) for key in keys.values()]
         )
-        if table == "geometry" and design.geometry.knee is not APPENDIX_4.geometry.knee:
-            body.append(f'{KNEE} = "{design.geometry.knee.value}"  # mirror image of Appendix 1')
+        for place, name in CHOICES:
+            value = choice(design, place, name)
+            if place == table and value is not choice(APPENDIX_4, place, name):
+                body.append(f'{name} = "{value.value}"  # {CHOICE_MEANINGS[name]}')
     for weight in design.counterweights:
         values = (f'"{weight.bar.upper()}"', weight.joint, weight.beyond, weight.mass)
         texts = [f"{key} = {v}" for key, v in zip(COUNTERWEIGHT_KEYS.values(), values, strict=True)]

@@ -66,18 +66,16 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     """
     g = geometry
     place = layout(g)
-    ram = place.column_top - place.lift_low if geometry.knee is KneeBranch.UPPER else 0.0
+    ram = place.column_top - place.lift_low if g.knee is KneeBranch.UPPER else 0.0
     heights = (place.ground, place.mast_top, place.column_top)
     depends: dict[str, tuple[object, ...]] = {
         "ground": (place.ground, place.mast_radius),
-        "base": (g.base_radius, place.mast_radius, *heights, geometry.knee),
-        "m1": (g.base_radius, geometry.knee),
-        "m2": (g.base_radius, geometry.knee),
-        "m3": (g.base_radius, geometry.knee),
-        "m4": (place.column_top, place.lift_high - place.lift_low, geometry.knee),
+        "base": (g.base_radius, place.mast_radius, *heights, g.knee),
+        **dict.fromkeys(("m1", "m2", "m3"), (g.base_radius, g.knee)),
+        "m4": (place.column_top, place.lift_high - place.lift_low, g.knee),
         "carriage": (g.base_radius, g.arm_length, ram),
         "platform": (g.platform_radius, g.platform_joint_height),
-        "guide": (g.guide_link_length, geometry.knee),
+        "guide": (g.guide_link_length, g.knee),
         "shaft": (g.shaft_length,),
         "slider": (),
         "swivel": (),
@@ -139,15 +137,13 @@ def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Mes
     Heads stand outside; an end without one is flush, where something else passes close by.
     """
     part = MeshPart().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0, 8), rotation=ACROSS))
-    head = at.PIN_HEAD
     for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):
-        if not headed:
-            continue
-        inner, outer = sorted((end - side * 0.0002, end + side * head))
-        part.add("steel", moved(rod(0.0105, inner, outer, 0.0, 10), rotation=ACROSS))
-        socket = end + side * head
-        inner, outer = sorted((socket - side * 0.001, socket + side * 0.0002))
-        part.add("dark", moved(rod(0.0048, inner, outer, 0.0, 4), rotation=ACROSS))
+        if headed:
+            head = end + side * at.PIN_HEAD
+            outer = rod(0.0105, end - side * 0.0002, head, 0.0, 10)
+            socket = rod(0.0048, head - side * 0.001, head + side * 0.0002, 0.0, 4)
+            part.add("steel", moved(outer, rotation=ACROSS))
+            part.add("dark", moved(socket, rotation=ACROSS))
     return part
 
 
@@ -164,9 +160,8 @@ def bar(layer: str, length: float, middle: float | None = None) -> MeshPart:
     radius = at.TUBE_RADIUS[layer]
     stops = [0.0, length] if middle is None else [0.0, middle, length]
     part = MeshPart()
-    socket = 0.014
-    if length > 2 * socket:
-        part.add("accent", moved(rod(radius, socket, length - socket, 0.0, 12), rotation=ALONG))
+    if length > 2 * 0.014:
+        part.add("accent", moved(rod(radius, 0.014, length - 0.014, 0.0, 12), rotation=ALONG))
     for stop in stops:
         part.join(fixed_part("barrel").moved((stop, 0.0, 0.0)))
     gaps = [high - low for low, high in pairwise(stops)]
@@ -260,8 +255,9 @@ def platform(radius: float, joint_height: float) -> MeshPart:
     """Return the platform without its swivels; origin at the paper's point P of the platform."""
     top = joint_height - at.PLATE_BELOW_5
     corners = np.array([frame.polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
+    outline = rounded_polygon(corners, 0.025, 0.0, 3 if is_plain() else 8)
     part = MeshPart()
-    plate = prism(rounded_polygon(corners, 0.025, steps=8), top - 0.010, top, 0.0016)
+    plate = prism(outline, top - 0.010, top, 0.0016)
     part.add("platform", plate)
     part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0, 28))
     return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - 0.010)))
@@ -269,8 +265,8 @@ def platform(radius: float, joint_height: float) -> MeshPart:
 
 def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:
     """Return where a leg's axis (index 0 to 2) crosses the plane of the guides [m]."""
-    x, y, z = frame.polar(geometry.base_radius, AXIS_ANGLES[leg])
-    return float(x), float(y), float(z)
+    x, y, _ = frame.polar(geometry.base_radius, AXIS_ANGLES[leg])
+    return float(x), float(y), 0.0
 
 
 @lru_cache(maxsize=256)

@@ -1,4 +1,4 @@
-"""A part: solids with a material each, in one frame; and how parts go into a glTF scene."""
+"""A part: solids in one frame, each of a named surface; and how parts go into a glTF scene."""
 
 from __future__ import annotations
 
@@ -10,22 +10,61 @@ import numpy as np
 import trimesh
 from trimesh.exchange.gltf import export_glb
 from trimesh.visual import TextureVisuals
+from trimesh.visual.material import PBRMaterial
 
-from paminsa_viz.meshes.materials import (
-    COMMON,
-    SURFACES,
-    color_of_surface,
-    material,
-    srgb_to_linear,
-)
+from paminsa_viz import palette
 from paminsa_viz.meshes.solids import Array, moved
+
+ACCENT = "accent"
+"""Material of a part's colored faces; each leg and M4 put their own color in its place."""
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A color (``#rrggbb``, as seen) with the two numbers of the metal-rough model, 0 to 1.
+
+    A surface that is not ``lit`` shows its color as it is; it is the cheapest to draw.
+    """
+
+    color: str
+    metallic: float
+    roughness: float
+    lit: bool = True
+
+
+SURFACES: dict[str, Surface] = {
+    "frame": Surface("#b7bfc8", 0.1, 0.48),
+    "body": Surface("#3b434c", 0.15, 0.5),
+    "dark": Surface("#20252b", 0.1, 0.6),
+    "steel": Surface("#c3c9d0", 0.25, 0.32),
+    "platform": Surface(palette.PLATFORM, 0.1, 0.42),
+    "floor": Surface("#edf1f6", 0.0, 0.85, lit=False),
+    "rim": Surface("#bcc4ce", 0.0, 0.85, lit=False),
+    "line": Surface("#d3d9e0", 0.0, 0.85, lit=False),
+    "load": Surface("#c39a4c", 0.2, 0.4),
+    ACCENT: Surface("#8a929b", 0.1, 0.42),
+}
+"""Every material that a part may carry, by name."""
+
+COMMON = Surface("#ffffff", 0.12, 0.46)
+"""What stands for all lit surfaces where each point has its own color."""
+
+
+def srgb_to_linear(color: str) -> tuple[float, float, float]:
+    """Return ``#rrggbb`` as linear light, 0 to 1: what glTF wants in a base color factor."""
+    levels = (channel / 255 for channel in palette.rgb(color))
+    red, green, blue = (
+        level / 12.92 if level <= 0.04045 else ((level + 0.055) / 1.055) ** 2.4 for level in levels
+    )
+    return red, green, blue
+
 
 _UNLIT = "KHR_materials_unlit"
 
 
 @dataclass(frozen=True)
 class Solid:
-    """One solid of a part and the name of its material (see `paminsa_viz.meshes.materials`)."""
+    """One solid of a part and the name of its material, a key of `SURFACES`."""
 
     material: str
     mesh: trimesh.Trimesh
@@ -84,8 +123,7 @@ class MeshPart:
         """Return one mesh for each material with its material set, colored faces in ``accent``."""
         out = dict(self.merged())
         for name, mesh in out.items():
-            color = color_of_surface(name, accent)
-            mesh.visual = TextureVisuals(material=material(name, SURFACES[name], color))
+            mesh.visual = _visual(name, SURFACES[name], _color(name, accent))
         return out
 
     def colored_by_point(self, accent: str | None = None) -> dict[str, trimesh.Trimesh]:
@@ -98,10 +136,10 @@ class MeshPart:
             group = {name: mesh for name, mesh in self.merged() if SURFACES[name].lit is lit}
             if group:
                 mesh = out[label] = _stacked(list(group.values()))
-                colors = [srgb_to_linear(color_of_surface(name, accent)) for name in group]
+                colors = [srgb_to_linear(_color(name, accent)) for name in group]
                 counts = [len(each.vertices) for each in group.values()]
                 shades = np.repeat([(*color, 1.0) for color in colors], counts, axis=0)
-                mesh.visual = TextureVisuals(material=material(label, COMMON, COMMON.color))
+                mesh.visual = _visual(label, COMMON, COMMON.color)
                 mesh.visual.vertex_attributes["color"] = np.rint(255 * shades).astype(np.uint8)
         return out
 
@@ -133,6 +171,21 @@ def add_part(
     for name, mesh in part.colored(accent).items():
         label = f"{node}.{name}"
         scene.add_geometry(mesh, node_name=label, geom_name=label, parent_node_name=node)
+
+
+def _color(name: str, accent: str | None) -> str:
+    return accent if name == ACCENT and accent else SURFACES[name].color
+
+
+def _visual(name: str, surface: Surface, color: str) -> TextureVisuals:
+    return TextureVisuals(
+        material=PBRMaterial(
+            name=name,
+            baseColorFactor=[round(v, 4) for v in srgb_to_linear(color)] + [1.0],
+            metallicFactor=surface.metallic,
+            roughnessFactor=surface.roughness,
+        )
+    )
 
 
 def _mark_unlit(tree: dict[str, Any]) -> None:

@@ -25,11 +25,10 @@ from __future__ import annotations
 from typing import Final, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import Configuration
-
-Array = NDArray[np.float64]
 
 LEG_BODIES: Final = ("guide", "shaft", "slider", "swivel", "b3", "b4", "b7", "b8")
 """Bodies of one leg."""
@@ -51,26 +50,30 @@ class Placement(NamedTuple):
     position: Array
     wxyz: Array
 
+    @property
+    def matrix(self) -> Array:
+        """A placement of shape () as a homogeneous matrix, (4, 4)."""
+        out = np.eye(4)
+        out[:3, :3] = Rotation.from_quat(self.wxyz, scalar_first=True).as_matrix()
+        out[:3, 3] = self.position
+        return out
+
+
+def heading_and_elevation(heading: Array, elevation: Array) -> Array:
+    """Return the quaternion (..., 4) of a turn about z, after one that lifts x toward z [rad]."""
+    h, e = np.asarray(heading) / 2, np.asarray(elevation) / 2
+    ch, sh, ce, se = np.cos(h), np.sin(h), np.cos(e), np.sin(e)
+    return np.stack([ch * ce, sh * se, -ch * se, sh * ce], axis=-1)
+
 
 def about_z(angle: Array) -> Array:
     """Return the quaternion (..., 4) of a turn about z by ``angle`` [rad]."""
-    half = np.asarray(angle, dtype=np.float64) / 2
-    zero = np.zeros_like(half)
-    return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+    return heading_and_elevation(angle, np.zeros_like(angle))
 
 
 def elevated(angle: Array) -> Array:
     """Return the quaternion (..., 4) that lifts x by ``angle`` [rad] toward z, about -y."""
-    half = np.asarray(angle, dtype=np.float64) / 2
-    zero = np.zeros_like(half)
-    return np.stack([np.cos(half), zero, -np.sin(half), zero], axis=-1)
-
-
-def heading_and_elevation(heading: Array, elevation: Array) -> Array:
-    """Return the quaternion (..., 4) of `about_z` (heading) times `elevated` (elevation) [rad]."""
-    h, e = np.asarray(heading) / 2, np.asarray(elevation) / 2
-    ch, sh, ce, se = np.cos(h), np.sin(h), np.cos(e), np.sin(e)
-    return np.stack([ch * ce, sh * se, -ch * se, sh * ce], axis=-1)
+    return heading_and_elevation(np.zeros_like(angle), angle)
 
 
 def place_parts(configuration: Configuration) -> dict[str, Placement]:

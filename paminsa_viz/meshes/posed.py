@@ -4,24 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from trimesh.transformations import quaternion_matrix
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.meshes import bodies, load
+from paminsa_viz.meshes import bodies, loads
 from paminsa_viz.meshes.library import Z_UP, fixed_part
+from paminsa_viz.meshes.loads import counterweight
 from paminsa_viz.meshes.part import add_part, glb_bytes
-from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
-from paminsa_viz.meshes.solids import Array
-from paminsa_viz.meshes.weights import counterweight
+from paminsa_viz.meshes.placement import BODIES, place_parts
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
-
-
-def transform(place: Placement) -> Array:
-    """Return a placement of shape () as a homogeneous matrix, (4, 4)."""
-    out = quaternion_matrix(place.wxyz)
-    out[:3, 3] = place.position
-    return out
 
 
 def assemble_glb(design: Design, configuration: Configuration, *, ground: bool = True) -> bytes:
@@ -67,11 +58,11 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
     for body in (*bodies.STANDING, *BODIES):
         if body == "ground" and not ground:
             continue
-        matrix = transform(places[body]) if body in places else np.eye(4)
+        matrix = places[body].matrix if body in places else np.eye(4)
         part = bodies.make_body(body, geometry)
         add_part(scene, part, body.replace("/", "_"), matrix, "paminsa", bodies.color_of(body))
     if design.payload.mass > 0:
-        matrix = load.payload_transform(geometry, design.payload.mass)
+        matrix = loads.payload_transform(geometry, design.payload.mass)
         add_part(scene, fixed_part("payload"), "payload", matrix, "platform")
     for number, weight in enumerate(design.counterweights, 1):
         if weight.mass == 0:

@@ -24,12 +24,10 @@ from trimesh.exchange.obj import export_obj
 from paminsa_viz import palette
 from paminsa_viz.engines.mechanism import LIFT, PLATFORM
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.meshes import bodies, load
+from paminsa_viz.meshes import bodies, loads
 from paminsa_viz.meshes.library import fixed_part
-from paminsa_viz.meshes.materials import ACCENT, SURFACES
-from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.meshes.part import ACCENT, SURFACES, MeshPart
 from paminsa_viz.meshes.placement import place_parts
-from paminsa_viz.meshes.posed import transform
 from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
@@ -60,7 +58,7 @@ def robot_files(text: str, design: Design, configuration: Configuration) -> dict
     frames = dict(_frames(root))
     if configuration.geometry != design.geometry or configuration.pose.shape != (4,):
         raise InvalidInput("configuration", "one pose of the design's geometry is needed")
-    place = transform(place_parts(configuration)["platform"])
+    place = place_parts(configuration)["platform"].matrix
     if PLATFORM not in frames or np.abs(frames[PLATFORM] - place).max() > 1e-9:
         raise InvalidInput("text", "it is not the design's model, standing in the configuration")
     element = {body.attrib["name"]: body for body in root.iter("body")}
@@ -113,11 +111,11 @@ def _shapes(
     What has the same name has the same shape.
     """
     g = design.geometry
-    places = {name: transform(place) for name, place in place_parts(configuration).items()}
+    places = place_parts(configuration)
 
     def seen(part: MeshPart, carrier: str, body: str) -> MeshPart:
         """Return a part of a drawn body in the frame of the MuJoCo body that carries it."""
-        matrix = np.linalg.inv(frames[carrier]) @ places[body]
+        matrix = np.linalg.inv(frames[carrier]) @ places[body].matrix
         return part.moved(matrix[:3, 3], matrix[:3, :3])
 
     for body in bodies.STANDING:
@@ -136,7 +134,7 @@ def _shapes(
         head = seen(fixed_part("swivel_head"), f"leg{leg}_B4", swivel)
         yield f"leg{leg}_B4", f"leg{leg}.swivel_head", head, color
     if design.payload.mass > 0:
-        matrix = load.payload_transform(g, design.payload.mass)
+        matrix = loads.payload_transform(g, design.payload.mass)
         drum = fixed_part("payload").moved(matrix[:3, 3], matrix[:3, :3])
         yield PLATFORM, "payload", drum, ""
 

@@ -87,39 +87,24 @@ def rounded_rectangle(
     width: float, depth: float, radius: float, height: float = 0.0, steps: int = 2
 ) -> Array:
     """Return a rectangle (width along x, depth along y) with round corners about z."""
-    radius = min(radius, width / 2, depth / 2)
-    if is_plain():
-        radius, steps = 0.0, 0
-    corners = []
-    for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
-        angle = np.pi / 2 * (quarter + np.arange(steps + 1) / max(steps, 1))
-        corners.append(
-            np.stack(
-                [
-                    sx * (width / 2 - radius) + radius * np.cos(angle),
-                    sy * (depth / 2 - radius) + radius * np.sin(angle),
-                    np.full(steps + 1, height),
-                ],
-                axis=1,
-            )
-        )
-    return np.vstack(corners)
+    radius, steps = (0.0, 0) if is_plain() else (min(radius, width / 2, depth / 2), steps)
+    x, y = width / 2 - radius, depth / 2 - radius
+    corners = np.array([(x, y), (-x, y), (-x, -y), (x, -y)])
+    return rounded_polygon(corners, radius, height, steps)
 
 
-def rounded_polygon(corners: Array, radius: float, height: float = 0.0, steps: int = 10) -> Array:
+def rounded_polygon(corners: Array, radius: float, height: float, steps: int) -> Array:
     """Return the outline around equal circles at the corners of a convex polygon, (N, 2) -> (M, 3).
 
-    The corners run counter-clockwise.
+    The corners run counter-clockwise; each becomes an arc of ``steps`` pieces.
     """
-    corners = np.asarray(corners, dtype=np.float64)
-    steps = 3 if is_plain() else steps
     out = []
     for before, here, after in zip(
         np.roll(corners, 1, axis=0), corners, np.roll(corners, -1, axis=0), strict=True
     ):
         start = np.arctan2(*(here - before)[::-1]) - np.pi / 2
         turn = np.arctan2(*(after - here)[::-1]) - np.pi / 2 - start
-        angle = start + (turn % (2 * np.pi)) * np.arange(steps + 1) / steps
+        angle = start + (turn % (2 * np.pi)) * np.arange(steps + 1) / max(steps, 1)
         out.append(here + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
     flat = np.vstack(out)
     return np.hstack([flat, np.full((len(flat), 1), height)])
@@ -146,7 +131,8 @@ def _chamfer(wanted: float, *most: float) -> float:
 def rod(
     radius: float, bottom: float, top: float, chamfer: float = 0.001, segments: int = 16
 ) -> trimesh.Trimesh:
-    """Return a round bar along z from ``bottom`` to ``top`` with chamfered ends."""
+    """Return a round bar along z between two heights, in any order, with chamfered ends."""
+    bottom, top = sorted((bottom, top))
     c = _chamfer(chamfer, radius / 2, (top - bottom) / 2.5)
     side = [(radius, bottom + c), (radius, top - c)]
     return revolve([(radius - c, bottom), *side, (radius - c, top)], segments)
@@ -244,22 +230,19 @@ def arc_beam(
     """
     c, half = _chamfer(chamfer), width / 2
     section = [
-        (half, bottom),
-        (half, top - c),
-        (half - c, top),
-        (c - half, top),
-        (-half, top - c),
+        (half, bottom), (half, top - c), (half - c, top), (c - half, top), (-half, top - c),
         (-half, bottom),
-    ]
+    ]  # fmt: skip
     step = np.radians(20.0 if is_plain() else 7.5)
-    steps = max(int(np.ceil((end - start) / step)), 1)
-    loops = []
-    for angle in np.linspace(start, end, steps + 1):
-        loops.append(
-            [((radius + r) * np.cos(angle), (radius + r) * np.sin(angle), h) for r, h in section]
-        )
+    angles = np.linspace(start, end, max(int(np.ceil((end - start) / step)), 1) + 1)
     # Seen from the far end of the sweep the section runs counter-clockwise.
-    return loft([np.array(loop)[::-1] for loop in loops])
+    out, up = np.array(section[::-1]).T
+    return loft(
+        [
+            np.stack([(radius + out) * np.cos(a), (radius + out) * np.sin(a), up], axis=1)
+            for a in angles
+        ]
+    )
 
 
 def moved(

@@ -8,20 +8,7 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import (
-    APPENDIX_4,
-    ActuatorFriction,
-    Design,
-    Friction,
-    Geometry,
-    Inertias,
-    JointMasses,
-    KneeBranch,
-    LinkMasses,
-    Payload,
-    Platform,
-)
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
     InverseDynamics,
@@ -59,6 +46,7 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
+from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
     Misprint,
@@ -66,7 +54,18 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     mass_vector,
 )
-from paminsa_viz.model.parameters import PARAMETER, PARAMETERS, Parameter
+from paminsa_viz.model.parameters import (
+    BAR_ENDS,
+    ActuatorFriction,
+    Counterweight,
+    Friction,
+    Inertias,
+    JointMasses,
+    LinkMasses,
+    Parameter,
+    Payload,
+    Platform,
+)
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
 from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (
@@ -78,6 +77,7 @@ from paminsa_viz.model.singularity import (
 from paminsa_viz.model.statics import (
     StaticBreakdown,
     lift_constant,
+    load_torques,
     potential_energy,
     static_breakdown,
     static_imbalance,
@@ -111,6 +111,8 @@ __all__ = [
     "KneeBranch",
     "Limit",
     "LinkMasses",
+    "LoadCase",
+    "LoadFrame",
     "Misprint",
     "OutputLimits",
     "PaminsaError",
@@ -125,6 +127,7 @@ __all__ = [
     "actuator_acceleration",
     "actuator_power",
     "actuator_velocity",
+    "center_wrench",
     "check_reach",
     "closure",
     "closure_matrix",
@@ -132,6 +135,7 @@ __all__ = [
     "forward_dynamics",
     "forward_kinematics",
     "friction_torque",
+    "generalized_force",
     "inverse_dynamics",
     "inverse_jacobian",
     "inverse_jacobian_rate",
@@ -140,6 +144,7 @@ __all__ = [
     "joint_rates",
     "kinetic_energy",
     "lift_constant",
+    "load_torques",
     "lumped_coefficients",
     "lumped_matrix",
     "mass_matrix",

@@ -14,9 +14,9 @@ from functools import lru_cache
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.leg_points import counterweight_point
+from paminsa_viz.model.parameters import Counterweight
 
 CELLS = 480
 """Cells of a full turn: what they add to distances is some 5 mm on a robot of Appendix 4's size."""

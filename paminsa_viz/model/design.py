@@ -1,4 +1,4 @@
-"""The robot's numbers: geometry, masses, inertias, payload, friction.
+"""The robot's numbers: geometry, masses, inertias, payload, friction, load.
 
 Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
 its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
@@ -10,10 +10,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.drive import (
     ACTUATORS,
     NO_DRIVES,
@@ -23,7 +22,22 @@ from paminsa_viz.model.drive import (
     OutputLimits,
     check_drives,
 )
-from paminsa_viz.model.quantity import check_numbers, quantity
+from paminsa_viz.model.load import NO_LOAD, LoadCase
+from paminsa_viz.model.parameters import (
+    MOST_COUNTERWEIGHTS,
+    SMALLEST,
+    ActuatorFriction,
+    Counterweight,
+    Friction,
+    Group,
+    Inertias,
+    JointMasses,
+    LinkMasses,
+    Parameter,
+    Payload,
+    Platform,
+    parameter,
+)
 
 
 class KneeBranch(Enum):
@@ -49,39 +63,40 @@ class KneeBranch(Enum):
 
 
 @dataclass(frozen=True)
-class Geometry:
+class Geometry(Group, path="geometry"):
     """Lengths of the mechanism (Appendix 4), and ``knee``, the branch of its knees.
 
     Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
     parallelogram, so they are no parameters of their own.
     """
 
-    magnification: float = quantity(3.0, "k", "", "pantograph magnification factor", positive=True)
-    base_radius: float = quantity(0.35, "R_b", "m", "radius of the leg axes", positive=True)
-    platform_radius: float = quantity(0.1, "R_pl", "m", "radius of platform joints", positive=True)
-    arm_length: float = quantity(0.308, "l_B1", "m", "length of arm B1")
-    shaft_length: float = quantity(0.442, "l_B2", "m", "length of shaft B2")
-    crank_length: float = quantity(0.42, "l_B3 = l_B8", "m", "length of B3 and B8", positive=True)
-    coupler_length: float = quantity(0.63, "l_B4 = k l_B7", "m", "length of B4", positive=True)
-    platform_joint_height: float = quantity(0.0275, "l_B5", "m", "joint 5 above the platform")
-    guide_link_length: float = quantity(
+    magnification: float = parameter(3.0, "k", "", "pantograph magnification factor", positive=True)
+    base_radius: float = parameter(0.35, "R_b", "m", "radius of the leg axes", positive=True)
+    platform_radius: float = parameter(0.1, "R_pl", "m", "radius of platform joints", positive=True)
+    arm_length: float = parameter(0.308, "l_B1", "m", "length of arm B1")
+    shaft_length: float = parameter(0.442, "l_B2", "m", "length of shaft B2")
+    crank_length: float = parameter(0.42, "l_B3 = l_B8", "m", "length of B3 and B8", positive=True)
+    coupler_length: float = parameter(0.63, "l_B4 = k l_B7", "m", "length of B4", positive=True)
+    platform_joint_height: float = parameter(0.0275, "l_B5", "m", "joint 5 above the platform")
+    guide_link_length: float = parameter(
         0.3635, "l_B10", "m", "length of guide link B10", positive=True
     )
-    guide_stroke: float | None = quantity(
+    guide_stroke: float | None = parameter(
         None, "|X_4| max", "m", "stroke of joint 8 (default: l_B10)", positive=True
     )
-    axis_clearance: float = quantity(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
+    axis_clearance: float = parameter(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
     knee: KneeBranch = KneeBranch.LOWER
 
     def __post_init__(self) -> None:
-        check_numbers(self, "geometry")
+        super().__post_init__()
         if not isinstance(self.knee, KneeBranch):
             raise InvalidDesign("geometry.knee", self.knee, "a KneeBranch is needed")
-        if self.magnification <= 1:
+        if self.magnification < 1 + SMALLEST:
             raise InvalidDesign(
                 "geometry.magnification",
                 self.magnification,
-                "k has to be greater than 1, or joint 4 would not lie between 9 and 5",
+                f"k has to be greater than 1, by {SMALLEST:g} or more, or joint 4 would not lie "
+                f"between 9 and 5",
             )
         if self.home_span >= self.crank_length + self.coupler_length:
             longest = self.crank_length + self.coupler_length
@@ -116,137 +131,12 @@ class Geometry:
 
 
 @dataclass(frozen=True)
-class JointMasses:
-    """Masses of the joints of one leg, m_i (Appendix 4)."""
-
-    j2: float = quantity(0.214, "m_2", "kg", "joint 2, shaft to arm")
-    j3: float = quantity(0.338, "m_3", "kg", "joint 3, pantograph to shaft")
-    j4: float = quantity(0.262, "m_4", "kg", "joint 4, B3 to B4")
-    j5: float = quantity(0.233, "m_5", "kg", "joint 5, B4 to platform")
-    j7: float = quantity(0.28, "m_7", "kg", "joint 7, B3 to B7")
-    j8: float = quantity(0.305, "m_8", "kg", "joint 8, slider on the guide")
-    j9: float = quantity(0.259, "m_9", "kg", "joint 9, B8 to B4 (knee)")
-
-    def __post_init__(self) -> None:
-        check_numbers(self, "joints")
-
-
-@dataclass(frozen=True)
-class LinkMasses:
-    """Masses of the links of one leg, m_Bi (Appendix 4)."""
-
-    b1: float = quantity(1.221, "m_B1", "kg", "B1, horizontal arm")
-    b2: float = quantity(0.921, "m_B2", "kg", "B2, vertical shaft")
-    b3: float = quantity(0.406, "m_B3", "kg", "B3, bar 4-3-7")
-    b4: float = quantity(0.672, "m_B4", "kg", "B4, bar 9-4-5")
-    b7: float = quantity(0.107, "m_B7", "kg", "B7, bar 7-8")
-    b8: float = quantity(0.403, "m_B8", "kg", "B8, bar 8-9")
-    b10: float = quantity(0.436, "m_B10", "kg", "B10, guide link")
-
-    def __post_init__(self) -> None:
-        check_numbers(self, "links")
-
-
-@dataclass(frozen=True)
-class Inertias:
-    """Moments of inertia of the links about their mass centers (Eq. 10, Appendix 4).
-
-    ``axial`` is I_XX, along the tube; ``transverse`` is I_YY = I_ZZ, across it; ``vertical`` is
-    about the leg axis, as the paper gives it for B2 and B10.
-    """
-
-    b3_axial: float = quantity(0.0038, "I_XX^(B3)", "kg m^2", "B3, along the bar")
-    b3_transverse: float = quantity(0.02, "I_YY^(B3)", "kg m^2", "B3, across the bar")
-    b4_axial: float = quantity(0.0012, "I_XX^(B4)", "kg m^2", "B4, along the bar")
-    b4_transverse: float = quantity(0.048, "I_YY^(B4)", "kg m^2", "B4, across the bar")
-    b7_axial: float = quantity(8e-4, "I_XX^(B7)", "kg m^2", "B7, along the bar")
-    b7_transverse: float = quantity(0.003, "I_YY^(B7)", "kg m^2", "B7, across the bar")
-    b8_axial: float = quantity(0.0024, "I_XX^(B8)", "kg m^2", "B8, along the bar")
-    b8_transverse: float = quantity(0.02, "I_YY^(B8)", "kg m^2", "B8, across the bar")
-    b2_vertical: float = quantity(0.003, "I_B2", "kg m^2", "B2, about the leg axis")
-    b10_vertical: float = quantity(0.02, "I_B10", "kg m^2", "B10, about the vertical")
-
-    def __post_init__(self) -> None:
-        check_numbers(self, "inertias")
-
-
-@dataclass(frozen=True)
-class Platform:
-    """The moving platform (Appendix 4, m_p1 and I_pl)."""
-
-    mass: float = quantity(2.301, "m_pl", "kg", "platform", positive=True)
-    inertia: float = quantity(0.015, "I_pl", "kg m^2", "platform, about the vertical")
-
-    def __post_init__(self) -> None:
-        check_numbers(self, "platform")
-
-
-@dataclass(frozen=True)
-class Payload:
-    """A body carried with its mass center on the platform's vertical axis (none in the paper)."""
-
-    mass: float = quantity(0.0, "m_load", "kg", "payload")
-    inertia: float = quantity(0.0, "I_load", "kg m^2", "payload, about the vertical")
-
-    def __post_init__(self) -> None:
-        check_numbers(self, "payload")
-
-
-@dataclass(frozen=True)
-class Friction:
-    """Friction at the actuators; zero by default, as in the paper.
-
-    The friction torque at a speed w is ``viscous * w + coulomb * tanh(w / transition_speed)``, the
-    same for M1..M3 (rotary), with its own two coefficients for M4 (linear). The smooth step keeps
-    simulations integrable and gives no torque at rest.
-    """
-
-    viscous_rotary: float = quantity(0.0, "b_M", "N m s/rad", "viscous friction of M1..M3")
-    coulomb_rotary: float = quantity(0.0, "c_M", "N m", "Coulomb friction of M1..M3")
-    viscous_linear: float = quantity(0.0, "b_4", "N s/m", "viscous friction of M4")
-    coulomb_linear: float = quantity(0.0, "c_4", "N", "Coulomb friction of M4")
-    transition_speed: float = quantity(
-        1e-3, "w_s", "rad/s, m/s", "speed scale of the Coulomb step", positive=True
-    )
-
-    def __post_init__(self) -> None:
-        check_numbers(self, "friction")
-
-    @property
-    def by_actuator(self) -> ActuatorFriction:
-        """The coefficients of M1..M4."""
-        return ActuatorFriction(
-            (self.viscous_rotary,) * 3 + (self.viscous_linear,),
-            (self.coulomb_rotary,) * 3 + (self.coulomb_linear,),
-            self.transition_speed,
-        )
-
-
-class ActuatorFriction(NamedTuple):
-    """Friction of each actuator, that of its joint and of its drive together.
-
-    Attributes:
-        viscous: (4,) [N m s/rad, N s/m].
-        coulomb: (4,) [N m, N].
-        transition_speed: Speed scale of the Coulomb step [rad/s, m/s].
-    """
-
-    viscous: tuple[float, ...]
-    coulomb: tuple[float, ...]
-    transition_speed: float
-
-    @property
-    def zero(self) -> bool:
-        """Whether there is none."""
-        return not (any(self.viscous) or any(self.coulomb))
-
-
-@dataclass(frozen=True)
-class Design:
+class Design(Group, path="design"):
     """Everything that defines one robot. Two designs are equal if their numbers are.
 
     Attributes:
         geometry, joints, links, inertias, platform, payload, friction: Its numbers, in groups.
+        load: An external force and moment on the platform.
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
@@ -263,7 +153,8 @@ class Design:
     platform: Platform = Platform()
     payload: Payload = Payload()
     friction: Friction = Friction()
-    gravity: float = quantity(9.81, "g", "m/s^2", "gravitational acceleration")
+    load: LoadCase = NO_LOAD
+    gravity: float = parameter(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
     name: str = field(default="PAMINSA", compare=False)
@@ -275,11 +166,15 @@ class Design:
             is_group = is_dataclass(expected) or isinstance(expected, tuple)
             if is_group and type(group) is not type(expected):
                 raise InvalidDesign(item.name, group, f"a {type(expected).__name__} is needed")
+        if len(self.counterweights) > MOST_COUNTERWEIGHTS:
+            raise InvalidDesign(
+                "counterweights", len(self.counterweights), f"at most {MOST_COUNTERWEIGHTS} a leg"
+            )
         for number, weight in enumerate(self.counterweights):
             if not isinstance(weight, Counterweight):
                 raise InvalidDesign(f"counterweights.{number}", weight, "a Counterweight is needed")
         check_drives(self.drives)
-        check_numbers(self, "design")
+        super().__post_init__()
 
     def value(self, path: str) -> float:
         """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
@@ -377,3 +272,21 @@ def _numbers_of(owner: object) -> set[str]:
 
 APPENDIX_4 = Design(name="Appendix 4")
 """The prototype's numbers as the paper gives them, with g = 9.81 m/s^2 (Appendix 3)."""
+
+
+def _parameters() -> tuple[Parameter, ...]:
+    found = []
+    for group in fields(APPENDIX_4):
+        owner = getattr(APPENDIX_4, group.name)
+        items = fields(owner) if is_dataclass(owner) else (group,)
+        for item in (item for item in items if "unit" in item.metadata):
+            path = item.name if item is group else f"{group.name}.{item.name}"
+            found.append(Parameter(path, default=APPENDIX_4.value(path), **item.metadata))
+    return tuple(found)
+
+
+PARAMETERS: tuple[Parameter, ...] = _parameters()
+"""Every number of a design, in the order of the paper's Appendix 4."""
+
+PARAMETER: dict[str, Parameter] = {item.path: item for item in PARAMETERS}
+"""The same by path."""

@@ -14,7 +14,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.quantity import check_numbers, quantity
+from paminsa_viz.model.parameters import Group, parameter
 from paminsa_viz.units import format_ascii
 
 ACTUATORS = ("M1", "M2", "M3", "M4")
@@ -34,7 +34,7 @@ Envelope = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True)
-class Drive:
+class Drive(Group, path="drive", limits=(1e-12, 1e9)):
     """A motor with its gear, and the screw or belt of M4; a limit that is None is none.
 
     Attributes:
@@ -51,43 +51,43 @@ class Drive:
     """
 
     name: str = ""
-    rotor_inertia: float = quantity(0.0, "J_r", "kg m^2", "inertia of the rotor")
-    gear_inertia: float = quantity(0.0, "J_g", "kg m^2", "inertia of the gear, at the motor shaft")
-    gear_ratio: float = quantity(1.0, "n", "", "gear ratio", positive=True)
-    efficiency: float = quantity(1.0, "eta", "", "efficiency of the gear", positive=True)
-    viscous: float = quantity(0.0, "b_r", "N m s/rad", "viscous friction, at the motor shaft")
-    coulomb: float = quantity(0.0, "c_r", "N m", "Coulomb friction, at the motor shaft")
-    rated_torque: float | None = quantity(None, "T_r", "N m", "rated torque", positive=True)
-    peak_torque: float | None = quantity(None, "T_p", "N m", "peak torque", positive=True)
-    rated_speed: float | None = quantity(None, "w_r", "rad/s", "rated speed", positive=True)
-    top_speed: float | None = quantity(None, "w_p", "rad/s", "top speed", positive=True)
+    rotor_inertia: float = parameter(0.0, "J_r", "kg m^2", "inertia of the rotor")
+    gear_inertia: float = parameter(0.0, "J_g", "kg m^2", "inertia of the gear, at the motor shaft")
+    gear_ratio: float = parameter(1.0, "n", "", "gear ratio", positive=True)
+    efficiency: float = parameter(1.0, "eta", "", "efficiency of the gear", positive=True)
+    viscous: float = parameter(0.0, "b_r", "N m s/rad", "viscous friction, at the motor shaft")
+    coulomb: float = parameter(0.0, "c_r", "N m", "Coulomb friction, at the motor shaft")
+    rated_torque: float | None = parameter(None, "T_r", "N m", "rated torque", positive=True)
+    peak_torque: float | None = parameter(None, "T_p", "N m", "peak torque", positive=True)
+    rated_speed: float | None = parameter(None, "w_r", "rad/s", "rated speed", positive=True)
+    top_speed: float | None = parameter(None, "w_p", "rad/s", "top speed", positive=True)
     envelope: Envelope = ()
-    thermal_time_constant: float | None = quantity(
+    thermal_time_constant: float | None = parameter(
         None, "t_th", "s", "thermal time constant of the winding", positive=True
     )
-    encoder_counts: float | None = quantity(
+    encoder_counts: float | None = parameter(
         None, "N_e", "", "encoder counts of one motor turn", positive=True
     )
-    gear_rated_torque: float | None = quantity(
+    gear_rated_torque: float | None = parameter(
         None, "T_gr", "N m", "rated torque of the gear, at its output", positive=True
     )
-    gear_peak_torque: float | None = quantity(
+    gear_peak_torque: float | None = parameter(
         None, "T_gp", "N m", "peak torque of the gear, at its output", positive=True
     )
-    gear_top_speed: float | None = quantity(
+    gear_top_speed: float | None = parameter(
         None, "w_g", "rad/s", "top speed of the gear, at its input", positive=True
     )
     transmission: str = ""
-    lead: float | None = quantity(None, "p", "m", "travel in a turn of the output", positive=True)
-    lead_efficiency: float = quantity(
+    lead: float | None = parameter(None, "p", "m", "travel in a turn of the output", positive=True)
+    lead_efficiency: float = parameter(
         1.0, "eta_l", "", "efficiency of screw or belt", positive=True
     )
     brake: bool = False
-    mass: float | None = quantity(None, "m_d", "kg", "mass, fixed to the base")
-    cost: float | None = quantity(None, "cost", "", "cost, in any currency")
+    mass: float | None = parameter(None, "m_d", "kg", "mass, fixed to the base")
+    cost: float | None = parameter(None, "cost", "", "cost, in any currency")
 
     def __post_init__(self) -> None:
-        check_numbers(self, "drive")
+        super().__post_init__()
         if not isinstance(self.name, str):
             raise InvalidDesign("drive.name", self.name, "a text is needed")
         for name in ("efficiency", "lead_efficiency"):

@@ -11,14 +11,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
-from paminsa_viz.model.design import ActuatorFriction, Design, Friction
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
-from paminsa_viz.model.kinematics import leg_states
-from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.kinematics import LEG_AXES, leg_states
+from paminsa_viz.model.leg import leg_vector, mechanism
+from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction, Friction
 from paminsa_viz.model.reach import Limit, reach_status
+from paminsa_viz.model.statics import load_torques
 
 
 @dataclass(frozen=True)
@@ -49,17 +53,19 @@ class TorqueBreakdown:
         inertial: Of the accelerations.
         velocity: Of the squared speeds: centrifugal and Coriolis terms.
         friction: Of the friction at the actuators.
+        load: Of the external load on the platform.
     """
 
     gravity: Array
     inertial: Array
     velocity: Array
     friction: Array
+    load: Array
 
     @property
     def total(self) -> Array:
         """Sum of the parts, (..., 4) [N m, N]."""
-        return self.gravity + self.inertial + self.velocity + self.friction
+        return self.gravity + self.inertial + self.velocity + self.friction + self.load
 
 
 def _terms(design: Design, misprints: Misprint) -> EnergyTerms:
@@ -79,8 +85,10 @@ def inverse_dynamics(
     velocity: ArrayLike,
     acceleration: ArrayLike,
     misprints: Misprint = Misprint.NONE,
+    *,
+    load: ArrayLike | None = None,
 ) -> InverseDynamics:
-    """Return the actuator torques for a platform motion (Eqs. 15-21).
+    """Return the actuator torques for a platform motion (Eqs. 15-21) under the design's load.
 
     Args:
         design: The robot.
@@ -88,6 +96,7 @@ def inverse_dynamics(
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
         misprints: Formulas to take as published; none by default.
+        load: (..., 6) a wrench on top of the design's load, see `load.center_wrench` [N, N m].
 
     Raises:
         InvalidInput: If shapes do not fit or values are not real. Poses out of reach raise
@@ -102,6 +111,11 @@ def inverse_dynamics(
     status[lost] = np.where(moves, np.uint8(Limit.SINGULAR), np.uint8(Limit.NOT_FINITE))
     result[status != Limit.OK] = np.nan
     torque, multipliers = result[:, :4], result[:, 4:]
+    if design.load.acts or load is not None:
+        against = load_torques(design.geometry, design.load, p, _flat_load(load, shape))
+        torque = torque + against
+        against[:, :3] /= -_distances(design.geometry, p)
+        multipliers = multipliers + against
     if any(design.drive_inertia):
         growth = actuator_acceleration(design.geometry, p, v, a)
         torque = torque + np.array(design.drive_inertia) * growth
@@ -116,12 +130,33 @@ def inverse_dynamics(
     )
 
 
+def _flat_load(load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
+    """Return a load (..., 6) for every state of a batch, (n, 6)."""
+    if load is None:
+        return None
+    wrench = as_vectors(load, "load", 6)
+    try:
+        return np.broadcast_to(wrench, (*shape, 6)).reshape(-1, 6)
+    except ValueError:
+        raise InvalidInput("load", f"shape {wrench.shape} does not fit {(*shape, 6)}") from None
+
+
+def _distances(geometry: Geometry, pose: Array) -> Array:
+    """Return X_1, the distances of the joints 5 from their leg axes, (n, 3) [m]."""
+    x, y, theta, _ = pose.T[..., None]
+    axes = LEG_AXES.T
+    v = leg_vector(mechanism(geometry), axes[0], axes[1], x, y, np.cos(theta), np.sin(theta))
+    return np.sqrt(v.rho2)
+
+
 def torque_breakdown(
     design: Design,
     pose: ArrayLike,
     velocity: ArrayLike,
     acceleration: ArrayLike,
     misprints: Misprint = Misprint.NONE,
+    *,
+    load: ArrayLike | None = None,
 ) -> TorqueBreakdown:
     """Split the torque of `inverse_dynamics`, with the same arguments, by its causes.
 
@@ -129,7 +164,7 @@ def torque_breakdown(
     without gravity; the velocity part (centrifugal and Coriolis) what the velocity adds there.
     """
     shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
-    plain = design.without_friction()
+    plain = replace(design.without_friction(), load=NO_LOAD)
     weightless = replace(plain, gravity=0.0)
     still = np.zeros_like(p)
     at_rest = inverse_dynamics(plain, p, still, still, misprints)
@@ -139,11 +174,15 @@ def torque_breakdown(
     if not design.actuator_friction.zero:
         speed = actuator_velocity(design, p, v)
         friction = friction_torque(design.actuator_friction, speed)
+    against = np.zeros_like(p)
+    if design.load.acts or load is not None:
+        against = load_torques(design.geometry, design.load, p, _flat_load(load, shape))
     return TorqueBreakdown(
         gravity=at_rest.torque.reshape(*shape, 4),
         inertial=inertial.torque.reshape(*shape, 4),
         velocity=moving.torque.reshape(*shape, 4),
         friction=friction.reshape(*shape, 4),
+        load=against.reshape(*shape, 4),
     )
 
 
@@ -197,20 +236,23 @@ def forward_dynamics(
     pose: ArrayLike,
     velocity: ArrayLike,
     torque: ArrayLike,
+    *,
+    load: ArrayLike | None = None,
 ) -> Array:
-    """Return the platform acceleration that actuator torques cause, (..., 4).
+    """Return the platform acceleration that actuator torques and the load cause, (..., 4).
 
     Args:
-        design: The robot, friction included.
+        design: The robot, friction and load included.
         pose: (..., 4) [m, m, rad, m].
         velocity: (..., 4) [m/s, m/s, rad/s, m/s].
         torque: (..., 4) [N m, N m, N m, N].
+        load: (..., 6) a wrench on top of the design's load, see `load.center_wrench` [N, N m].
 
     Returns:
         [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose cannot be taken.
     """
     shape, (p, v, q) = together(pose=pose, velocity=velocity, torque=torque)
-    bias = inverse_dynamics(design, p, v, np.zeros_like(p)).torque
+    bias = inverse_dynamics(design, p, v, np.zeros_like(p), load=_flat_load(load, shape)).torque
     g = inverse_jacobian(design.geometry, p)
     matrix = mass_matrix(design, p)
     force = np.einsum("nji,nj->ni", g, q - bias)

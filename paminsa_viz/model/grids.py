@@ -17,17 +17,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import backend, robot
+from paminsa_viz.model import backend, measures, robot
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.leg import Mechanism, mechanism
+from paminsa_viz.model.load import LoadCase, generalized_force
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit, decode
 from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import UNIT_TORQUES, lift_constant, static_imbalance
 
 ROTARY_TORQUES = Formula(robot.unit_torques, 3)
 """Gamma of M1..M3 alone, see `statics.unit_torques`."""
+
+WRENCH_TORQUES = Formula(measures.wrench_torques, 9)
+"""Entries of J for x, y, theta and M1..M3, row by row, see `measures.wrench_torques` [m, 1]."""
 
 COORDINATES = ("x", "y", "theta", "z")
 
@@ -154,10 +158,17 @@ class Field:
         return self.solve(DEXTERITY)[1]
 
     def torques(self, design: Design) -> Array:
-        """Return the static torques for the masses of a design, (4, ...) [N m, N]."""
+        """Return the static torques for the masses and the load of a design, (4, ...) [N m, N]."""
         torque = static_imbalance(design) * self.gamma
         torque[3] += lift_constant(design)
-        return torque
+        return torque + self.load_torques(design) if design.load.acts else torque
+
+    def load_torques(self, design: Design) -> Array:
+        """Return what the actuators need against the design's load, (4, ...) [N m, N]."""
+        against = np.empty((4, *self.status.shape))
+        against[:3] = _load_torques(self.solve(WRENCH_TORQUES), self.grid, design.load)
+        against[3] = -self.geometry.magnification * design.load.force_z
+        return against
 
 
 def solve_field(
@@ -193,8 +204,23 @@ def rotary_torques(
 
     NaN where the pose cannot be taken, and no reason for it; `solve_field` gives that.
     """
-    factor = static_imbalance(design)
-    return _evaluate(ROTARY_TORQUES, mechanism(design.geometry), grid, threads, factor)
+    factor, m = static_imbalance(design), mechanism(design.geometry)
+    torque = _evaluate(ROTARY_TORQUES, m, grid, threads, factor)
+    if design.load.acts:
+        torque += _load_torques(_evaluate(WRENCH_TORQUES, m, grid, threads), grid, design.load)
+    return torque
+
+
+def _load_torques(entries: Array, grid: Grid, load: LoadCase) -> Array:
+    """Return what M1..M3 need against a load, (3, ...) [N m], from `WRENCH_TORQUES`."""
+    names = [name for name, _ in grid.axes]
+    theta = grid.fixed[2]
+    if "theta" in names:
+        index = names.index("theta")
+        theta = grid.axes[index][1].reshape(-1, *[1] * (len(names) - index - 1))
+    fx, fy, moment, _ = np.moveaxis(generalized_force(load, theta), -1, 0)
+    j = entries.reshape(3, 3, *grid.shape)
+    return -(j[0] * fx + j[1] * fy + j[2] * moment)
 
 
 def _evaluate(

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
 from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 
 class PointWeights(NamedTuple):

@@ -23,9 +23,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETERS, Design, Geometry
 from paminsa_viz.model.leg_points import PointWeights, counterweight_point
-from paminsa_viz.model.parameters import PARAMETERS
 
 Array = NDArray[np.float64]
 

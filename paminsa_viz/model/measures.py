@@ -28,16 +28,23 @@ class LegMargins(NamedTuple):
 def leg_margins(
     m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> LegMargins:
-    """Return the margins of one leg; arguments as in `leg_position`."""
+    """Return the margins of one leg; arguments as in `leg_position`.
+
+    A margin to a singularity that may be one of rounding is zero.
+    """
     v = leg_vector(m, ax, ay, x, y, c, s)
     rho = np.sqrt(v.rho2)
     zeta = z + m.joint_height
-    distance = np.sqrt(m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta)
+    reach2 = m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta
+    distance = np.sqrt(reach2)
+    stretch = m.crank + m.coupler - distance
+    fold = distance - np.abs(m.coupler - m.crank)
+    axis = rho - m.clearance
     return LegMargins(
-        m.crank + m.coupler - distance,
-        distance - np.abs(m.coupler - m.crank),
+        where((reach2 >= m.reach2_max) & (stretch > 0.0), 0.0, stretch),
+        where((reach2 <= m.reach2_min) & (fold > 0.0), 0.0, fold),
         m.stroke - m.guide_ratio * rho,
-        rho - m.clearance,
+        where((v.rho2 <= m.rho2_min) & (axis > 0.0), 0.0, axis),
     )
 
 
@@ -130,3 +137,24 @@ def dexterity(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any
 def _lever(m: Mechanism, v: LegVector) -> Any:
     """Return rho_k^2 d theta_k / d theta over the characteristic length."""
     return (v.px * v.dx + v.py * v.dy) / m.platform_radius
+
+
+def wrench_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, ...]:
+    """Return J for (x, y, theta) and M1..M3, row by row: rows [m], [m], [1] (9 values).
+
+    Column j is the platform's velocity for a unit speed of M_j; row i is also the torques that
+    balance a unit force along x, along y, a unit moment about z. Not finite at a singularity.
+    """
+    v1 = leg_vector(m, AXIS_X[0], AXIS_Y[0], x, y, c, s)
+    v2 = leg_vector(m, AXIS_X[1], AXIS_Y[1], x, y, c, s)
+    v3 = leg_vector(m, AXIS_X[2], AXIS_Y[2], x, y, c, s)
+    det = platform_determinant(m, x, y, c)
+    jx = solve_wrench(det, v1, v2, v3, 1.0, 0.0, 0.0)
+    jy = solve_wrench(det, v1, v2, v3, 0.0, 1.0, 0.0)
+    jt = solve_wrench(det, v1, v2, v3, 0.0, 0.0, 1.0)
+    r1, r2, r3 = v1.rho2, v2.rho2, v3.rho2
+    return (
+        jx.t1 * r1, jx.t2 * r2, jx.t3 * r3,
+        jy.t1 * r1, jy.t2 * r2, jy.t3 * r3,
+        jt.t1 * r1, jt.t2 * r2, jt.t3 * r3,
+    )  # fmt: skip

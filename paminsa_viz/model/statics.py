@@ -1,4 +1,4 @@
-"""Torques that hold the robot's weight (Eqs. 1-8, Appendix 2), and the energy behind them.
+"""Torques that hold the robot's weight (Eqs. 1-8, Appendix 2) and load, and the energy behind them.
 
 Sign: a torque is what the actuator has to deliver, Q_j = dV/dq_j; positive along theta_k and up.
 """
@@ -12,11 +12,12 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.model import backend, robot
 from paminsa_viz.model.arrays import Array, as_vectors
-from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.design import PARAMETER, Design, Geometry
 from paminsa_viz.model.jacobians import jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics, leg_states
 from paminsa_viz.model.leg import LegPosition, mechanism
 from paminsa_viz.model.leg_points import counterweight_point
+from paminsa_viz.model.load import LoadCase, generalized_force
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
     lumped_coefficients,
@@ -25,7 +26,6 @@ from paminsa_viz.model.lumped import (
     point_mass_column,
     potential_constant,
 )
-from paminsa_viz.model.parameters import PARAMETER
 
 UNIT_TORQUES = backend.Formula(robot.unit_torques, 4)
 """Gamma of M1..M4, see `unit_torques`."""
@@ -54,9 +54,10 @@ def lift_constant(design: Design) -> float:
 
 @np.errstate(invalid="ignore")
 def static_torques(design: Design, pose: ArrayLike) -> Array:
-    """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the weight.
+    """Return Q^st, the torques of M1..M3 [N m] and the force of M4 [N] that hold the robot.
 
-    Eqs. 1-6 with Appendix 2; (..., 4). NaN where the pose cannot be taken.
+    Its weight (Eqs. 1-6 with Appendix 2) and the design's load; (..., 4). NaN where the pose cannot
+    be taken.
 
     Args:
         design: The robot.
@@ -65,7 +66,28 @@ def static_torques(design: Design, pose: ArrayLike) -> Array:
     torque = unit_torques(design.geometry, pose)
     torque *= static_imbalance(design)
     torque[..., 3] += lift_constant(design)
+    if design.load.acts:
+        torque += load_torques(design.geometry, design.load, pose)
     return torque
+
+
+@np.errstate(invalid="ignore")
+def load_torques(
+    geometry: Geometry, load: LoadCase, pose: ArrayLike, extra: ArrayLike | None = None
+) -> Array:
+    """Return what the actuators need against a load, -J^T w, (..., 4) [N m, N].
+
+    The principle of virtual work; w is the load's generalized force at the platform.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        load: The load.
+        pose: (..., 4) [m, m, rad, m].
+        extra: (..., 6) a further wrench, see `center_wrench` [N, N m].
+    """
+    pose = as_vectors(pose, "pose")
+    w = generalized_force(load, pose[..., 2], extra)
+    return -np.einsum("...ij,...i->...j", jacobian(geometry, pose), w)
 
 
 def static_imbalance(design: Design) -> float:
@@ -83,17 +105,19 @@ class StaticBreakdown:
         per_leg: (..., 4 actuators, 3 legs, bodies) Q_ikj of Eq. 1 [N m, N].
         platform: (..., 4) torque for the platform's own weight; zero on M1..M3 (Eq. 4) [N m, N].
         payload: (..., 4) the same for the payload [N m, N].
+        load: (..., 4) torque against the external load [N m, N].
     """
 
     names: tuple[str, ...]
     per_leg: Array
     platform: Array
     payload: Array
+    load: Array
 
     @property
     def total(self) -> Array:
         """Sum of all parts, (..., 4) [N m, N]."""
-        return self.per_leg.sum(axis=(-1, -2)) + self.platform + self.payload
+        return self.per_leg.sum(axis=(-1, -2)) + self.platform + self.payload + self.load
 
 
 BODIES: tuple[str, ...] = tuple(
@@ -126,6 +150,8 @@ def static_breakdown(design: Design, pose: ArrayLike) -> StaticBreakdown:
         per_leg,
         lift * weight * design.platform.mass + reachable[..., None],
         lift * weight * design.payload.mass + reachable[..., None],
+        (load_torques(geometry, design.load, pose) if design.load.acts else np.zeros_like(pose))
+        + reachable[..., None],
     )
 
 
@@ -163,7 +189,8 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
     """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
 
     As in the paper the joints 8 and the guide links, which never change height, do not count, and
-    the platform's mass center is at height z.
+    the platform's mass center is at height z. A load is no part of it: one that turns with the
+    platform has no potential.
     """
     configuration = inverse_kinematics(design.geometry, pose)
     c = lumped_coefficients(design)

@@ -16,9 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 import paminsa_viz
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
+from paminsa_viz.model.design import PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
-from paminsa_viz.model.parameters import PARAMETERS
 from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.model.statics import static_imbalance

@@ -47,7 +47,7 @@ def engine_torques(analysis: TrajectoryAnalysis) -> EngineTorques:
         )
     version = load_mujoco().__version__
     robot = MujocoRobot(analysis.design)
-    torque = robot.inverse_dynamics(t.pose, t.velocity, t.acceleration)
+    torque = robot.inverse_dynamics(t.pose, t.velocity, t.acceleration, load=t.load)
     torque += analysis.breakdown.friction
     torque[~analysis.check.good] = np.nan
     return EngineTorques(f"MuJoCo {version}", torque)

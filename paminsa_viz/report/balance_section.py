@@ -5,7 +5,7 @@ from __future__ import annotations
 from paminsa_viz.balancing import balance, whole_mass
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_writer import differences
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import (
     MASS_PATHS,
@@ -13,13 +13,11 @@ from paminsa_viz.model.lumped import (
     mass_vector,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import PARAMETER
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.plots.series import SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, actuator_rows
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import format_value, percent_change
 
@@ -122,14 +120,13 @@ def _on_the_motion(before: TrajectoryAnalysis, after: TrajectoryAnalysis) -> Tab
     rows = []
     for j, (a, b) in enumerate(zip(before.summary, after.summary, strict=True)):
         unit = "N m" if j < 3 else "N"
-        peaks, means = (abs(a.peak), abs(b.peak)), (a.rms, b.rms)
         cells = [f"M{j + 1}"]
-        for one, two in (peaks, means):
+        for one, two in ((abs(a.peak), abs(b.peak)), (a.rms, b.rms)):
             cells += [format_value(one, unit), format_value(two, unit), percent_change(one, two)]
-        rows.append(Row(tuple(cells), color=ACTUATOR_COLORS[j]))
+        rows.append(cells)
     head = ("", "Peak before", "After", "Change", "RMS before", "After", "Change")
     worse = any(abs(b.rms) > abs(a.rms) for a, b in zip(before.summary, after.summary, strict=True))
     caption = "The trajectory, before and after."
     if worse:
-        caption += " Balance adds inertia, so that a fast motion may ask for more."
-    return Table(head, tuple(rows), caption)
+        caption += " Balance adds inertia, so that a fast motion may need more torque."
+    return Table(head, actuator_rows(*rows), caption)

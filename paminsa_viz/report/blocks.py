@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
+from paminsa_viz.palette import ACTUATOR_COLORS
+
 
 @dataclass(frozen=True)
 class Fact:
@@ -124,6 +126,13 @@ class Section:
     blocks: tuple[Block, ...]
 
 
-def columns(*rows: Sequence[str]) -> tuple[Row, ...]:
+def rows(*cells: Sequence[str]) -> tuple[Row, ...]:
     """Return plain rows from sequences of cells."""
-    return tuple(Row(tuple(row)) for row in rows)
+    return tuple(Row(tuple(each)) for each in cells)
+
+
+def actuator_rows(*cells: Sequence[str]) -> tuple[Row, ...]:
+    """Return the rows of M1 to M4, marked in their colors."""
+    return tuple(
+        Row(tuple(each), color=color) for each, color in zip(cells, ACTUATOR_COLORS, strict=True)
+    )

@@ -1,11 +1,18 @@
-"""The design: every number, and where it differs from the paper's Appendix 4."""
+"""The design, compared with the paper's Appendix 4; and where the report comes from."""
 
 from __future__ import annotations
 
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+import paminsa_viz
+from paminsa_viz.engines.verification import Verification
 from paminsa_viz.files.design_schema import KEYS, DesignKey
+from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
+from paminsa_viz.report.blocks import Block, Listing, Note, Row, Section, Table, rows
+from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value, percent_change
 
 GROUPS: dict[str, str] = {
@@ -20,26 +27,38 @@ GROUPS: dict[str, str] = {
 }
 """Tables of a design file and their headings."""
 
+PACKAGES = ("numpy", "scipy", "numba", "matplotlib", "mujoco", "pin")
+"""Packages whose versions are stated, where they are installed."""
+
+PAPER = (
+    "V. Arakelian, S. Guégan and S. Briot, “Static and Dynamic Analysis of the PAMINSA”, "
+    "DETC2005-84679."
+)
+
 _UNUSED = ("friction", "payload")
 """Groups that are left out while all their values are those of Appendix 4."""
 
 
 def design_section(design: Design) -> Section:
     """Return the section."""
-    differing = {key for key in KEYS if _differs(design, key)}
-    rows: list[Row] = []
+    differing = {
+        key
+        for key in KEYS
+        if design.value(key.parameter.path) != APPENDIX_4.value(key.parameter.path)
+    }
+    values: list[Row] = []
     for table, heading in GROUPS.items():
         keys = [key for key in KEYS if key.table == table]
         if table in _UNUSED and differing.isdisjoint(keys):
             continue
-        rows.append(Row((heading,), "group"))
-        rows += [_row(design, key, key in differing) for key in keys]
+        values.append(Row((heading,), "group"))
+        values += [_row(design, key, key in differing) for key in keys]
     blocks: list[Block] = [Note(_summary(design, len(differing)))]
     if differing:
         head = ("Symbol", "Quantity", "Value", "Appendix 4", "Change")
-        blocks.append(Table(head, tuple(rows), "Values that differ are marked.", words=2))
+        blocks.append(Table(head, tuple(values), "Values that differ are marked.", words=2))
     else:
-        blocks.append(Table(("Symbol", "Quantity", "Value"), tuple(rows), words=2))
+        blocks.append(Table(("Symbol", "Quantity", "Value"), tuple(values), words=2))
     if design.counterweights:
         blocks.append(_counterweights(design))
     return Section("design", "Design", tuple(blocks))
@@ -55,11 +74,6 @@ def _summary(design: Design, changed: int) -> str:
     if extra:
         text += f"; every leg carries {extra} counterweight{'' if extra == 1 else 's'}"
     return text + "."
-
-
-def _differs(design: Design, key: DesignKey) -> bool:
-    path = key.parameter.path
-    return design.value(path) != APPENDIX_4.value(path)
 
 
 def _row(design: Design, key: DesignKey, differs: bool) -> Row:
@@ -79,3 +93,41 @@ def _counterweights(design: Design) -> Table:
         for weight in design.counterweights
     )
     return Table(("Counterweight", "Mass, each leg"), rows, "Counterweights, on every leg.")
+
+
+def provenance_section(request: ReportRequest, found: Verification | str) -> Section:
+    """Return the section."""
+    verdict = "no" if isinstance(found, str) else "passed" if found.passed else "failed"
+    facts = [
+        ("Made", request.made.strftime("%Y-%m-%d %H:%M %Z")),
+        ("By", f"paminsa_viz {paminsa_viz.__version__}"),
+        ("Command", request.command),
+        ("Python", f"{platform.python_version()} on {platform.system()} {platform.machine()}"),
+        ("Packages", ", ".join(_versions())),
+        ("Seed of random poses", str(request.seed)),
+        ("Verified", verdict),
+        ("Paper", PAPER),
+    ]
+    return Section(
+        "provenance",
+        "Provenance",
+        (
+            Table(("", ""), rows(*facts), words=2, literal=True),
+            Note(
+                "The formulas are the paper’s with its misprints corrected. Lengths are shown in "
+                "mm and angles in degrees; files are in SI units. The design below, saved as a "
+                "file, gives the same numbers again."
+            ),
+            Listing("Design file", write_design(request.design)),
+        ),
+    )
+
+
+def _versions() -> list[str]:
+    found = []
+    for package in PACKAGES:
+        try:
+            found.append(f"{package} {version(package)}")
+        except PackageNotFoundError:
+            continue
+    return found

@@ -12,16 +12,14 @@ from paminsa_viz.balancing import whole_mass
 from paminsa_viz.engines.verification import Verification
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.statics import static_imbalance
-from paminsa_viz.palette import ACTUATOR_COLORS, BAD, INK, MUTED, OK, WARN
+from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.report.balance_section import balance_section
-from paminsa_viz.report.blocks import Fact, Section
-from paminsa_viz.report.design_section import design_section
-from paminsa_viz.report.maps_section import maps_section
-from paminsa_viz.report.provenance_section import provenance_section
+from paminsa_viz.report.blocks import Fact
+from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
-from paminsa_viz.report.workspace_section import workspace_section
+from paminsa_viz.report.workspace_section import maps_section, workspace_section
 from paminsa_viz.trajectory import TrajectoryAnalysis, analyze
 from paminsa_viz.units import NONE, format_value, number, symbols_html
 
@@ -54,9 +52,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
         design=request.design.name,
         lines=_head(request),
         opening=_facts(request, analysis, found),
-        sections=tuple(_numbered(sections)),
+        sections=list(enumerate(sections, 1)),
         colors={"ink": INK, "muted": MUTED, "ok": OK, "warn": WARN, "bad": BAD},
-        actuators=ACTUATOR_COLORS,
         version=paminsa_viz.__version__,
         made=request.made.strftime("%Y-%m-%d %H:%M %Z"),
     )
@@ -73,10 +70,6 @@ def _template() -> Template:
     )
     environment.filters["symbols"] = lambda text: Markup(symbols_html(text))
     return environment.get_template("report.html")
-
-
-def _numbered(sections: list[Section]) -> list[tuple[int, Section]]:
-    return list(enumerate(sections, 1))
 
 
 def _head(request: ReportRequest) -> list[str]:
@@ -98,20 +91,18 @@ def _facts(
         top = max(analysis.summary[:3], key=lambda summary: abs(summary.peak))
         torque = format_value(abs(top.peak), "N m", 3)
         force = format_value(abs(analysis.summary[3].peak), "N", 4)
-    runs = analysis.check.first is None
     facts = [
         Fact("Moving mass", format_value(whole_mass(design), "kg"), "legs, platform, payload"),
         Fact("M_p2", format_value(static_imbalance(design), "N", 3), "0 is static balance"),
         Fact("Peak torque", torque, "M1 to M3 on the trajectory"),
         Fact("Peak force", force, "M4 on the trajectory"),
     ]
-    if not runs:
+    if analysis.check.first is not None:
         facts.append(Fact("Trajectory", "fails", "the robot cannot run it", "bad"))
     if isinstance(found, str):
         facts.append(Fact("Verification", NONE, "not done"))
     else:
-        kind = "ok" if found.passed else "bad"
-        word = "passed" if found.passed else "failed"
+        word, kind = ("passed", "ok") if found.passed else ("failed", "bad")
         note = f"largest difference {number(found.worst, 2)} of the largest torque"
         facts.append(Fact("Verification", word, note, kind))
     return facts

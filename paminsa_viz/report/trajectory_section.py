@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from paminsa_viz.palette import ACTUATOR_COLORS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
+from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, actuator_rows
 from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
@@ -44,19 +43,20 @@ def _table(analysis: TrajectoryAnalysis) -> Table:
     rows = []
     for j, summary in enumerate(analysis.summary):
         unit, speed = ("N m", "rad/s") if j < 3 else ("N", "m/s")
-        cells = (
-            f"M{j + 1}",
-            format_value(summary.peak, unit),
-            format_value(summary.peak_t, "s", 3),
-            format_value(summary.rms, unit),
-            format_value(summary.top_speed, speed),
-            format_value(summary.top_power, "W"),
-            format_value(summary.driven, "J"),
-            format_value(summary.braked, "J"),
+        rows.append(
+            (
+                f"M{j + 1}",
+                format_value(summary.peak, unit),
+                format_value(summary.peak_t, "s", 3),
+                format_value(summary.rms, unit),
+                format_value(summary.top_speed, speed),
+                format_value(summary.top_power, "W"),
+                format_value(summary.driven, "J"),
+                format_value(summary.braked, "J"),
+            )
         )
-        rows.append(Row(cells, color=ACTUATOR_COLORS[j]))
     head = (
         "", "Peak torque, force", "At", "RMS", "Top speed", "Peak power", "Energy driving",
         "Braking",
     )  # fmt: skip
-    return Table(head, tuple(rows), "Required actuator torques on the motion.")
+    return Table(head, actuator_rows(*rows), "Required actuator torques on the motion.")

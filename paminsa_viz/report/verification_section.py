@@ -6,14 +6,12 @@ from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import Verification, verify
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.lumped import Misprint
-from paminsa_viz.palette import ACTUATOR_COLORS
+from paminsa_viz.plots.series_builders import SYMBOLS
 from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.plots.verified import verification_figures
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, actuator_rows
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.units import format_value, number
-
-TITLE = "Verification"
 
 
 def checked(request: ReportRequest) -> Verification | str:
@@ -29,7 +27,7 @@ def checked(request: ReportRequest) -> Verification | str:
 def verification_section(found: Verification | str) -> Section:
     """Return the section."""
     if isinstance(found, str):
-        return Section("verification", TITLE, (Note(found, "warn"),))
+        return Section("verification", "Verification", (Note(found, "warn"),))
     engines = " and ".join(f"{check.engine} {check.version}" for check in found.engines)
     verdict = Note(
         f"{'Passed' if found.passed else 'Failed'}: the largest difference between the formulas "
@@ -46,15 +44,12 @@ def verification_section(found: Verification | str) -> Section:
     blocks: list[Block] = [verdict, method]
     head = ("", "Largest torque", "Largest difference", "RMS", "Relative, largest", "Relative, RMS")
     for check in found.engines:
-        rows = [
-            *_rows("at rest", check.static),
-            *_rows("moving", check.dynamic),
-        ]
+        rows = (*_rows("At rest", check.static), *_rows("Moving", check.dynamic))
         caption = (
             f"Formulas and {check.engine} {check.version}. Relative: over the largest torque of "
             "the same actuator."
         )
-        blocks.append(Table(head, tuple(rows), caption))
+        blocks.append(Table(head, rows, caption))
     if found.missing:
         blocks.append(Note(f"Not installed: {', '.join(found.missing)}."))
     figures = [
@@ -65,23 +60,24 @@ def verification_section(found: Verification | str) -> Section:
         for _, title, data in verification_figures(found)
     ]
     blocks += [figures[0], _simulation(found), _misprints(found), figures[-1]]
-    return Section("verification", TITLE, tuple(blocks))
+    return Section("verification", "Verification", tuple(blocks))
 
 
 def _rows(where: str, comparison: Comparison) -> list[Row]:
-    rows = [Row((where[:1].upper() + where[1:],), "group")]
-    for j, line in enumerate(comparison.summary()):
+    rows = []
+    for symbol, line in zip(SYMBOLS, comparison.summary(), strict=True):
         unit = line["unit"]
-        cells = (
-            ("τ₁", "τ₂", "τ₃", "F₄")[j],
-            format_value(line["largest_torque"], unit),
-            format_value(line["max_difference"], unit, 2),
-            format_value(line["rms_difference"], unit, 2),
-            number(line["max_relative"], 2),
-            number(line["rms_relative"], 2),
+        rows.append(
+            (
+                symbol,
+                format_value(line["largest_torque"], unit),
+                format_value(line["max_difference"], unit, 2),
+                format_value(line["rms_difference"], unit, 2),
+                number(line["max_relative"], 2),
+                number(line["rms_relative"], 2),
+            )
         )
-        rows.append(Row(cells, color=ACTUATOR_COLORS[j]))
-    return rows
+    return [Row((where,), "group"), *actuator_rows(*rows)]
 
 
 def _misprints(found: Verification) -> Table:
@@ -97,7 +93,7 @@ def _misprints(found: Verification) -> Table:
         "the largest torque. Where a misprint has a part, it stands out by many orders of "
         "magnitude."
     )
-    return Table(("Taken as published", "τ₁", "τ₂", "τ₃", "F₄"), tuple(rows), caption)
+    return Table(("Taken as published", *SYMBOLS), tuple(rows), caption)
 
 
 MISPRINTS: dict[Misprint, str] = {

@@ -1,4 +1,4 @@
-"""Geometry and workspace: sizes in closed form, which poses can be taken, and a sketch."""
+"""Geometry and workspace: sizes in closed form, which poses can be taken, a sketch; and maps."""
 
 from __future__ import annotations
 
@@ -14,21 +14,25 @@ from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.reach import Limit, workspace_height, workspace_radius
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_torques
-from paminsa_viz.palette import ACTUATOR_COLORS
-from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, columns
+from paminsa_viz.plots.map_data import FULL, MapData, map_data, workspace_field
+from paminsa_viz.plots.map_figure import render
+from paminsa_viz.plots.ranges import ScaleChoice, choose_scales
+from paminsa_viz.plots.series_builders import SYMBOLS, UNITS
+from paminsa_viz.quantities import TORQUES
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table, actuator_rows, rows
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.report.sketch import sketch
 from paminsa_viz.studies.sweeps import sweep
 from paminsa_viz.units import format_value
+
+DPI = 150.0
+"""Resolution of the colored cells inside the maps."""
 
 SAMPLED = 20_000
 """Random poses behind the statistics of static torques."""
 
 CELLS = (41, 41, 13, 17)
 """Cells along x, y, theta and z behind the shares of poses."""
-
-ACTUATORS = ("τ₁", "τ₂", "τ₃", "F₄")
-UNITS = ("N m", "N m", "N m", "N")
 
 
 def workspace_section(request: ReportRequest) -> Section:
@@ -52,21 +56,25 @@ def workspace_section(request: ReportRequest) -> Section:
 
 def _sizes(g: Geometry, theta: float) -> Table:
     bars = g.crank_length + g.coupler_length
-    rows = columns(
-        ("Farthest position of the platform from the axis, at the best angle and height",
-         format_value(workspace_radius(g), "m")),
-        ("Largest height of joints 5 above or below the guides, platform in the middle",
-         format_value(workspace_height(g), "m")),
-        ("Reach of a pantograph, l_B4 + l_B8", format_value(bars, "m")),
-        ("Distance of joints 8 and 5 in the middle, at the height of the guides",
-         format_value(g.home_span, "m")),
-        ("Stroke of joint 8 on its guide", format_value(g.stroke, "m")),
-        ("Angle at which every position is singular",
-         "± " + format_value(singular_rotation(g), "rad")),
-        (f"Radius of singular positions at θ = {format_value(theta, 'rad')}",
-         format_value(float(singular_radius(g, theta)), "m")),
-    )  # fmt: skip
-    return Table(("Quantity", "Value"), rows, "Sizes that follow from the lengths in closed form.")
+    sizes = {
+        "Farthest position of the platform from the axis, at the best angle and height":
+            format_value(workspace_radius(g), "m"),
+        "Largest height of joints 5 above or below the guides, platform in the middle":
+            format_value(workspace_height(g), "m"),
+        "Reach of a pantograph, l_B4 + l_B8": format_value(bars, "m"),
+        "Distance of joints 8 and 5 in the middle, at the height of the guides":
+            format_value(g.home_span, "m"),
+        "Stroke of joint 8 on its guide": format_value(g.stroke, "m"),
+        "Angle at which every position is singular":
+            "± " + format_value(singular_rotation(g), "rad"),
+        f"Radius of singular positions at θ = {format_value(theta, 'rad')}":
+            format_value(float(singular_radius(g, theta)), "m"),
+    }  # fmt: skip
+    return Table(
+        ("Quantity", "Value"),
+        rows(*sizes.items()),
+        "Sizes that follow from the lengths in closed form.",
+    )
 
 
 def _shares(design: Design) -> Table:
@@ -81,24 +89,23 @@ def _shares(design: Design) -> Table:
     x, y, theta, z = axes
     grid = Grid.over(np.zeros(4), theta=theta, z=z - g.platform_joint_height, y=y, x=x)
     counts = sweep(design, grid, ("reach_margin",)).counts
-    rows = [
+    shares = tuple(
         Row(
-            (limit.explanation[:1].upper() + limit.explanation[1:], _share(counts[limit], grid)),
+            (
+                limit.explanation[:1].upper() + limit.explanation[1:],
+                f"{100 * counts[limit] / grid.size:.1f} %",
+            ),
             "total" if limit is Limit.OK else "plain",
         )
         for limit in Limit
         if counts[limit]
-    ]
+    )
     box = (
         f"|x|, |y| ≤ {format_value(across, 'm', 3)}, |θ| ≤ {format_value(turn, 'rad', 3)}, "
         f"joints 5 within {format_value(up, 'm', 3)} of the guides"
     )
     caption = f"Poses of the box {box}, on a grid of {grid.size:,} poses."
-    return Table(("Poses", "Share"), tuple(rows), caption)
-
-
-def _share(count: int, grid: Grid) -> str:
-    return f"{100 * count / grid.size:.1f} %"
+    return Table(("Poses", "Share"), shares, caption)
 
 
 def _torques(request: ReportRequest) -> list[Block]:
@@ -108,20 +115,42 @@ def _torques(request: ReportRequest) -> list[Block]:
     except InvalidInput as error:
         return [Note(f"Static torques over the workspace: {error.problem}.", "warn")]
     size = np.abs(static_torques(request.design, poses))
-    figures = [
-        np.sqrt((size**2).mean(axis=0)),
-        *np.percentile(size, [50, 95, 99], axis=0),
+    figures = [np.sqrt((size**2).mean(axis=0)), *np.percentile(size, [50, 95, 99], axis=0)]
+    cells = [
+        (name, *(format_value(float(figure[j]), unit) for figure in figures))
+        for j, (name, unit) in enumerate(zip(SYMBOLS, UNITS, strict=True))
     ]
-    rows = tuple(
-        Row(
-            (name, *(format_value(float(figure[j]), unit) for figure in figures)),
-            color=ACTUATOR_COLORS[j],
-        )
-        for j, (name, unit) in enumerate(zip(ACTUATORS, UNITS, strict=True))
-    )
     caption = (
         f"Size of the static torques at {SAMPLED:,} random poses of the workspace with a condition "
         f"number of at most {WORST_CONDITION:g}: toward singular poses they grow without bound."
     )
     head = ("", "RMS", "Median", "95 % are below", "99 % are below")
-    return [Table(head, rows, caption)]
+    return [Table(head, actuator_rows(*cells), caption)]
+
+
+def maps_section(request: ReportRequest) -> Section:
+    """Return the section."""
+    geometry = request.design.geometry
+    _, _, theta, z = request.pose
+    field = workspace_field(geometry, theta, z, FULL)
+
+    def maps(*quantities: str) -> MapData:
+        return map_data(field, request.design, request.pose, quantities)
+
+    blocks: list[Block] = [
+        Note(
+            f"All maps are at θ = {format_value(theta, 'rad')} and z = {format_value(z, 'm')}. The "
+            "torques of M1 to M3 are one number, M_p2, times a map that the lengths alone decide."
+        ),
+        _map_figure(maps(*TORQUES), 170.0, half=False),
+        _map_figure(maps("f_4"), 85.0, half=True),
+        _map_figure(maps("condition"), 85.0, half=True),
+    ]
+    return Section("maps", "Torque maps", tuple(blocks))
+
+
+def _map_figure(data: MapData, width: float, *, half: bool) -> Figure:
+    kind = "linear" if data.signed or data.unit == "N" else "symlog"
+    scales = choose_scales(data, ScaleChoice(shared=True, kind=kind))
+    svg = render(data, scales, "svg", width_mm=width, dpi=DPI, caption=not half)
+    return Figure(svg, f"Map over x and y: {data.title}.", half=half)

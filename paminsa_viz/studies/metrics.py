@@ -85,25 +85,23 @@ class RegionResults:
     """A design solved over a region; the masks have the shape of the grid, (theta, z, y, x).
 
     Attributes:
-        design, region: What was solved.
-        field: The solved grid.
-        inside: Where a pose belongs to the region.
+        design, region: The robot and the poses.
         base_mass: What the added mass is counted from [kg].
     """
 
     design: Design
     region: Region
-    field: Field
-    inside: NDArray[np.bool_]
     base_mass: float = 0.0
 
-    @classmethod
-    def of(cls, design: Design, region: Region, base_mass: float = 0.0) -> RegionResults:
-        """Solve a design over a region."""
-        grid = region.grid()
-        field = solve_field(design.geometry, grid, threads=1)
-        inside = np.broadcast_to(region.inside(grid), field.status.shape)
-        return cls(design, region, field, inside, base_mass)
+    @cached_property
+    def field(self) -> Field:
+        """The solved grid."""
+        return solve_field(self.design.geometry, self.region.grid(), threads=1)
+
+    @cached_property
+    def inside(self) -> NDArray[np.bool_]:
+        """Where a pose belongs to the region."""
+        return np.broadcast_to(self.region.inside(self.field.grid), self.field.status.shape)
 
     @cached_property
     def reached(self) -> NDArray[np.bool_]:
@@ -208,7 +206,7 @@ def measure_design(design: Design, region: Region, *, base_mass: float = 0.0) ->
         region: The poses.
         base_mass: What the added mass is counted from [kg].
     """
-    found = RegionResults.of(design, region, base_mass)
+    found = RegionResults(design, region, base_mass)
     return tuple(metric.value(found) for metric in METRICS)
 
 
@@ -245,7 +243,7 @@ def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, 
 
 
 def samples_hash(trajectory: Trajectory) -> str:
-    """Return what tells a motion's samples from any others, whatever the motion is called."""
+    """Return a hash of a motion's samples; its name does not count."""
     found = hashlib.sha256()
     for array in (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration):
         found.update(array.astype("<f8").tobytes())

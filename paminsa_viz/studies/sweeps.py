@@ -1,10 +1,9 @@
-"""Sweeps over grids of any size, piece by piece, in bounded memory."""
+"""Sweeps over grids of any size, block by block, in bounded memory."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +17,7 @@ from paminsa_viz.quantities import find
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """What a sweep found, by the key of each quantity; only poses that can be taken count.
+    """Result of a sweep, by the key of each quantity; only poses that can be taken count.
 
     Attributes:
         poses: Number of poses.
@@ -44,17 +43,17 @@ def sweep_blocks(
     block: int = 2**20,
     threads: int | None = None,
 ) -> Iterator[tuple[tuple[slice, ...], Field, dict[str, Array]]]:
-    """Go through a grid of any size in pieces of at most ``block`` poses.
+    """Go through a grid of any size in blocks of at most ``block`` poses.
 
     Yields:
-        The piece's index in the whole grid, its field, and the values by quantity.
+        The block's index in the whole grid, its field, and the values by quantity.
 
     Raises:
         InvalidInput: If there is no such quantity.
     """
     found = find(quantities)
-    for part, piece in grid.split(block):
-        field = solve_field(design.geometry, piece, threads=threads)
+    for part, each in grid.split(block):
+        field = solve_field(design.geometry, each, threads=threads)
         yield part, field, {q.key: q.over(field, design) for q in found}
 
 
@@ -75,44 +74,52 @@ def sweep(
         block: Poses held at a time.
         threads: Threads to share the work; None for all cores.
     """
-    counts: dict[Limit, int] = dict.fromkeys(Limit, 0)
-    state: dict[str, dict[str, Any]] = {
-        q: {"n": 0, "max": -np.inf, "min": np.inf, "sum": 0.0, "squares": 0.0, "at": (np.nan,) * 4}
-        for q in quantities
-    }
+    counts = np.zeros(len(Limit), int)
+    found = {quantity: _Figures() for quantity in quantities}
     for _, field, values in sweep_blocks(design, grid, quantities, block=block, threads=threads):
-        for limit, number in enumerate(np.bincount(field.status.ravel(), minlength=len(Limit))):
-            counts[Limit(limit)] += int(number)
+        counts += np.bincount(field.status.ravel(), minlength=len(Limit))
         ok = field.status == Limit.OK
         for quantity, array in values.items():
-            _accumulate(state[quantity], array, ok, field.grid)
-    return SweepSummary(
-        poses=grid.size,
-        counts=counts,
-        largest={q: s["max"] if s["n"] else np.nan for q, s in state.items()},
-        smallest={q: s["min"] if s["n"] else np.nan for q, s in state.items()},
-        mean={q: s["sum"] / s["n"] if s["n"] else np.nan for q, s in state.items()},
-        rms={
-            q: float(np.sqrt(s["squares"] / s["n"])) if s["n"] else np.nan for q, s in state.items()
-        },
-        largest_at={q: s["at"] for q, s in state.items()},
-    )
+            found[quantity].add(array, ok & np.isfinite(array), field.grid)
+    per = {
+        name: {quantity: getattr(figures, name) for quantity, figures in found.items()}
+        for name in ("largest", "smallest", "mean", "rms", "largest_at")
+    }
+    return SweepSummary(grid.size, {limit: int(counts[limit]) for limit in Limit}, **per)
 
 
-def _accumulate(state: dict[str, Any], values: Array, ok: NDArray[np.bool_], grid: Grid) -> None:
-    """Add one piece to the running figures of a quantity."""
-    usable = ok & np.isfinite(values)
-    chosen = values[usable]
-    if chosen.size == 0:
-        return
-    state["n"] += chosen.size
-    state["sum"] += float(chosen.sum())
-    state["squares"] += float(np.vdot(chosen, chosen))
-    state["min"] = min(state["min"], float(chosen.min()))
-    top = float(chosen.max())
-    if top > state["max"]:
-        where = np.unravel_index(np.argmax(np.where(usable, values, -np.inf)), values.shape)
-        pose = grid.fixed.copy()
-        for (name, axis), i in zip(grid.axes, where, strict=True):
-            pose[COORDINATES.index(name)] = axis[i]
-        state["max"], state["at"] = top, tuple(map(float, pose))
+@dataclass
+class _Figures:
+    """Running figures of a quantity."""
+
+    count: int = 0
+    largest: float = np.nan
+    smallest: float = np.nan
+    total: float = 0.0
+    squares: float = 0.0
+    largest_at: tuple[float, ...] = (np.nan,) * 4
+
+    @property
+    def mean(self) -> float:
+        return self.total / self.count if self.count else np.nan
+
+    @property
+    def rms(self) -> float:
+        return float(np.sqrt(self.squares / self.count)) if self.count else np.nan
+
+    def add(self, values: Array, usable: NDArray[np.bool_], grid: Grid) -> None:
+        """Count the usable values of a block."""
+        chosen = values[usable]
+        if chosen.size == 0:
+            return
+        self.count += chosen.size
+        self.total += float(chosen.sum())
+        self.squares += float(np.vdot(chosen, chosen))
+        self.smallest = float(np.fmin(self.smallest, chosen.min()))
+        if not chosen.max() <= self.largest:
+            self.largest = float(chosen.max())
+            where = np.unravel_index(np.argmax(np.where(usable, values, -np.inf)), values.shape)
+            pose = grid.fixed.copy()
+            for (name, axis), i in zip(grid.axes, where, strict=True):
+                pose[COORDINATES.index(name)] = axis[i]
+            self.largest_at = tuple(map(float, pose))

@@ -11,8 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.design import Design
-from paminsa_viz.model.parameters import PARAMETER
+from paminsa_viz.model.design import PARAMETER, Design
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,7 @@ class DesignAxis:
 
     Attributes:
         path: Dotted path of the value, such as ``links.b3``.
-        values: What it takes, at least one number [SI].
+        values: The numbers, at least one [SI].
 
     Raises:
         InvalidInput: If there is no such value, or no finite numbers for it.
@@ -37,7 +36,7 @@ class DesignAxis:
 
     @property
     def words(self) -> str:
-        """What it takes, in short, for the head of a table."""
+        """Its values in short, for the head of a table."""
         return f"{len(self.values)} values, {min(self.values)!r} to {max(self.values)!r}"
 
 
@@ -65,7 +64,7 @@ class DesignRange:
 
     @property
     def words(self) -> str:
-        """What it takes, in short, for the head of a table."""
+        """The range, for the head of a table."""
         return f"{self.low!r} to {self.high!r}"
 
     @classmethod

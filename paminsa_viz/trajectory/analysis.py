@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -130,23 +129,20 @@ class TrajectoryAnalysis:
 
     @cached_property
     def energy_residual(self) -> Array:
-        """Work of all actuators minus growth of energy and friction losses, (n,) [J].
+        """Work of all actuators and the load minus growth of energy and friction losses, (n,) [J].
 
         Zero but for the integration over samples: the energy balance of the formulas. With
         `misprints` it does not balance.
         """
         until = self.check.until
-        residual = np.full(self.trajectory.size, np.nan)
-        if until == 0:
-            return residual
-        lost = np.zeros(until)
-        if not self.design.actuator_friction.zero:
-            friction = self.solved.friction(self.design)[:until]
-            loss = (friction * self.solved.speed[:until]).sum(axis=1)
-            lost = running_integral(self.trajectory.t[:until], loss)
-        work = self.work[:until].sum(axis=1)
-        residual[:until] = work - lost - (self.energy[:until] - self.energy[0])
-        return residual
+        t, solved = self.trajectory, self.solved
+        friction = solved.friction(self.design)[:until]
+        power = -(friction * solved.speed[:until]).sum(axis=1)
+        if solved.loaded(self.design):
+            power += (solved.load_force(self.design) * t.velocity)[:until].sum(axis=1)
+        given = np.full(t.size, np.nan)
+        given[:until] = running_integral(t.t[:until], power)
+        return self.work.sum(axis=1) + given - (self.energy - self.energy[0])
 
 
 def analyze(
@@ -159,7 +155,7 @@ def analyze(
 ) -> TrajectoryAnalysis:
     """Return the required actuator torques and what follows from them.
 
-    A path that the robot cannot run raises nothing: the result says where it fails and why, and
+    A path that the robot cannot run raises nothing: the result has where it fails and why, and
     is NaN there.
 
     Args:
@@ -205,14 +201,11 @@ def compare(
     """
     if chosen.trajectory is not reference.trajectory:
         raise InvalidInput("reference", "it has to be an analysis of the same trajectory")
-    names = ("peak", "rms", "top_power", "driven")
-    return tuple(
-        ActuatorChange(*(_ratio(getattr(a, name), getattr(b, name)) for name in names))
-        for a, b in zip(chosen.summary, reference.summary, strict=False)
-    )
-
-
-def _ratio(value: float, base: float) -> float:
-    if base == 0:
-        return math.nan if value == 0 else math.inf
-    return abs(value / base)
+    loads = [
+        np.array([[s.peak, s.rms, s.top_power, s.driven] for s in analysis.summary])
+        for analysis in (chosen, reference)
+    ]
+    if not (chosen.summary and reference.summary):
+        return ()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return tuple(ActuatorChange(*row) for row in np.abs(loads[0] / loads[1]).tolist())

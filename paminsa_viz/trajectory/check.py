@@ -1,8 +1,8 @@
 """Whether the robot can run a trajectory: every sample, and what lies between samples.
 
-The pose is followed by the polynomials of `Trajectory.at`. Besides the limits of `reach`, a motion
-must not cross a type-2 singularity, nor come closer to one than a clearance: torques grow there
-without bound.
+The pose is followed by the polynomials of `Trajectory.at`. In addition to the limits of `reach`, a
+motion must not cross a type-2 singularity, nor come closer to one than a clearance: torques grow
+there without bound.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.trajectory.sampled import Trajectory
 
 SINGULAR_CLEARANCE = 0.005
-"""Least distance from a singular position [m]; a turn counts as the way of the joints 5.
+"""Least distance from a singular position [m]; a turn counts as the path of the joints 5.
 
 At 5 mm the static torques of Appendix 4's robot are some fifty times what they are at the center.
 """
@@ -43,11 +43,11 @@ _LEGS = (*(leg for leg in range(3) for _ in MARGINS), -1, -1)
 
 @dataclass(frozen=True)
 class PathEvent:
-    """Something that a trajectory runs into, or comes near to.
+    """A limit that a trajectory runs into, or comes near to.
 
     Attributes:
         t: When [s].
-        limit: What.
+        limit: Which limit.
         leg: Index of the leg, 0 to 2, or -1 if no single leg is concerned.
         margin: Distance left to the limit, negative beyond it [m].
         pose: (x, y, theta, z) at that time [m, m, rad, m].
@@ -61,7 +61,7 @@ class PathEvent:
 
     @property
     def explanation(self) -> str:
-        """What happens, in words."""
+        """Text of the event."""
         if self.limit is Limit.SINGULAR:
             what = "the platform comes too close to a singular pose; torques have no bound there"
         else:
@@ -71,12 +71,12 @@ class PathEvent:
 
 @dataclass(frozen=True, eq=False)
 class PathCheck:
-    """What `check_path` found along n samples.
+    """Result of `check_path` along n samples.
 
     Attributes:
         status: (n,) values of `Limit`. Beyond a type-2 singularity that the motion would have to
             cross, and closer to one than the clearance, it is ``SINGULAR``.
-        leg: (n,) index of the leg in the way, -1 for none.
+        leg: (n,) index of the leg that fails, -1 for none.
         first: The first failure, also between samples; None if the robot can run it all.
         closest: The least distance to any limit, before the first failure.
         until: Number of samples before the first failure.
@@ -155,7 +155,7 @@ def check_path(
 
 
 def _singular_distances(geometry: Geometry, pose: Array) -> Array:
-    """Return signed distances (n, 2) to both type-2 loci [m], turns as the way of the joints 5.
+    """Return signed distances (n, 2) to both type-2 loci [m], turns as the path of the joints 5.
 
     Each of them changes sign where its factor of the determinant does.
     """
@@ -202,7 +202,7 @@ def _first_failure(
     # A margin may dip below zero within a step only if it is small against its change there.
     step = np.abs(np.diff(margins[: until + 1], axis=0))
     change = np.maximum(step[:-1], step[1:]) if len(step) > 1 else step
-    near = np.zeros((min(until + 1, t.size) - 1), dtype=bool)
+    near = np.zeros(len(step), dtype=bool)
     low = np.any(margins[1 : len(change) + 1] < change, axis=1)
     near[: len(low)] |= low
     near[1 : len(low) + 1] |= low[: len(near) - 1]

@@ -56,11 +56,8 @@ class Controller:
         if (self.proportional is None) != (self.derivative is None):
             raise InvalidInput("derivative", "proportional and derivative gains come together")
         for name in ("proportional", "derivative"):
-            value = getattr(self, name)
-            if value is None:
-                continue
-            array = np.asarray(value, dtype=np.float64)
-            if array.shape != (4,) or not (np.isfinite(array).all() and (array >= 0).all()):
+            value = np.asarray(getattr(self, name) or np.zeros(4), dtype=np.float64)
+            if value.shape != (4,) or not (np.isfinite(value).all() and (value >= 0).all()):
                 raise InvalidInput(name, "four finite gains of at least 0 are needed")
 
     def gains(self, model: Design, pose: ArrayLike) -> Gains:

@@ -45,7 +45,7 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
         return (
             Mechanism(*to_fixed_tuple(robot, lengths)),  # type: ignore[call-arg]
             EnergyTerms(*to_fixed_tuple(robot[lengths:], terms)),
-            plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:]),
+            plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:14], rest[14:]),
         )
 
     @njit(**OPTIONS)
@@ -62,7 +62,7 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
 
     robot = _packed(robot_numbers(Design()))
     gains = plant.Gains(0.0, 0.0, 0.0, np.zeros(4), np.zeros(4))
-    states = np.tile([0.0, 0.0, 0.0, -0.5] + [0.0] * 8, (2, 1))
+    states = np.tile([0.0, 0.0, 0.0, -0.5] + [0.0] * 14, (2, 1))
     derivative(0.0, states[0, :10], robot, robot, gains, np.arange(2.0), states)
     commanded(0.0, states[0, :10], robot, gains, np.arange(2.0), states)
     return derivative, commanded
@@ -87,19 +87,25 @@ def robot_numbers(design: Design) -> plant.Robot:
     m = mechanism(design.geometry)._replace(rho2_min=-np.inf, rho2_max=np.inf)
     e = EnergyTerms(*map(float, energy_terms(lumped_coefficients(design))))
     f = design.actuator_friction
-    viscous, coulomb = np.array(f.viscous), np.array(f.coulomb)
-    inertia = np.array(design.drive_inertia)
-    drivetrain = plant.Drivetrain(design.gravity, f.transition_speed, viscous, coulomb, inertia)
+    drivetrain = plant.Drivetrain(
+        design.gravity,
+        f.transition_speed,
+        np.array(f.viscous),
+        np.array(f.coulomb),
+        np.array(design.drive_inertia),
+        np.array([*design.load.wrench, *design.load.point, design.load.turns]),
+    )
     return m, e, drivetrain
 
 
 def equations(
     design: Design, model: Design, gains: plant.Gains, trajectory: Trajectory
 ) -> tuple[Callable[[float, Array], Array], Callable[[Array, Array], Array]]:
-    """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10)."""
+    """Return the equations of motion, and the commanded torques (n, 4) of states (n, 10 or 11)."""
     true: Any = robot_numbers(design)
     believed: Any = robot_numbers(model)
-    track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration])
+    load = np.zeros((trajectory.size, 6)) if trajectory.load is None else trajectory.load
+    track = np.hstack([trajectory.pose, trajectory.velocity, trajectory.acceleration, load])
     wanted = (gains, np.array(trajectory.t), track)
     growth, command = plant.derivative, plant.commanded
     if backend.worth_compiled(_WORK):
@@ -111,7 +117,7 @@ def equations(
         # also LinAlgError, of numbers that are not finite where the bars cannot close
         with suppress(ValueError, ArithmeticError), np.errstate(all="ignore"):
             return growth(t, state, true, believed, *wanted)
-        return np.full(10, np.nan)
+        return np.full(state.size, np.nan)
 
     def torques(t: Array, states: Array) -> Array:
         rows = [command(*row, believed, *wanted) for row in zip(t, states.copy(), strict=True)]

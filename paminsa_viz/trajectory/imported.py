@@ -24,6 +24,7 @@ def from_samples(
     velocity: ArrayLike | None = None,
     acceleration: ArrayLike | None = None,
     *,
+    load: ArrayLike | None = None,
     rest: bool = False,
     name: str = "imported",
 ) -> Trajectory:
@@ -39,6 +40,7 @@ def from_samples(
         pose: (n, 4) [m, m, rad, m].
         velocity: (n, 4) [m/s, m/s, rad/s, m/s].
         acceleration: (n, 4); only together with a velocity.
+        load: (n, 6) wrench on the platform, see `Trajectory` [N, N m].
         rest: Whether the motion starts and ends at rest: speed and acceleration of a spline
             vanish there. Use it where the samples are a few waypoints.
         name: Its name.
@@ -54,7 +56,7 @@ def from_samples(
     # Checks shapes and values, before anything is made of them.
     speeds = zero if velocity is None else as_vectors(velocity, "velocity")
     growth = zero if acceleration is None else as_vectors(acceleration, "acceleration")
-    Trajectory(times, poses, speeds, growth)
+    Trajectory(times, poses, speeds, growth, load=load)
     notes: list[str] = []
     if times[0] != 0.0:
         notes.append(f"The times are shifted by {-times[0]:.6g} s, to start at zero.")
@@ -84,7 +86,7 @@ def from_samples(
         notes += _mismatch("velocity", times, poses, speeds)
     if acceleration is not None:
         notes += _mismatch("acceleration", times, speeds, growth)
-    return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes))
+    return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes), load)
 
 
 def _spline(t: Array, values: Array, rest: bool) -> BSpline:

@@ -1,7 +1,7 @@
 """The robot and its controller as plain formulas of one state, for simulation in time.
 
 The same source runs in Python and compiled (`equations`). Unlike `robot.inverse_dynamics_kernel`
-the motion is worked out in the platform's coordinates, without the closure's determinant, so that
+the motion is computed in the platform's coordinates, without the closure's determinant, so that
 it stays exact close to a type-2 singularity. Vectors (4,) are (x, y, theta, z) of the platform or
 M1..M4 of the actuators.
 """
@@ -16,6 +16,7 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.leg import LegPosition, Mechanism, leg_motion, leg_position
 from paminsa_viz.model.leg_forces import leg_forces
+from paminsa_viz.model.load import wrench_at_center
 from paminsa_viz.model.lumped import EnergyTerms
 from paminsa_viz.model.robot import AXIS_X, AXIS_Y, mass_matrix
 
@@ -23,13 +24,17 @@ Legs: TypeAlias = tuple[LegPosition, LegPosition, LegPosition]
 
 
 class Drivetrain(NamedTuple):
-    """Gravity [m/s^2], friction and drives' inertia (4,) at the actuators, see `Design`."""
+    """Gravity [m/s^2], friction and drives' inertia (4,) at the actuators, and the load.
+
+    ``load`` (10,) is its wrench, its point, and whether it turns with the platform; see `Design`.
+    """
 
     gravity: float
     transition: float
     viscous: Array
     coulomb: Array
     inertia: Array
+    load: Array
 
 
 Robot: TypeAlias = tuple[Mechanism, EnergyTerms, Drivetrain]
@@ -96,11 +101,23 @@ def friction(o: Drivetrain, speed: Array) -> Array:
     return o.viscous * speed + o.coulomb * np.tanh(speed / o.transition)
 
 
-def inverse_torques(robot: Robot, pose: Array, velocity: Array, acceleration: Array) -> Array:
-    """Return the torques that make a motion, friction included."""
+def push(o: Drivetrain, theta: float, extra: Array) -> Array:
+    """Return the load with an extra wrench (6,) as a generalized force on the platform."""
+    w, p = o.load[:6] + extra, o.load[6:]
+    force = wrench_at_center(
+        w[0], w[1], w[2], w[3], w[4], w[5], p[0], p[1], p[2], p[3],
+        math.cos(theta), math.sin(theta),
+    )  # fmt: skip
+    return np.array([force[0], force[1], force[5], force[2]])
+
+
+def inverse_torques(
+    robot: Robot, pose: Array, velocity: Array, acceleration: Array, extra: Array
+) -> Array:
+    """Return the torques that make a motion under the load and an extra one (6,), with friction."""
     legs = solve_legs(robot[0], pose)
     rows = actuator_rows(robot[0], legs)
-    load = platform_load(robot, legs, velocity, acceleration)
+    load = platform_load(robot, legs, velocity, acceleration) - push(robot[2], pose[2], extra)
     return np.linalg.solve(rows.T, load) + friction(robot[2], rows @ velocity)
 
 
@@ -113,12 +130,15 @@ def turn_error(wanted: LegPosition, actual: LegPosition) -> float:
 
 
 def command(model: Robot, k: Gains, wanted: Any, pose: Array, velocity: Array) -> Array:
-    """Return the torques that the controller commands for a wanted state, by its model."""
-    goal, rate, growth = wanted
+    """Return the torques that the controller commands for a wanted state, by its model.
+
+    What is wanted comes with the load that varies with time, which the controller knows.
+    """
+    goal, rate, growth, extra = wanted
     if k.mode == 2:  # computed torque
         growth = growth + k.rate * (goal - pose) + k.damping * (rate - velocity)
-        return inverse_torques(model, pose, velocity, growth)
-    torque = inverse_torques(model, goal, rate, growth)
+        return inverse_torques(model, pose, velocity, growth, extra)
+    torque = inverse_torques(model, goal, rate, growth, extra)
     if k.mode == 0:  # feed-forward alone
         return torque
     m = model[0]
@@ -144,21 +164,28 @@ def hermite(u: Any, h: Any, p0: Any, v0: Any, a0: Any, p1: Any, v1: Any, a1: Any
     )
 
 
-def commanded(t: float, state: Array, model: Robot, k: Gains, times: Array, states: Array) -> Array:
-    """Return the commanded torques at a time and a state (pose, velocity, ...).
-
-    The wanted motion is given by ``states`` (n, 12) at ``times`` (n,).
-    """
+def wanted_at(t: float, times: Array, states: Array) -> Any:
+    """Return the wanted pose, velocity, acceleration and load; ``states`` (n, 18) at ``times``."""
     right = min(max(np.searchsorted(times, t, "right"), 1), times.size - 1)
     a, b = states[right - 1], states[right]
     h = times[right] - times[right - 1]
     u = min(max((t - times[right - 1]) / h, 0.0), 1.0)
-    wanted = hermite(u, h, a[:4], a[4:8], a[8:], b[:4], b[4:8], b[8:])
-    return command(model, k, wanted, state[:4], state[4:8])
+    motion = hermite(u, h, a[:4], a[4:8], a[8:12], b[:4], b[4:8], b[8:12])
+    return motion[0], motion[1], motion[2], a[12:] + u * (b[12:] - a[12:])
 
 
-def acceleration_under(robot: Robot, pose: Array, velocity: Array, torque: Array) -> Array:
-    """Return the platform's acceleration under torques that reach the mechanism."""
+def commanded(t: float, state: Array, model: Robot, k: Gains, times: Array, states: Array) -> Array:
+    """Return the commanded torques at a time and a state (pose, velocity, ...).
+
+    The wanted motion is given by ``states`` (n, 18) at ``times`` (n,), see `wanted_at`.
+    """
+    return command(model, k, wanted_at(t, times, states), state[:4], state[4:8])
+
+
+def acceleration_under(
+    robot: Robot, pose: Array, velocity: Array, torque: Array, force: Array
+) -> Array:
+    """Return the acceleration under torques that reach the mechanism, and a platform's force."""
     m, e, o = robot
     legs = solve_legs(m, pose)
     bias = platform_load(robot, legs, velocity, np.zeros(4))
@@ -171,19 +198,26 @@ def acceleration_under(robot: Robot, pose: Array, velocity: Array, torque: Array
             number += 1
     rows = actuator_rows(m, legs)
     inertia += rows.T @ (np.diag(o.inertia) @ rows)
-    return np.linalg.solve(inertia, rows.T @ torque - bias)
+    return np.linalg.solve(inertia, rows.T @ torque + force - bias)
 
 
 def derivative(
     t: float, state: Array, robot: Robot, model: Robot, k: Gains, times: Array, states: Array
 ) -> Array:
-    """Return the derivative of (pose, velocity, work of the actuators, friction losses) (10,)."""
+    """Return the derivative of (pose, velocity, work of the actuators, friction losses) (10,).
+
+    A state (11,) has the work of the load as well.
+    """
     pose, velocity = state[:4], state[4:8]
-    torque = commanded(t, state, model, k, times, states)
+    wanted = wanted_at(t, times, states)
+    torque = command(model, k, wanted, pose, velocity)
     speed = actuator_rows(robot[0], solve_legs(robot[0], pose)) @ velocity
     loss = friction(robot[2], speed)
-    growth = np.empty(10)
+    force = push(robot[2], pose[2], wanted[3])
+    growth = np.empty(state.size)
     growth[:4] = velocity
-    growth[4:8] = acceleration_under(robot, pose, velocity, torque - loss)
+    growth[4:8] = acceleration_under(robot, pose, velocity, torque - loss, force)
     growth[8], growth[9] = torque @ speed, loss @ speed
+    if state.size > 10:
+        growth[10] = force @ velocity
     return growth

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
@@ -50,6 +50,9 @@ class Trajectory:
         pose: (n, 4) = (x, y, theta, z) [m, m, rad, m].
         velocity: (n, 4) [m/s, m/s, rad/s, m/s].
         acceleration: (n, 4) [m/s^2, m/s^2, rad/s^2, m/s^2]; at a jump the value after it.
+        load: (n, 6) wrench on the platform that varies with time, on top of the design's load, at
+            its point and in its directions, see `LoadCase`; linear between samples [N, N m]. None
+            for none.
         name: What a person calls it.
         kind: How it was made, for example ``"arch, s-curve"``.
         notes: What a person should know about it, a sentence each.
@@ -65,6 +68,7 @@ class Trajectory:
     name: str = "trajectory"
     kind: str = ""
     notes: tuple[str, ...] = ()
+    load: Array | None = None
 
     def __post_init__(self) -> None:
         t = np.array(as_numbers(self.t, "t"))
@@ -80,6 +84,11 @@ class Trajectory:
             if not np.isfinite(array).all():
                 raise InvalidInput(name, "all numbers have to be finite")
             found[name] = array
+        if self.load is not None:
+            found["load"] = load = np.array(as_vectors(self.load, "load", 6))
+            if load.shape != (t.size, 6) or not np.isfinite(load).all():
+                problem = f"finite numbers of shape {(t.size, 6)} are needed"
+                raise InvalidInput("load", problem)
         for name, array in found.items():
             array.setflags(write=False)
             object.__setattr__(self, name, array)
@@ -111,6 +120,12 @@ class Trajectory:
         ]  # fmt: skip
         return States(*hermite(u, h, *ends))
 
+    def load_at(self, t: ArrayLike) -> Array | None:
+        """Return the load at times (n,), linear between samples, (n, 6); None without one."""
+        if self.load is None:
+            return None
+        return np.stack([np.interp(t, self.t, column) for column in self.load.T], axis=-1)
+
     def resampled(self, rate: float = RATE) -> Trajectory:
         """Return the same motion in equal steps at about another rate [1/s], as `at` has it.
 
@@ -119,4 +134,18 @@ class Trajectory:
         """
         t = sample_times(float(self.t[0]), float(self.t[-1]), rate)
         pose, velocity, acceleration = self.at(t)
-        return replace(self, t=t, pose=pose, velocity=velocity, acceleration=acceleration)
+        load = self.load_at(t)
+        return replace(
+            self, t=t, pose=pose, velocity=velocity, acceleration=acceleration, load=load
+        )
+
+    def take(self, kept: NDArray[np.intp]) -> Trajectory:
+        """Return the trajectory with some of its samples, given by their indices."""
+        return replace(
+            self,
+            t=self.t[kept],
+            pose=self.pose[kept],
+            velocity=self.velocity[kept],
+            acceleration=self.acceleration[kept],
+            load=None if self.load is None else self.load[kept],
+        )

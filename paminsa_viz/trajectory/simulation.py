@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,7 @@ class Simulation:
         wanted: States of the trajectory, (n, 4) each.
         work: (n,) energy that the actuators have put in [J].
         loss: (n,) energy that friction has taken [J].
+        push: (n,) energy that the load has put in [J].
         stopped: Why it stopped before the trajectory's end; None if it did not.
         evaluations: Number of times the equations of motion were evaluated.
     """
@@ -82,6 +84,7 @@ class Simulation:
     wanted: States
     work: Array
     loss: Array
+    push: Array
     stopped: PathEvent | None
     evaluations: int
 
@@ -103,11 +106,11 @@ class Simulation:
 
     @cached_property
     def energy_drift(self) -> Array:
-        """Growth of energy minus work put in plus friction losses, (n,) [J].
+        """Growth of energy minus work put in, by the load as well, plus friction losses, (n,) [J].
 
         Zero but for the error of the solution: how far it is from a motion of the robot.
         """
-        return self.energy - self.energy[0] - (self.work - self.loss)
+        return self.energy - self.energy[0] - (self.work + self.push - self.loss)
 
 
 class SimulationFailed(PaminsaError):
@@ -134,15 +137,16 @@ def simulate(
 ) -> Simulation:
     """Let a controller drive a robot along a trajectory.
 
-    It stops, and says why, where the robot comes to a limit of its workspace or too close to a
+    It stops, with the reason, where the robot comes to a limit of its workspace or too close to a
     singular pose. Without feedback the robot is unstable: held by constant torques at Appendix 4's
     home pose, an error of theta grows by a factor e in 0.18 s.
 
     Args:
-        design: The robot itself, with its friction and its payload.
-        trajectory: The wanted motion.
+        design: The robot itself, with its friction, its payload and its load.
+        trajectory: The wanted motion, with a load that varies with time if it has one: the
+            controller knows that one.
         model: The controller's model of the robot; by default the robot itself. It may differ
-            in masses, payload, gravity and friction, not in geometry.
+            in masses, payload, gravity, friction and load, not in geometry.
         controller: By default feed-forward with PD at the actuators.
         offset: (4,) pose error at the start [m, m, rad, m].
         clearance: Least distance from singular positions [m].
@@ -162,7 +166,13 @@ def simulate(
         raise InvalidInput("model", "its geometry has to be that of the robot")
     check = check_path(design.geometry, trajectory, clearance)
     check.require()
-    start = _start(trajectory, offset)
+    shift = as_vectors(offset, "offset")
+    if shift.shape != (4,) or not np.isfinite(shift).all():
+        raise InvalidInput("offset", "four finite numbers are needed")
+    # pose, velocity, work, losses, and the load's work
+    loaded = design.load.acts or trajectory.load is not None
+    energies = np.zeros(3 if loaded else 2)
+    start = np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], energies])
     stop_at = np.where(GUIDES, 0.0, PANTOGRAPH_CLEARANCE)
     stop_at[12:] = 0.0  # the singular distances hold a clearance already
     side = np.array(check.side)
@@ -175,14 +185,23 @@ def simulate(
 
     gains = controller.gains(model, trajectory.pose[0])
     derivative, torques = equations(design, model, gains, trajectory)
-    derivative = _bounded(derivative, _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration)
+    most = _MOST_EVALUATIONS + _MOST_A_SECOND * trajectory.duration
+    calls = count(1)
+
+    def bounded(t: float, state: Array) -> Array:
+        if next(calls) > most:
+            raise SimulationFailed(
+                t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
+                f"Coulomb friction would make it easier",
+            )  # fmt: skip
+        return derivative(t, state)
 
     def least_margin(_: float, state: Array) -> float:
         return float(margins(state[:4]).min())
 
     least_margin.terminal = True  # type: ignore[attr-defined]
     solution = solve_ivp(
-        derivative, (trajectory.t[0], trajectory.t[-1]), start, method="DOP853",
+        bounded, (trajectory.t[0], trajectory.t[-1]), start, method="DOP853",
         t_eval=trajectory.t, events=least_margin, rtol=tolerance, atol=0.01 * tolerance,
         max_step=_LONGEST_STEP,
     )  # fmt: skip
@@ -192,35 +211,9 @@ def simulate(
         stopped, t, states = _end(trajectory, solution, margins)
     return Simulation(
         design, controller, t, states[:, :4], states[:, 4:8], torques(t, states),
-        trajectory.at(t), states[:, 8], states[:, 9], stopped, int(solution.nfev),
+        trajectory.at(t), states[:, 8], states[:, 9], states[:, 10:].sum(axis=1), stopped,
+        int(solution.nfev),
     )  # fmt: skip
-
-
-def _start(trajectory: Trajectory, offset: ArrayLike) -> Array:
-    """Return the state (10,) at the start: pose, velocity, work, losses."""
-    shift = as_vectors(offset, "offset")
-    if shift.shape != (4,) or not np.isfinite(shift).all():
-        raise InvalidInput("offset", "four finite numbers are needed")
-    return np.concatenate([trajectory.pose[0] + shift, trajectory.velocity[0], np.zeros(2)])
-
-
-def _bounded(
-    derivative: Callable[[float, Array], Array], most: float
-) -> Callable[[float, Array], Array]:
-    """Return a function that raises when it has been called too often."""
-    calls = 0
-
-    def counted(t: float, state: Array) -> Array:
-        nonlocal calls
-        calls += 1
-        if calls > most:
-            raise SimulationFailed(
-                t, f"more than {most:,.0f} evaluations; lower gains or a wider transition of the "
-                f"Coulomb friction would make it easier",
-            )  # fmt: skip
-        return derivative(t, state)
-
-    return counted
 
 
 def _end(

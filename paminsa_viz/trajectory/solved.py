@@ -12,19 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import ActuatorFriction, Design, Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import TorqueBreakdown, friction_torque
-from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
+from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian, jacobian
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.lumped import Misprint, lumped_coefficients
+from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.model.regressor import regressor_torques, torque_regressor
-from paminsa_viz.trajectory.check import (
-    SINGULAR_CLEARANCE,
-    PathCheck,
-    PathEvent,
-    check_path,
-)
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck, PathEvent, check_path
 from paminsa_viz.trajectory.sampled import Trajectory
 
 _WEIGHTS = slice(0, 3)
@@ -55,13 +52,21 @@ class SolvedTrajectory:
 
     def torques(self, design: Design, *, friction: bool = True) -> Array:
         """Return the actuator torques for a design of this geometry, (n, 4) [N m, N]."""
-        torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
-        if design.gravity != self.gravity:
-            torque[:, 3] += self._extra_weight(design)
-        if any(design.drive_inertia):
-            torque += self.drive_inertia_torque(design)
+        torque = self._mass_torques(design)
         if friction and not design.actuator_friction.zero:
             torque += self.friction(design)
+        if self.loaded(design):
+            torque += self.load_torques(design)
+        return torque
+
+    def _mass_torques(self, design: Design) -> Array:
+        """Return the torques of masses and weights, (n, 4) [N m, N]."""
+        torque = regressor_torques(self.y, lumped_coefficients(design, self.misprints))
+        if design.gravity != self.gravity:  # the legs' weights are in c, the platform's in Y
+            mass = design.platform.mass + design.payload.mass
+            torque[:, 3] += self.geometry.magnification * (design.gravity - self.gravity) * mass
+        if any(design.drive_inertia):
+            torque += self.drive_inertia_torque(design)
         return torque
 
     def drive_inertia_torque(self, design: Design) -> Array:
@@ -76,30 +81,39 @@ class SolvedTrajectory:
         found[~self.check.good] = np.nan
         return found
 
+    def loaded(self, design: Design) -> bool:
+        """Whether a load acts on the platform: the design's or the motion's own."""
+        return design.load.acts or self.trajectory.load is not None
+
+    def load_torques(self, design: Design) -> Array:
+        """Return what the actuators need against the load, (n, 4) [N m, N]."""
+        w = self.load_force(design)
+        torque = -np.einsum("nij,ni->nj", self.jacobian, w)
+        torque[~self.check.good] = np.nan
+        return torque
+
+    def load_force(self, design: Design) -> Array:
+        """Return the load's force in the coordinates (x, y, theta, z), (n, 4) [N, N, N m, N]."""
+        t = self.trajectory
+        return generalized_force(design.load, t.pose[:, 2], t.load)
+
+    @cached_property
+    def jacobian(self) -> Array:
+        """J along the motion, (n, 4, 4); solved for the first load and kept."""
+        return jacobian(self.geometry, self.trajectory.pose)
+
     def friction(self, design: Design) -> Array:
         """Return the friction torques, (n, 4) [N m, N]; those of the last friction are kept."""
         friction = design.actuator_friction
-        kept = self._friction.get(friction)
-        if kept is None:
-            kept = friction_torque(friction, self.speed)
-            if friction.zero:
-                kept[~self.check.good] = np.nan
-            kept.setflags(write=False)
+        if friction not in self._friction:
             self._friction.clear()
-            self._friction[friction] = kept
-        return kept
+            self._friction[friction] = friction_torque(friction, self.speed)
+            self._friction[friction].setflags(write=False)
+        return self._friction[friction]
 
     @cached_property
     def _friction(self) -> dict[ActuatorFriction, Array]:
         return {}
-
-    def _extra_weight(self, design: Design) -> float:
-        """Return what the platform weighs on M4 beyond the gravity that Y was made with [N].
-
-        The legs' weights stand in c.
-        """
-        mass = design.platform.mass + design.payload.mass
-        return self.geometry.magnification * (design.gravity - self.gravity) * mass
 
     @cached_property
     def inertial(self) -> Array:
@@ -130,9 +144,10 @@ class SolvedTrajectory:
                 self.geometry, self.trajectory.pose, still, self.trajectory.acceleration
             )
             inertial = inertial + np.array(design.drive_inertia) * growth
-        velocity = self.torques(design, friction=False) - gravity - inertial
+        velocity = self._mass_torques(design) - gravity - inertial
         friction = np.array(self.friction(design))
-        return TorqueBreakdown(gravity, inertial, velocity, friction)
+        loads = self.load_torques(design) if self.loaded(design) else np.zeros_like(gravity)
+        return TorqueBreakdown(gravity, inertial, velocity, friction, loads)
 
     @cached_property
     def actuators(self) -> Array:
@@ -189,7 +204,7 @@ def solve_trajectory(
 def _with_unsolved(
     check: PathCheck, trajectory: Trajectory, unsolved: NDArray[np.bool_]
 ) -> PathCheck:
-    """Mark samples that lie within rounding of a limit, where no torque can be worked out."""
+    """Mark samples that lie within rounding of a limit, where no torque can be computed."""
     status = np.where(unsolved, np.uint8(Limit.SINGULAR), check.status)
     index = int(np.argmax(unsolved))
     first = check.first

@@ -5,9 +5,9 @@ jerks by T^3. The actuators' torques are exactly
 
     Q(u; T) = gravity(u) + friction(u; T) + dynamic(u) / T^2,
 
-where the dynamic part holds inertia and velocity terms, both of second order in 1/T, and viscous
-friction is of first order. So every instant u has its own shortest duration in closed form, and
-that of the motion is the largest of them.
+where gravity includes the design's load, the dynamic part holds inertia and velocity terms, both of
+second order in 1/T, and viscous friction is of first order. So every instant u has its own shortest
+duration in closed form, and that of the motion is the largest of them.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
+from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
 from paminsa_viz.trajectory.limits import QUANTITIES, UNITS, MotionLimits
@@ -126,19 +127,19 @@ def minimum_time(
     curve = plan.curve
     rates = limits.rates
     if np.isfinite(rates[2]).any() and not curve.bounded_jerk:
-        raise InvalidInput(
-            "limits", "the acceleration of this motion jumps, so its jerk has no bound"
-        )
-    columns = _rate_durations(curve, rates)
+        problem = "the acceleration of this motion jumps, so its jerk has no bound"
+        raise InvalidInput("limits", problem)
+    parts = [_rate_durations(curve, rates)]
     if limits.needs_torques and design is not None:
-        actuators = _torque_durations(curve, limits.actuators, design, misprints)
-        needed = supremum(
-            lambda u: np.concatenate([columns(u), actuators(u)], axis=1), curve.breaks
-        )
-        if not np.isfinite(needed.value):
-            raise _infeasible(curve, limits, design, misprints, needed.u)
-    else:
-        needed = supremum(columns, curve.breaks)
+        parts.append(_torque_durations(curve, limits.actuators, design, misprints))
+    needed = supremum(lambda u: np.concatenate([part(u) for part in parts], axis=1), curve.breaks)
+    if not np.isfinite(needed.value) and design is not None:
+        at = np.array([needed.u])
+        held = _parts(curve, design, misprints, at)[0][0]
+        worst = int(np.argmax(np.abs(held) / limits.actuators))
+        pose = tuple(map(float, curve(at)[0]))
+        most = float(limits.actuators[worst])
+        raise InfeasibleMotion(worst, needed.u, pose, float(held[worst]), most)
     if needed.value <= 0:
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)
@@ -170,12 +171,9 @@ def _rate_durations(curve: UnitCurve, limits: Array) -> Callable[[Array], Array]
     def durations(u: Array) -> Array:
         found = []
         for order in (1, 2, 3):
-            if np.isfinite(limits[order - 1]).any():
-                rate = curve(u, order)
-                size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
-                found.append((size / limits[order - 1]) ** (1.0 / order))
-            else:
-                found.append(np.zeros((len(u), 2)))
+            rate = curve(u, order)
+            size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
+            found.append((size / limits[order - 1]) ** (1.0 / order))
         return np.concatenate(found, axis=1)
 
     return durations
@@ -190,7 +188,7 @@ def _parts(
     pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
     still = np.zeros_like(pose)
     gravity = inverse_dynamics(plain, pose, still, still, misprints).torque
-    weightless = replace(plain, gravity=0.0)
+    weightless = replace(plain, gravity=0.0, load=NO_LOAD)
     dynamic = inverse_dynamics(weightless, pose, rate, growth, misprints).torque
     speed = actuator_velocity(design, pose, rate)
     coulomb, viscous = np.array(friction.coulomb), np.array(friction.viscous)
@@ -220,20 +218,3 @@ def _torque_durations(
         return longest
 
     return durations
-
-
-def _infeasible(
-    curve: UnitCurve,
-    limits: MotionLimits,
-    design: Design,
-    misprints: Misprint,
-    u: float,
-) -> InfeasibleMotion:
-    """Return the error for an instant at which a torque is beyond its limit even at rest."""
-    at = np.array([u])
-    held = _parts(curve, design, misprints, at)[0][0]
-    actuator = int(np.argmax(np.abs(held) / limits.actuators))
-    pose = tuple(float(value) for value in curve(at)[0])
-    return InfeasibleMotion(
-        actuator, u, pose, float(held[actuator]), float(limits.actuators[actuator])
-    )

@@ -1,4 +1,4 @@
-"""Catalogs of drives: the shipped one, a user's own, and what is refused with its row and column."""
+"""Catalogs of drives: the shipped one, a user's own, and what is refused, with row and column."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ def test_numbers_are_read_in_the_units_of_their_columns() -> None:
     assert motor.rated_torque == pytest.approx(0.32)
     assert motor.rated_speed == pytest.approx(3000 * 2 * math.pi / 60)
     assert motor.envelope[2] == pytest.approx((6000 * 2 * math.pi / 60, 0.4))
-    assert motor.brake and not gear.brake
+    assert motor.brake
+    assert not gear.brake
     assert (gear.gear_ratio, gear.efficiency) == (50.0, 0.8)
     assert found.sources == {"one": "own measurement", "two": "x"}
     assert found.pairs(0).drive(0).reflected_inertia == pytest.approx(2500 * 3e-6)
@@ -77,7 +78,8 @@ def test_impossible_catalogs_are_refused_in_one_line(
         read_catalog(text, "my.csv")
     assert (caught.value.row, caught.value.column) == (row, column)
     assert told in caught.value.problem
-    assert str(caught.value).startswith("my.csv: ") and "\n" not in str(caught.value)
+    assert str(caught.value).startswith("my.csv: ")
+    assert "\n" not in str(caught.value)
 
 
 def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:

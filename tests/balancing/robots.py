@@ -1,38 +1,48 @@
-"""What the tests of balancing share: a workspace, a motion, changes, and random choices of them."""
+"""What the tests of balancing share: a workspace, a motion, changes, and random designs of them."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
-from paminsa_viz.balancing import Changes, MassRange, along, beyond
+from paminsa_viz.balancing import (
+    LIFT,
+    AddedMass,
+    Changes,
+    MassRange,
+    StaticLift,
+    StaticPeak,
+    StaticRms,
+    Term,
+    TrajectoryEnergy,
+    TrajectoryPeak,
+    TrajectoryRms,
+    along,
+    beyond,
+    whole_mass,
+)
 from paminsa_viz.model import (
     APPENDIX_4,
+    Counterweight,
     Design,
     Field,
     Grid,
-    lumped_matrix,
-    mass_vector,
     solve_field,
+    static_torques,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.trajectory import PRESET, SolvedTrajectory, Trajectory, solve_trajectory
-from tests import oracle
+from paminsa_viz.trajectory import PRESET, SolvedTrajectory, Trajectory, analyze, solve_trajectory
 
 PATHS = tuple(f"joints.j{i}" for i in (3, 4, 7, 9)) + tuple(f"links.b{i}" for i in (3, 4, 7, 8))
 
 
 def workspace(sign: float = 1.0) -> Grid:
     """Poses below (or with -1 above) the guides, away from the singularities."""
-    return Grid.over(
-        (0.0, 0.0, 0.0, -0.5 * sign),
-        x=np.linspace(-0.1, 0.1, 9),
-        y=np.linspace(-0.1, 0.1, 9),
-        theta=np.linspace(-0.5, 0.5, 5),
-        z=np.linspace(-0.6, -0.4, 3) * sign,
-    )
+    side = np.linspace(-0.1, 0.1, 9)
+    z = np.linspace(-0.6, -0.4, 3) * sign
+    return Grid.over((0, 0, 0, -0.5 * sign), x=side, y=side, theta=np.linspace(-0.5, 0.5, 5), z=z)
 
 
 @cache
@@ -54,81 +64,70 @@ def solved() -> SolvedTrajectory:
 
 
 def changes(share: float = 0.5) -> Changes:
-    """Masses of the pantograph within a share of themselves, and counterweights on four rails."""
+    """Masses of the pantograph within a share of themselves, and counterweights in four ranges."""
     d = APPENDIX_4
     masses = tuple(
         MassRange(p, (1 - share) * d.value(p), (1 + share) * d.value(p), inertia_follows=i % 2 == 0)
         for i, p in enumerate(PATHS)
     )
-    rails = (
+    ranges = (
         beyond("b8", 8, 0.2, 4.0), beyond("b3", 7, 0.2, 4.0),
         along(d.geometry, "b3", 2.0), along(d.geometry, "b7", 2.0),
     )  # fmt: skip
-    return Changes(masses, rails)
+    return Changes(masses, ranges)
 
 
-def random_choices(
-    rng: np.random.Generator, what: Changes, count: int, *, ends: bool = True
-) -> tuple[Any, Any]:
-    """Lumped coefficients (18, count) and robot masses (count,) of random feasible designs.
+def terms() -> list[Term]:
+    """Return one term of every kind."""
+    return [
+        StaticPeak(field()), StaticRms(field()), StaticLift(field()),
+        TrajectoryPeak(solved()), TrajectoryRms(solved()),
+        TrajectoryPeak(solved(), LIFT), TrajectoryRms(solved(), LIFT),
+        TrajectoryEnergy(solved()), AddedMass(),
+    ]  # fmt: skip
 
-    Worked out here from the numbers of Appendix 4 and from where a point of a bar is at two
-    configurations, not from the program's own columns. Many choices lie at the ends of bounds,
-    where optima are.
-    """
-    d = APPENDIX_4
-    values = np.repeat(mass_vector(d)[:, None], count, axis=1)
 
-    def draw(low: float, high: float) -> Any:
-        share = rng.uniform(size=count)
-        snap = rng.uniform(size=count) < 0.5
-        return low + (high - low) * np.where(snap & ends, np.round(share), share)
+def measured(design: Design) -> dict[str, float]:
+    """Every term of a design, from the functions that analyze designs."""
+    held = static_torques(design, workspace().poses()).reshape(-1, 4)
+    summary = analyze(design, trajectory(), keep=solved()).summary
+    return {
+        "peak static torque": float(np.abs(held[:, :3]).max()),
+        "RMS static torque": float(np.sqrt(np.mean(held[:, :3] ** 2))),
+        "peak static force of M4": float(np.abs(held[:, 3]).max()),
+        "peak torque of M1-M3 on the trajectory": max(abs(s.peak) for s in summary[:3]),
+        "RMS torque of M1-M3 on the trajectory": float(
+            np.sqrt(np.mean([s.rms**2 for s in summary[:3]]))
+        ),
+        "peak force of M4 on the trajectory": abs(summary[3].peak),
+        "RMS force of M4 on the trajectory": summary[3].rms,
+        "driving energy on the trajectory": sum(s.driven for s in summary),
+        "added mass": whole_mass(design) - whole_mass(APPENDIX_4),
+    }
 
-    for mass in what.masses:
-        index = MASS_PATHS.index(mass.path)
-        chosen = draw(mass.low, mass.high)
-        if mass.inertia_follows and mass.path.startswith("links."):
+
+@cache
+def random_measures(count: int = 1000) -> dict[str, np.ndarray]:
+    """Every term of random designs within `changes`, many at the ends of bounds, by label."""
+    rng = np.random.default_rng(0)
+
+    def draw(low: float, high: float) -> float:
+        share = rng.uniform()
+        return low + (high - low) * (round(share) if rng.uniform() < 0.5 else share)
+
+    found = []
+    for _ in range(count):
+        numbers: dict[str, float | None] = {}
+        for mass in changes().masses:
+            chosen = numbers[mass.path] = draw(mass.low, mass.high)
             name = mass.path.removeprefix("links.")
-            for i, path in enumerate(MASS_PATHS):
-                if path.startswith(f"inertias.{name}_"):
-                    values[i] *= chosen / values[index]
-        values[index] = chosen
-    c = lumped_matrix(d.geometry, d.gravity) @ values
-    kilos = [p.startswith(("joints.", "links.")) for p in MASS_PATHS]
-    total = 3 * values[kilos].sum(axis=0) + d.platform.mass + d.payload.mass
-    for rail in what.counterweights:
-        weight, place = draw(rail.low, rail.high), draw(rail.nearest, rail.farthest)
-        r5, r9, z5 = point_factors(d, rail.bar, rail.joint, place)
-        c[0] += weight * d.gravity * z5
-        c[1] += weight * d.gravity * r9
-        for row, extra in (
-            (3, r5**2 / 2),
-            (4, z5**2 / 2),
-            (5, r9**2 / 2),
-            (6, r5 * r9),
-            (7, z5 * r9),
-        ):
-            c[row] += weight * extra
-        total += 3 * weight
-    return c, total
-
-
-def point_factors(design: Design, bar: str, joint: int, beyond: Any) -> tuple[Any, Any, Any]:
-    """How a point of a bar follows joints 5 and 9, from its place in two random configurations."""
-    other = {"b3": {4: 7, 7: 4}, "b4": {9: 5, 5: 9}, "b7": {8: 7, 7: 8}, "b8": {8: 9, 9: 8}}[bar]
-    rows, right, rows_z, right_z = [], [], [], []
-    for pose in ((0.03, 0.02, 0.2, -0.45), (-0.06, 0.05, -0.3, -0.6)):
-        leg = oracle.leg(design, tuple(map(np.asarray, pose)), 2)
-        axis = np.array([*np.array(leg.points[3], float)[:2], 0.0])
-        p = {i: np.array(v, float) - axis for i, v in leg.points.items()}
-        h = np.array(leg.heading, float)
-        outward = (p[joint] - p[other[joint]]) / np.linalg.norm(p[joint] - p[other[joint]])
-        place = p[joint][:, None] + outward[:, None] * np.atleast_1d(beyond)
-        rows.append([p[5] @ h, p[9] @ h])
-        right.append(h @ place)
-        rows_z.append([p[5][2], p[9][2]])
-        right_z.append(place[2])
-    r5, r9 = np.linalg.solve(rows, right)
-    z5, same = np.linalg.solve(rows_z, right_z)
-    np.testing.assert_allclose(same, r9, rtol=0, atol=1e-11)
-    return r5, r9, z5
+            for path in MASS_PATHS:
+                if mass.inertia_follows and path.startswith(f"inertias.{name}_"):
+                    ratio = chosen / APPENDIX_4.value(mass.path)
+                    numbers[path] = ratio * APPENDIX_4.value(path)
+        weights = tuple(
+            Counterweight(r.bar, r.joint, draw(r.nearest, r.farthest), draw(r.low, r.high))
+            for r in changes().counterweights
+        )
+        found.append(measured(replace(APPENDIX_4.vary(numbers), counterweights=weights)))
+    return {label: np.array([each[label] for each in found]) for label in found[0]}

@@ -14,17 +14,8 @@ from paminsa_viz.balancing import (
     TrajectoryPeak,
     pareto_front,
 )
-from paminsa_viz.model import APPENDIX_4, InvalidInput, static_torques
-from paminsa_viz.trajectory import analyze
-from tests.balancing.measuring import of_random
-from tests.balancing.robots import (
-    changes,
-    field,
-    random_choices,
-    solved,
-    trajectory,
-    workspace,
-)
+from paminsa_viz.model import APPENDIX_4, InvalidInput
+from tests.balancing.robots import changes, field, measured, random_measures, solved
 
 TERMS = (TrajectoryPeak(solved()), StaticPeak(field()))
 
@@ -41,21 +32,16 @@ def test_the_front_of_dynamic_and_static_peaks(budget: float | None) -> None:
     slopes = np.diff(first) / np.diff(second)
     assert (np.diff(slopes) <= 1e-6).all()  # convex
     assert second[-1] < 1e-6
-    c, mass = random_choices(np.random.default_rng(0), changes(), 10_000)
-    within = mass >= 0 if budget is None else of_random(AddedMass(), c, mass) <= budget
-    drawn = np.array([of_random(term, c[:, within], mass[within]) for term in TERMS])
+    drawn = random_measures()
+    within = drawn["added mass"] <= (np.inf if budget is None else budget)
+    x, y = (drawn[term.label][within] for term in TERMS)
     for point in front.points:
-        assert not ((drawn[0] < point.first - 1e-8) & (drawn[1] <= point.second)).any()
+        assert not ((x < point.first - 1e-8) & (y <= point.second)).any()
         assert point.optimum.gap <= 1e-7 * max(point.first, 1.0)
-
-
-def test_pareto_points_are_designs_with_their_values() -> None:
-    front = pareto_front(APPENDIX_4, changes(), *TERMS, points=3)
-    for point in front.points:
-        held = static_torques(point.design, workspace().poses())[..., :3]
-        assert np.abs(held).max() == pytest.approx(point.second, abs=1e-7)
-        summary = analyze(point.design, trajectory()).summary[:3]
-        assert max(abs(s.peak) for s in summary) == pytest.approx(point.first, rel=1e-7)
+        values = measured(point.design)
+        assert [values[term.label] for term in TERMS] == pytest.approx(
+            [point.first, point.second], rel=1e-7, abs=1e-7
+        )
 
 
 def test_terms_that_agree_give_one_point() -> None:

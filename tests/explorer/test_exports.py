@@ -1,10 +1,9 @@
-"""Files that the page offers: names, and contents that are read back."""
+"""Files that the page offers: names, contents, pictures of the view, one at a time."""
 
 from __future__ import annotations
 
 import io
 import zipfile
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -27,266 +26,265 @@ from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, stat
 from tests.support.desk import Desk, desk_with
 
 STORE = MapStore()
+PANEL = export_entries(STORE)
 
 
 def state_at(**pose: float) -> State:
     return actions.move(initial_state(), **pose)
 
 
-class TestNames:
-    def test_they_say_design_content_and_place(self) -> None:
-        state = state_at(theta=np.pi / 3, z=-0.5)
-        assert exports.file_name(state, "torque-maps", "png") == (
-            "paminsa_appendix-4_torque-maps_theta60_z-500.png"
-        )
-        assert exports.file_name(state, "robot", "glb", at_pose=True) == (
-            "paminsa_appendix-4_robot_x0_y0_theta60_z-500.glb"
-        )
+def arrays_of(file: exports.File) -> Any:
+    return np.load(io.BytesIO(file.content))
 
-    def test_the_robot_s_file_is_named_after_where_it_stands(self) -> None:
-        state = actions.move(state_at(x=0.03), x=9.0)
-        assert "_x30_" in exports.file_name(state, "robot", "glb", at_pose=True)
 
-    @pytest.mark.parametrize(
-        ("name", "expected"),
-        [
-            ("../../etc/passwd", "etc-passwd"),
-            ('a"b\r\nc: d', "a-b-c-d"),
-            ("Große Türme №5", "groe-turme-no5"),
-            ("机器人", ""),
-            ("", ""),
-            ("x" * 300, "x" * exports.LONGEST_NAME),
-        ],
+@pytest.mark.parametrize(
+    ("content", "at_pose", "name"),
+    [
+        ("torque-maps", False, "paminsa_appendix-4_torque-maps_theta60_z-500.png"),
+        ("robot", True, "paminsa_appendix-4_robot_x30_y0_theta60_z-500.png"),
+    ],
+)
+def test_file_name_has_design_content_and_last_reachable_pose(
+    content: str, at_pose: bool, name: str
+) -> None:
+    state = actions.move(state_at(x=0.03, theta=np.pi / 3, z=-0.5), x=9.0 if at_pose else 0.03)
+    assert exports.file_name(state, content, "png", at_pose=at_pose) == name
+
+
+@pytest.mark.parametrize(
+    ("name", "plain"),
+    [
+        ("../../etc/passwd", "etc-passwd"),
+        ('a"b\r\nc: d', "a-b-c-d"),
+        ("Große Türme №5", "groe-turme-no5"),
+        ("机器人", ""),
+        ("", ""),
+        ("x" * 300, "x" * exports.LONGEST_NAME),
+    ],
+    ids=len,
+)
+def test_any_design_name_becomes_a_plain_one(name: str, plain: str) -> None:
+    assert exports.plain(name) == plain
+
+
+@pytest.mark.parametrize(
+    ("single", "columns"), [(True, ["f4_N"]), (False, ["tau1_Nm", "tau2_Nm", "tau3_Nm"])]
+)
+def test_map_table_holds_the_models_numbers_in_every_format(
+    single: bool, columns: list[str]
+) -> None:
+    state = state_at(theta=0.3).updated("map_view", quantity="f_4")
+    arrays = arrays_of(exports.table(state, STORE, "npz", single))
+    x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])
+    pose = np.stack([x, y, np.full_like(x, 0.3), np.full_like(x, arrays["pose"][3])], axis=-1)
+    torque = static_torques(state.document.design, pose)
+    found = np.stack([arrays[name] for name in columns], axis=-1)
+    expected = np.where(arrays["status"][..., None] == 0, torque, np.nan)
+    expected = expected[..., 3:] if single else expected[..., :3]
+    np.testing.assert_allclose(found, expected, atol=1e-9)
+    assert found.shape[:2] == (FULL, FULL)
+
+    text = exports.table(state, STORE, "csv", single).content.decode()
+    header, *rows = (line.split(",") for line in text.splitlines() if not line.startswith("#"))
+    index = header.index(columns[0])
+    values = np.array([float(row[index] or "nan") for row in rows]).reshape(FULL, FULL)
+    np.testing.assert_array_equal(values, arrays[columns[0]])
+
+
+@pytest.mark.parametrize(("kind", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%")])
+def test_figure_is_written_in_its_format_and_size(kind: str, start: bytes) -> None:
+    file = exports.figure(state_at(), STORE, kind, True, 90.0, 100.0)
+    assert file.content.startswith(start)
+    assert file.name.endswith(f".{kind}")
+    if kind == "png":
+        pixels = np.asarray(Image.open(io.BytesIO(file.content)).convert("RGB"))
+        assert pixels.shape[1] == round(90 / 25.4 * 100)
+        assert len(np.unique(pixels.reshape(-1, 3), axis=0)) > 100
+
+
+@pytest.mark.parametrize(
+    ("kind", "width", "dpi"),
+    [("png", 1e6, 300), ("png", 170, 5), ("png", 170, 1e9), ("png", -3, 300), ("gif", 90, 90)],
+)
+def test_impossible_figure_or_format_is_refused(kind: str, width: float, dpi: float) -> None:
+    with pytest.raises(InvalidInput):
+        exports.figure(state_at(), STORE, kind, False, width, dpi)
+    with pytest.raises(InvalidInput):
+        exports.table(state_at(), STORE, "exe", False)
+
+
+def test_difference_is_named_in_file_and_columns() -> None:
+    state = actions.vary(actions.pin_reference(state_at()), {"links.b3": 1.0})
+    file = exports.table(state.updated("map_view", difference=True), STORE, "npz", False)
+    assert "difference" in file.name
+    assert "delta_tau1_Nm" in arrays_of(file).files
+
+
+def test_robot_is_exported_at_its_last_reachable_pose() -> None:
+    state = actions.move(state_at(x=0.04, theta=0.5), x=9.0)
+    content = io.BytesIO(exports.robot(state).content)
+    scene: Any = trimesh.load(content, file_type="glb", force="scene")
+    place = scene.graph.get("platform")[0]
+    x, y, _, z = inverse_kinematics(state.standing.geometry, state.standing.pose).pose
+    np.testing.assert_allclose(place[:3, 3], (x, z, -y), atol=1e-6)  # y is up in a GLB
+
+
+@pytest.fixture
+def mirrored() -> State:
+    """A design of its own, on the upper knee, posed, and then asked for too much."""
+    state = actions.set_knee(initial_state(), KneeBranch.UPPER)
+    state = actions.vary(state, {"payload.mass": 3.25, "geometry.crank_length": 0.44})
+    return actions.move(actions.move(state, x=0.04, y=-0.02, theta=0.5), x=9.0)
+
+
+def test_mujoco_model_is_the_commands(mirrored: State, tmp_path: Path) -> None:
+    save_design(mirrored.document.design, tmp_path / "d.toml")
+    x, y, theta, z = mirrored.standing.pose
+    pose = (1e3 * x, 1e3 * y, np.degrees(theta), 1e3 * z)
+    arguments = ["--design", str(tmp_path / "d.toml"), "--assembly", "mirror"]
+    arguments += ["--mjcf", str(tmp_path / "r.xml"), "--pose", *map(repr, map(float, pose))]
+    assert main(["export", *arguments]) == 0
+    file = exports.mujoco_model(mirrored, meshes=False)
+    assert file.name.endswith("_mujoco_x40_y-20_theta29_z497.xml")
+    wanted, found = (
+        {
+            (element.tag, element.get("name"), key): value
+            for element in ElementTree.fromstring(text).iter()
+            for key, value in element.attrib.items()
+        }
+        for text in ((tmp_path / "r.xml").read_bytes(), file.content)
     )
-    def test_any_design_s_name_becomes_a_harmless_one(self, name: str, expected: str) -> None:
-        assert exports.plain(name) == expected
+    assert found.keys() == wanted.keys()
+    for key, value in wanted.items():
+        if found[key] != value:  # the command reads millimeters
+            own, other = (np.array(text.split(), float) for text in (found[key], value))
+            np.testing.assert_allclose(own, other, atol=1e-9, err_msg=str(key))
 
 
-class TestContents:
-    @pytest.mark.parametrize("single", [True, False])
-    def test_numbers_equal_the_model_s(self, single: bool) -> None:
-        state = state_at(theta=0.3).updated("map_view", quantity="f_4")
-        file = exports.table(state, STORE, "npz", single)
-        arrays = np.load(io.BytesIO(file.content))
-        names = ["f4_N"] if single else ["tau1_Nm", "tau2_Nm", "tau3_Nm"]
-        x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])
-        assert x.shape == (FULL, FULL)
-        pose = np.stack([x, y, np.full_like(x, 0.3), np.full_like(x, arrays["pose"][3])], axis=-1)
-        torque = static_torques(state.document.design, pose)
-        ok = arrays["status"] == 0
-        for i, name in enumerate(names):
-            index = 3 if single else i
-            np.testing.assert_allclose(arrays[name][ok], torque[..., index][ok], atol=1e-9)
-            assert np.isnan(arrays[name][~ok]).all()
+def test_mujoco_loads_both_models_and_they_hold_their_pose(
+    mujoco: Any, mirrored: State, tmp_path: Path
+) -> None:
+    plain, packed = (exports.mujoco_model(mirrored, meshes=meshes) for meshes in (False, True))
+    (tmp_path / plain.name).write_bytes(plain.content)
+    with zipfile.ZipFile(io.BytesIO(packed.content)) as archive:
+        archive.extractall(tmp_path)
+    for path in (tmp_path / plain.name, tmp_path / packed.name.removesuffix(".zip") / "robot.xml"):
+        model = mujoco.MjModel.from_xml_path(str(path))
+        data = mujoco.MjData(model)
+        for _ in range(200):
+            mujoco.mj_step(model, data)
+        found = [data.joint(f"platform_{name}").qpos[0] for name in ("x", "y", "theta", "z")]
+        np.testing.assert_allclose(found, mirrored.standing.pose, atol=1e-4)
+        assert model.body("payload").mass[0] == 3.25
+    assert model.nmesh > 40
 
-    def test_csv_and_npz_agree(self) -> None:
-        state = state_at(theta=0.3)
-        text = exports.table(state, STORE, "csv", True).content.decode()
-        rows = [line for line in text.splitlines() if not line.startswith("#")]
-        assert len(rows) == 1 + FULL**2
-        values = np.array([float(row.split(",")[4] or "nan") for row in rows[1:]])
-        arrays = np.load(io.BytesIO(exports.table(state, STORE, "npz", True).content))
-        np.testing.assert_array_equal(values.reshape(FULL, FULL), arrays["max_tau_Nm"])
 
-    def test_a_png_has_the_size_asked_for_and_is_not_blank(self) -> None:
-        file = exports.figure(state_at(), STORE, "png", True, 90.0, 100.0)
-        picture = np.asarray(Image.open(io.BytesIO(file.content)).convert("RGB"))
-        assert picture.shape[1] == round(90 / 25.4 * 100)
-        assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 100
+def test_mujoco_model_at_a_singular_pose_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="singular"):
+        exports.mujoco_model(state_at(theta=np.radians(73.39845)), meshes=False)
 
-    def test_svg_and_pdf(self) -> None:
-        for kind, start in (("svg", b"<?xml"), ("pdf", b"%PDF")):
-            file = exports.figure(state_at(), STORE, kind, True, 90.0, 100.0)
-            assert file.content.startswith(start)
-            assert file.name.endswith(f".{kind}")
 
-    @pytest.mark.parametrize(
-        ("kind", "width", "dpi"),
-        [("png", 1e6, 300), ("png", 170, 5), ("png", 170, 1e9), ("png", -3, 300), ("gif", 90, 90)],
+def client(picture: Any, size: tuple[int, int] = (640, 480)) -> Any:
+    """Return a tab whose page answers with a picture of height and width."""
+    camera = SimpleNamespace(image_width=size[0], image_height=size[1])
+    return SimpleNamespace(
+        camera=camera, get_render=lambda height, width, **_: picture(height, width)
     )
-    def test_what_can_not_be_made_is_refused(self, kind: str, width: float, dpi: float) -> None:
-        with pytest.raises(InvalidInput):
-            exports.figure(state_at(), STORE, kind, False, width, dpi)
-        with pytest.raises(InvalidInput):
-            exports.table(state_at(), STORE, "exe", False)
-
-    def test_a_difference_is_said_to_be_one(self) -> None:
-        state = actions.vary(actions.pin_reference(state_at()), {"links.b3": 1.0})
-        state = state.updated("map_view", difference=True)
-        file = exports.table(state, STORE, "npz", False)
-        assert "difference" in file.name
-        assert "delta_tau1_Nm" in np.load(io.BytesIO(file.content)).files
-
-    def test_the_robot_stands_in_the_file_as_it_stands(self) -> None:
-        state = actions.move(state_at(x=0.04, theta=0.5), x=9.0)
-        scene: Any = trimesh.load(
-            io.BytesIO(exports.robot(state).content), file_type="glb", force="scene"
-        )
-        place = scene.graph.get("platform")[0]
-        configuration = inverse_kinematics(state.standing.geometry, state.standing.pose)
-        x, y, _, z = configuration.pose
-        np.testing.assert_allclose(place[:3, 3], (x, z, -y), atol=1e-6)  # y is up in a GLB
 
 
-class TestMujocoModel:
-    @pytest.fixture
-    def state(self) -> State:
-        """A design of its own, mirrored and posed, and then asked for too much."""
-        state = actions.set_knee(initial_state(), KneeBranch.UPPER)
-        state = actions.vary(state, {"payload.mass": 3.25, "geometry.crank_length": 0.44})
-        return actions.move(actions.move(state, x=0.04, y=-0.02, theta=0.5), x=9.0)
-
-    def test_it_is_the_command_s(self, state: State, tmp_path: Path) -> None:
-        save_design(state.document.design, tmp_path / "d.toml")
-        x, y, theta, z = state.standing.pose
-        pose = (1e3 * x, 1e3 * y, np.degrees(theta), 1e3 * z)
-        words = ["--design", str(tmp_path / "d.toml"), "--assembly", "mirror"]
-        words += ["--mjcf", str(tmp_path / "r.xml"), "--pose", *map(repr, map(float, pose))]
-        assert main(["export", *words]) == 0
-        file = exports.mujoco_model(state, meshes=False)
-        assert file.name.endswith("_mujoco_x40_y-20_theta29_z497.xml")
-        wanted, found = (
-            {
-                (element.tag, element.get("name"), key): value
-                for element in ElementTree.fromstring(text).iter()
-                for key, value in element.attrib.items()
-            }
-            for text in ((tmp_path / "r.xml").read_bytes(), file.content)
-        )
-        assert found.keys() == wanted.keys()
-        for key, value in wanted.items():
-            if found[key] != value:  # the command reads millimeters
-                own, other = (np.array(text.split(), float) for text in (found[key], value))
-                np.testing.assert_allclose(own, other, atol=1e-9, err_msg=str(key))
-
-    def test_mujoco_loads_both_and_they_stand(self, state: State, tmp_path: Path) -> None:
-        mujoco = pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
-        plain = exports.mujoco_model(state, meshes=False)
-        (tmp_path / plain.name).write_bytes(plain.content)
-        packed = exports.mujoco_model(state, meshes=True)
-        with zipfile.ZipFile(io.BytesIO(packed.content)) as archive:
-            archive.extractall(tmp_path)
-        folder = packed.name.removesuffix(".zip")
-        for path in (tmp_path / plain.name, tmp_path / folder / "robot.xml"):
-            model = mujoco.MjModel.from_xml_path(str(path))
-            data = mujoco.MjData(model)
-            for _ in range(200):
-                mujoco.mj_step(model, data)
-            found = [data.joint(f"platform_{name}").qpos[0] for name in ("x", "y", "theta", "z")]
-            np.testing.assert_allclose(found, state.standing.pose, atol=1e-4)
-            assert model.body("payload").mass[0] == 3.25
-        assert model.nmesh > 40
-
-    def test_a_singular_pose_is_refused(self) -> None:
-        with pytest.raises(InvalidInput, match="singular"):
-            exports.mujoco_model(state_at(theta=np.radians(73.39845)), meshes=False)
+@pytest.mark.parametrize(
+    ("window", "size", "expected"),
+    [
+        ((640, 480), None, (640, 480)),
+        ((640, 480), (320, 200), (320, 200)),
+        ((2**40, 10), None, exports.VIEW_SIDES[::-1]),
+    ],
+)
+def test_view_has_the_size_chosen_or_that_of_the_window_within_limits(
+    window: tuple[int, int], size: tuple[int, int] | None, expected: tuple[int, int]
+) -> None:
+    page = client(lambda h, w: np.full((h, w, 4), 7, dtype=np.uint8), window)
+    file = exports.view(state_at(), page, size)
+    assert Image.open(io.BytesIO(file.content)).size == expected
 
 
-class TestView:
-    asked: tuple[int, int] = (0, 0)
-
-    def client(self, picture: Any, size: tuple[int, int] = (640, 480)) -> Any:
-        def render(height: int, width: int, **_: Any) -> Any:
-            self.asked = (width, height)
-            return picture(height, width)
-
-        camera = SimpleNamespace(image_width=size[0], image_height=size[1])
-        return SimpleNamespace(camera=camera, get_render=render)
-
-    @pytest.mark.parametrize("size", [None, (320, 200)])
-    def test_it_has_the_size_asked_for(self, size: tuple[int, int] | None) -> None:
-        client = self.client(lambda h, w: np.full((h, w, 4), 7, dtype=np.uint8))
-        file = exports.view(state_at(), client, size)
-        assert Image.open(io.BytesIO(file.content)).size == (size or (640, 480))
-
-    def test_a_page_that_claims_a_huge_window(self) -> None:
-        client = self.client(lambda h, w: np.zeros((h, w, 4), np.uint8), (2**40, 10))
-        exports.view(state_at(), client, None)
-        assert self.asked == (exports.VIEW_SIDES[1], exports.VIEW_SIDES[0])
-
-    @pytest.mark.parametrize(
-        "answer",
-        [
-            lambda h, w: (_ for _ in ()).throw(TimeoutError()),
-            lambda h, w: (_ for _ in ()).throw(SyntaxError("not a PNG")),
-            lambda h, w: np.zeros((3, 3, 4), np.uint8),
-            lambda h, w: np.zeros((h, w, 4), np.float64),
-            lambda h, w: None,
-        ],
-    )
-    def test_a_page_that_gives_no_picture(self, answer: Any) -> None:
-        with pytest.raises(exports.NoView):
-            exports.view(state_at(), self.client(answer), None)
-
-
-PANEL = export_entries(STORE)
+@pytest.mark.parametrize(
+    "answer",
+    [
+        lambda h, w: (_ for _ in ()).throw(TimeoutError()),
+        lambda h, w: (_ for _ in ()).throw(SyntaxError("not a PNG")),
+        lambda h, w: np.zeros((3, 3, 4), np.uint8),
+        lambda h, w: np.zeros((h, w, 4), np.float64),
+        lambda h, w: None,
+    ],
+    ids=["no answer", "no PNG", "another size", "no bytes", "nothing"],
+)
+def test_page_that_returns_no_picture_is_reported(answer: Any) -> None:
+    with pytest.raises(exports.NoView):
+        exports.view(state_at(), client(answer), None)
 
 
 def started(desk: Desk) -> list[dict[str, Any]]:
     return [m for m in desk.page.received() if m["type"] == "FileTransferStartDownload"]
 
 
-class TestPanel:
-    def test_a_registered_table_format_has_a_button(
-        self, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
-        monkeypatch.setitem(TABLE_FORMATS, "txt", lambda table: b"x" * len(table.columns))
-        with desk_with(server, export_entries(STORE)) as desk:
-            desk.set(desk.handle("export.table"), "TXT")
-            desk.until(lambda: any(title == "Exported" for title, _ in desk.told))
-            assert started(desk)[0]["filename"].endswith(".txt")
+def test_registered_table_format_has_a_button(
+    server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(TABLE_FORMATS, "txt", lambda table: b"x" * len(table.columns))
+    with desk_with(server, export_entries(STORE)) as desk:
+        desk.set("export.table", "TXT")
+        desk.noticed("Exported")
+        assert started(desk)[0]["filename"].endswith(".txt")
 
-    def test_a_button_sends_the_file(self, desk: Desk) -> None:
-        desk.set(desk.handle("export.table"), "NPZ")
-        desk.until(lambda: any(title == "Exported" for title, _ in desk.told))
-        (file,) = started(desk)
-        assert file["filename"].endswith(".npz")
-        assert file["size_bytes"] > 10_000
-        assert file["save_immediately"]
 
-    def test_the_newest_state_is_saved(self, desk: Desk) -> None:
-        desk.dispatch(lambda s: actions.move(s, theta=0.7))
-        desk.dispatch(lambda s: s.updated("map_view", quantity="tau_3"))
-        desk.set(desk.handle("export.single"), "single map")
-        desk.until(lambda: desk.state.export.single)
-        desk.set(desk.handle("export.table"), "NPZ")
-        desk.until(lambda: any("tau-3_theta40" in body for _, body in desk.told))
+def test_latest_state_is_exported(desk: Desk) -> None:
+    desk.dispatch(lambda s: actions.move(s, theta=0.7).updated("map_view", quantity="tau_3"))
+    desk.until(lambda: "τ₃" in desk.handle("export.maps_heading").content)
+    desk.set("export.single", "single map")
+    desk.until(lambda: desk.state.export.single)
+    desk.set("export.table", "NPZ")
+    desk.noticed("tau-3_theta40")
+    (file,) = started(desk)
+    assert file["filename"].endswith(".npz")
+    assert file["size_bytes"] > 10_000
+    assert file["save_immediately"]
 
-    def test_an_impossible_size_is_told_and_the_next_one_works(self, desk: Desk) -> None:
-        desk.set(desk.handle("export.dpi"), 1e9)
-        desk.until(lambda: any("50 to 600 is possible" in body for _, body in desk.told))
-        desk.until(lambda: desk.handle("export.dpi").value == 300.0)
-        desk.set(desk.handle("export.scene"), "Robot as GLB")
-        desk.until(lambda: any("robot" in body for _, body in desk.told))
-        desk.set(desk.handle("export.mujoco"), "MJCF with meshes")
-        desk.until(lambda: any(".zip" in body for _, body in desk.told))
 
-    def test_one_at_a_time(self, desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
-        waiting: list[bool] = []
+def test_refused_size_stops_no_later_export(desk: Desk) -> None:
+    desk.set("export.dpi", 1e9)
+    desk.noticed("50 to 600 is possible")
+    desk.until(lambda: desk.handle("export.dpi").value == 300.0)
+    for key, button, text in (
+        ("export.scene", "Robot as GLB", ".glb"), ("export.mujoco", "MJCF with meshes", ".zip"),
+    ):  # fmt: skip
+        desk.set(key, button)
+        desk.noticed(text)
 
-        def slow(state: State) -> exports.File:
-            waiting.append(True)
-            desk.until(lambda: any(title == "One at a time" for title, _ in desk.told))
-            return exports.File("slow.glb", b"x")
 
-        monkeypatch.setattr(exports, "robot", slow)
-        desk.set(desk.handle("export.scene"), "Robot as GLB")
-        desk.until(lambda: waiting)
-        desk.set(desk.handle("export.table"), "CSV")
-        desk.until(lambda: any(body.startswith("slow.glb") for _, body in desk.told))
-        assert [m["filename"] for m in started(desk)] == ["slow.glb"]
+def test_one_export_runs_at_a_time(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    waiting: list[bool] = []
 
-    def test_a_fault_is_told_and_logged(
-        self, desk: Desk, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-    ) -> None:
-        def broken(state: State) -> exports.File:
-            raise ZeroDivisionError
+    def slow(state: State) -> exports.File:
+        waiting.append(True)
+        desk.noticed("One at a time")
+        return exports.File("slow.glb", b"x")
 
-        monkeypatch.setattr(exports, "robot", broken)
-        desk.set(desk.handle("export.scene"), "Robot as GLB")
-        desk.until(lambda: any(title == "Not exported" for title, _ in desk.told))
-        assert "export failed" in caplog.text
+    monkeypatch.setattr(exports, "robot", slow)
+    desk.set("export.scene", "Robot as GLB")
+    desk.until(lambda: waiting)
+    desk.set("export.table", "CSV")
+    desk.noticed("slow.glb")
+    assert [m["filename"] for m in started(desk)] == ["slow.glb"]
 
-    def test_it_says_what_the_single_map_is(self, desk: Desk) -> None:
-        desk.dispatch(lambda s: replace(s, map_view=replace(s.map_view, quantity="condition")))
-        desk.until(lambda: "condition number" in desk.handle("export.maps_heading").content)
+
+def test_unexpected_error_is_notified_and_logged(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def broken(state: State) -> exports.File:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(exports, "robot", broken)
+    desk.set("export.scene", "Robot as GLB")
+    desk.noticed("Not exported")
+    assert "export failed" in caplog.text

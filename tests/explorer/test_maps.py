@@ -1,26 +1,50 @@
-"""Maps of a state: numbers equal the model's, and no more is solved than what changed."""
+"""Maps of a state: values, extent, differences, color ranges, and what is solved again."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
+from paminsa_viz.explorer.maps import MapStore, choose, go_to
+from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     KneeBranch,
-    Limit,
     check_reach,
     measure_singularity,
     static_torques,
 )
 from paminsa_viz.plots import map_data
+from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half_width
+from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES
-from tests.support.map_states import CELLS, at, poses_of
-from tests.support.samples import with_knee
+
+CELLS = 31
+
+
+def at(**pose: float) -> State:
+    """Return the state at a pose of maps with torques of both signs, or at another one."""
+    return actions.move(initial_state(), **({"theta": 0.7, "z": -0.5} | pose))
+
+
+def compared(**changes: float) -> State:
+    """Return a state that shows the difference of a changed design from Appendix 4's."""
+    state = actions.vary(actions.pin_reference(at()), dict(changes))
+    return state.updated("map_view", difference=True)
+
+
+def poses_of(data: MapData) -> np.ndarray:
+    """Return the poses at the middles of the cells, (rows, columns, 4)."""
+    x, y = np.meshgrid(data.x, data.y)
+    return np.stack([x, y, np.full_like(x, data.theta), np.full_like(x, data.z)], axis=-1)
 
 
 @pytest.fixture
@@ -29,7 +53,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     calls: list[int] = []
     real = map_data.solve_field
 
-    def counted(*args, **kwargs):  # type: ignore[no-untyped-def]
+    def counted(*args: Any, **kwargs: Any) -> Any:
         calls.append(args[1].size)
         return real(*args, **kwargs)
 
@@ -37,155 +61,212 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     return calls
 
 
-class TestNumbers:
-    @pytest.mark.parametrize("knee", list(KneeBranch))
-    def test_torques_are_the_model_s(self, knee: KneeBranch) -> None:
-        state = actions.set_knee(at(), knee)
-        data = MapStore().data(state, CELLS)
-        poses = poses_of(data)
-        expected = static_torques(with_knee(state.document.design, knee), poses)
-        ok = data.status == Limit.OK
-        assert 100 < ok.sum() < ok.size - 100
-        for panel in range(3):
-            np.testing.assert_allclose(
-                data.values[panel][ok], expected[..., panel][ok], rtol=1e-12, atol=1e-12
-            )
-
-    @pytest.mark.parametrize("quantity", list(QUANTITIES))
-    def test_each_quantity_at_the_present_pose(self, quantity: str) -> None:
-        """The cell under a pose holds what the model says at that cell's center."""
-        store = MapStore()
-        state = at()
-        data = store.data(state, CELLS, (quantity,))
-        row, column = 12, 17
-        pose = poses_of(data)[row, column]
-        design = state.document.design
-        tau = static_torques(design, pose)
-        dexterity = measure_singularity(design.geometry, pose)
-        expected = {
-            "tau_1": tau[0],
-            "tau_2": tau[1],
-            "tau_3": tau[2],
-            "f_4": tau[3],
-            "max_torque": np.abs(tau[:3]).max(),
-            "rms_torque": np.sqrt((tau[:3] ** 2).mean()),
-            "condition": dexterity.condition,
-            "determinant": dexterity.determinant,
-            "reach_margin": check_reach(design.geometry, pose).margins.min(),
-        }[quantity]
-        assert data.values[0, row, column] == pytest.approx(float(expected), rel=1e-10)
-        assert data.unit == QUANTITIES[quantity].unit
-
-    def test_cells_out_of_reach_are_masked_with_their_reason(self) -> None:
-        data = MapStore().data(at(), CELLS)
-        reach = check_reach(APPENDIX_4.geometry, poses_of(data))
-        np.testing.assert_array_equal(data.status, reach.status)
-        assert data.leg is not None
-        np.testing.assert_array_equal(data.leg, reach.leg)
-        np.testing.assert_array_equal(
-            np.isnan(data.values), np.broadcast_to(reach.status != 0, data.values.shape)
-        )
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_cells_hold_the_models_torques_or_why_they_are_out_of_reach(knee: KneeBranch) -> None:
+    state = actions.set_knee(at(), knee)
+    data = MapStore().data(state, CELLS)
+    geometry = state.document.design.geometry
+    reach = check_reach(geometry, poses_of(data))
+    np.testing.assert_array_equal(data.status, reach.status)
+    assert data.leg is not None
+    np.testing.assert_array_equal(data.leg, reach.leg)
+    expected = np.moveaxis(static_torques(state.document.design, poses_of(data)), -1, 0)[:3]
+    expected = np.where(reach.ok, expected, np.nan)
+    np.testing.assert_allclose(data.values, expected, rtol=1e-12, atol=1e-12)
+    assert 100 < reach.ok.sum() < reach.ok.size - 100
 
 
-class TestWhatIsSolved:
-    def test_a_mass_only_rescales(self, solved: list[int]) -> None:
-        store, state = MapStore(), at()
-        before = store.data(state, CELLS)
-        heavier = actions.vary(state, {"links.b3": 1.2, "payload.mass": 3.0})
-        after = store.data(heavier, CELLS)
-        assert solved == [CELLS**2]
-        ok = (before.status == 0) & (np.abs(before.values[0]) > 1e-6)
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_each_quantity_is_the_models(quantity: str) -> None:
+    state, (row, column) = at(), (12, 17)
+    data = MapStore().data(state, CELLS, (quantity,))
+    pose, design = poses_of(data)[row, column], state.document.design
+    tau = static_torques(design, pose)
+    dexterity = measure_singularity(design.geometry, pose)
+    expected = {
+        "tau_1": tau[0],
+        "tau_2": tau[1],
+        "tau_3": tau[2],
+        "f_4": tau[3],
+        "max_torque": np.abs(tau[:3]).max(),
+        "rms_torque": np.sqrt((tau[:3] ** 2).mean()),
+        "condition": dexterity.condition,
+        "determinant": dexterity.determinant,
+        "reach_margin": check_reach(design.geometry, pose).margins.min(),
+    }[quantity]
+    assert data.values[0, row, column] == pytest.approx(float(expected), rel=1e-10)
+    assert data.unit == QUANTITIES[quantity].unit
+
+
+Change = Callable[[State], State]
+
+
+@pytest.mark.parametrize(
+    ("change", "solutions"),
+    [
+        (lambda s: actions.vary(s, {"links.b3": 1.2, "payload.mass": 3.0}), 1),
+        (lambda s: actions.move(s, x=0.05, y=-0.02), 1),
+        (lambda s: s.updated("map_view", shared=False), 1),
+        (lambda s: actions.move(s, theta=0.71), 2),
+        (lambda s: actions.move(s, z=-0.51), 2),
+        (lambda s: actions.vary(s, {"geometry.crank_length": 0.43}), 2),
+    ],
+    ids=["masses", "position", "colors", "theta", "z", "lengths"],
+)
+def test_field_is_solved_again_for_theta_z_and_lengths_only(
+    solved: list[int], change: Change, solutions: int
+) -> None:
+    store, state = MapStore(), at()
+    before, after = store.data(state, CELLS), store.data(change(state), CELLS)
+    assert solved == [CELLS**2] * solutions
+    np.testing.assert_array_equal(after.pose, change(state).document.pose)
+    masses = change(state).document.design.links != APPENDIX_4.links
+    ok = (before.status == 0) & (np.abs(before.values[0]) > 1e-6)
+    if solutions == 1:
         ratio = after.values[0][ok] / before.values[0][ok]
         np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
-        assert abs(ratio[0] - 1) > 0.1
+        assert (abs(ratio[0] - 1) > 0.1) == masses
 
-    def test_a_position_or_a_color_solves_nothing(self, solved: list[int]) -> None:
-        store, state = MapStore(), at()
-        store.data(state, CELLS)
-        moved = store.data(actions.move(state, x=0.05, y=-0.02), CELLS)
-        store.data(state.updated("map_view", shared=False), CELLS)
-        assert solved == [CELLS**2]
-        assert tuple(moved.pose[:2]) == (0.05, -0.02)
 
-    @pytest.mark.parametrize("change", [{"theta": 0.71}, {"z": -0.51}])
-    def test_theta_and_z_solve_again(self, solved: list[int], change: dict[str, float]) -> None:
-        store, state = MapStore(), at()
-        store.data(state, CELLS)
-        store.data(actions.move(state, **change), CELLS)
-        assert len(solved) == 2
+def test_store_keeps_the_latest_fields_for_every_quantity(solved: list[int]) -> None:
+    store, state = MapStore(kept=3), at()
+    for theta in (0.1, 0.2, 0.3, 0.4):
+        store.data(actions.move(state, theta=theta), CELLS)
+    for quantity in ("condition", "determinant"):
+        store.data(actions.move(state, theta=0.4), CELLS, (quantity,))
+    assert len(solved) == 4
+    store.data(actions.move(state, theta=0.1), CELLS)
+    assert len(solved) == 5
 
-    def test_another_formula_is_solved_on_the_field_that_is_kept(self, solved: list[int]) -> None:
-        store, state = MapStore(), at()
-        store.data(state, CELLS)
-        store.data(state, CELLS, ("condition",))
-        store.data(state, CELLS, ("determinant",))
-        store.data(state, CELLS)
-        assert len(solved) == 1
 
-    def test_only_so_many_fields_are_kept(self, solved: list[int]) -> None:
-        store, state = MapStore(kept=3), at()
-        for theta in (0.1, 0.2, 0.3, 0.4):
-            store.data(actions.move(state, theta=theta), CELLS)
-        assert len(store._fields) == 3
-        store.data(actions.move(state, theta=0.4), CELLS)
-        assert len(solved) == 4
-        store.data(actions.move(state, theta=0.1), CELLS)
-        assert len(solved) == 5
-
-    def test_a_drag_over_the_default_store_keeps_what_a_mass_needs(self, solved: list[int]) -> None:
-        """Coarse and full of design and reference stay while masses move."""
-        state = actions.pin_reference(at())
-        state = state.updated("map_view", difference=True)
-        state = actions.vary(state, {"geometry.crank_length": 0.41})
-        store = MapStore()
+def test_dragging_a_mass_solves_nothing_with_a_reference_at_both_resolutions(
+    solved: list[int],
+) -> None:
+    store, state = MapStore(), compared(**{"geometry.crank_length": 0.41})
+    for mass in (0.5, 0.6, 0.7):
         for cells in (COARSE, FULL):
-            store.data(state, cells)
-        count = len(solved)
-        for mass in (0.5, 0.6, 0.7):
-            for cells in (COARSE, FULL):
-                store.data(actions.vary(state, {"links.b4": mass}), cells)
-        assert len(solved) == count == 4
+            store.data(actions.vary(state, {"links.b4": mass}), cells)
+        assert len(solved) == 4
 
 
-class TestDifference:
-    def test_other_masses(self) -> None:
-        store = MapStore()
-        state = actions.vary(actions.pin_reference(at()), {"links.b8": 0.9})
-        shown = state.updated("map_view", difference=True)
-        delta = store.data(shown, CELLS)
-        now, reference = (
-            static_torques(design, poses_of(delta))
-            for design in (state.document.design, APPENDIX_4)
-        )
-        ok = delta.status == 0
-        expected = now[..., 1][ok] - reference[..., 1][ok]
-        np.testing.assert_allclose(delta.values[1][ok], expected, atol=1e-9)
-        assert np.abs(expected).max() > 0.1
-        assert delta.provenance.reference == APPENDIX_4.name
+@pytest.mark.parametrize("path", ["links.b8", "geometry.coupler_length"])
+def test_difference_is_that_of_both_designs_where_both_reach(path: str) -> None:
+    store, state = MapStore(), compared(**{path: APPENDIX_4.value(path) * 0.95})
+    delta = store.data(state, CELLS)
+    designs = state.document.design, APPENDIX_4
+    reachable = [check_reach(d.geometry, poses_of(delta)).ok for d in designs]
+    ok = delta.status == 0
+    np.testing.assert_array_equal(ok, reachable[0] & reachable[1])
+    now, reference = (static_torques(design, poses_of(delta))[ok] for design in designs)
+    found = np.moveaxis(delta.values, 0, -1)[ok]
+    np.testing.assert_allclose(found, (now - reference)[:, :3], atol=1e-9)
+    assert np.abs(found).max() > 0.1
+    assert delta.provenance.reference == APPENDIX_4.name
+    plain = state.updated("map_view", difference=False)
+    np.testing.assert_array_equal(
+        store.present(state, CELLS).values, store.data(plain, CELLS).values
+    )
 
-    def test_another_geometry_is_solved_with_its_own_lengths(self) -> None:
-        store = MapStore()
-        state = actions.vary(actions.pin_reference(at()), {"geometry.coupler_length": 0.6})
-        delta = store.data(state.updated("map_view", difference=True), CELLS)
-        poses = poses_of(delta)
-        reachable = [
-            check_reach(geometry, poses).ok
-            for geometry in (state.document.design.geometry, APPENDIX_4.geometry)
-        ]
-        np.testing.assert_array_equal(delta.status == 0, reachable[0] & reachable[1])
-        ok = delta.status == 0
-        expected = static_torques(state.document.design, poses) - static_torques(APPENDIX_4, poses)
-        np.testing.assert_allclose(delta.values[0][ok], expected[..., 0][ok], atol=1e-9)
 
-    def test_without_a_reference_values_are_shown(self) -> None:
-        store, state = MapStore(), at()
-        asked = replace(state, map_view=replace(state.map_view, difference=True))
-        np.testing.assert_array_equal(
-            store.data(asked, CELLS).values, store.data(state, CELLS).values
-        )
+def test_without_a_reference_values_are_shown() -> None:
+    store, state = MapStore(), at()
+    found = store.data(state.updated("map_view", difference=True), CELLS)
+    np.testing.assert_array_equal(found.values, store.data(state, CELLS).values)
 
-    def test_the_present_design_can_be_had_in_any_case(self) -> None:
-        store = MapStore()
-        state = actions.pin_reference(at()).updated("map_view", difference=True)
-        assert np.nanmax(np.abs(store.data(state, CELLS).values)) == 0
-        assert np.nanmax(np.abs(store.present(state, CELLS).values)) > 1
+
+@settings(max_examples=60, deadline=None)
+@given(
+    theta=st.floats(-math.pi, math.pi),
+    z=st.floats(-1.0, 1.0),
+    crank=st.floats(0.3, 0.6),
+    base=st.floats(0.15, 0.5),
+)
+def test_nothing_within_reach_is_outside_the_map(
+    theta: float, z: float, crank: float, base: float
+) -> None:
+    geometry = replace(APPENDIX_4.geometry, crank_length=crank, base_radius=base)
+    angle = np.linspace(0, 2 * np.pi, 61)
+    edge = half_width(geometry) * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    outside = np.concatenate([edge * factor for factor in (1.0, 1.01, 1.2, 2.0)])
+    poses = np.column_stack([outside, np.tile([theta, z], (len(outside), 1))])
+    assert not check_reach(geometry, poses).ok.any()
+
+
+def test_extent_follows_the_lengths_and_holds_little_else_than_the_workspace() -> None:
+    store, state, half = MapStore(), at(), half_width(APPENDIX_4.geometry)
+    heavier = actions.vary(actions.move(state, theta=-2.0, z=-0.9, x=0.1), {"links.b3": 2.0})
+    for cells in (COARSE, FULL):
+        for each in (state, heavier):
+            assert store.data(each, cells).extent == pytest.approx((-half, half, -half, half))
+    data = store.data(actions.move(initial_state(), theta=0.0, z=-0.0275), FULL)
+    assert np.hypot(*np.meshgrid(data.x, data.y))[data.status == 0].max() > 0.9 * half
+    centers = cell_centers(0.3, 7)
+    np.testing.assert_allclose(np.diff(centers), 0.6 / 7)
+    np.testing.assert_allclose(centers, -centers[::-1], atol=1e-16)
+
+
+@given(
+    x=st.floats(allow_nan=False, allow_infinity=False),
+    y=st.floats(allow_nan=False, allow_infinity=False),
+)
+def test_robot_is_sent_to_places_on_the_map_only(x: float, y: float) -> None:
+    pose = go_to(at(), x, y).document.pose
+    assert max(map(abs, pose[:2])) <= half_width(APPENDIX_4.geometry)
+    assert pose[2:] == at().document.pose[2:]
+
+
+def test_robot_is_sent_to_a_tenth_of_a_millimeter() -> None:
+    state = go_to(at(), 0.0512349, -0.03)
+    assert state.standing.pose[:2] == state.document.pose[:2] == (0.0512, -0.03)
+
+
+def scales(
+    view: MapView, quantities: tuple[str, ...] = ("tau_1", "tau_2"), cells: int = FULL
+) -> tuple[MapData, tuple[Scale, ...]]:
+    """Return maps and their color ranges."""
+    store, state = MapStore(), replace(at(), map_view=view)
+    data = store.data(state, cells, quantities)
+    return data, store.scales(state, data, quantities)
+
+
+def manual(low: float, high: float) -> MapView:
+    """Return a view with a manual range."""
+    return MapView(range_mode=RangeMode.MANUAL, low=low, high=high)
+
+
+def test_robust_range_is_the_same_at_both_resolutions() -> None:
+    assert scales(MapView(), cells=COARSE)[1] == scales(MapView(), cells=FULL)[1]
+    assert {s.kind for s in scales(MapView(logarithmic=True, shared=False))[1]} == {"symlog"}
+
+
+@pytest.mark.parametrize("ends", [(-3.0, 4.5), (4.5, -3.0)])
+def test_manual_range_is_used_in_its_unit_only(ends: tuple[float, float]) -> None:
+    assert {(s.low, s.high) for s in scales(manual(*ends))[1]} == {(-3.0, 4.5)}
+    _, (force,) = scales(manual(*ends), ("f_4",))
+    assert (force.low, force.high) != (-3.0, 4.5)
+
+
+@pytest.mark.parametrize("ends", [(2.0, 2.0), (0.0, 0.0), (1e300, 2e300), (math.nan, 1.0)])
+def test_impossible_manual_range_is_not_used(ends: tuple[float, float]) -> None:
+    assert scales(manual(*ends))[1] == scales(MapView())[1]
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_full_range_contains_every_value(shared: bool) -> None:
+    data, found = scales(MapView(range_mode=RangeMode.FULL, shared=shared))
+    for values, scale in zip(data.values, found, strict=True):
+        assert -scale.low == scale.high >= np.nanmax(np.abs(values))
+    assert (found[0] == found[1]) == shared
+
+
+def test_full_range_of_a_force_is_tight() -> None:
+    data, (scale,) = scales(MapView(range_mode=RangeMode.FULL), ("f_4",))
+    low, high = np.nanmin(data.values), np.nanmax(data.values)
+    assert scale.low <= low < high <= scale.high < scale.low + 1.2 * (high - low)
+
+
+@pytest.mark.parametrize("mode", RangeMode)
+def test_map_with_nothing_in_reach_has_a_scale(mode: RangeMode) -> None:
+    data = MapStore().data(at(z=-5.0), CELLS)
+    assert np.isnan(data.values).all()
+    assert len(choose(data, data, MapView(range_mode=mode))) == 3

@@ -19,9 +19,9 @@ from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import read_design, write_design
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, PaminsaError
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
 from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.load import LoadCase, LoadFrame
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from tests.support.documents import DOCUMENTS, assert_same, designs
 from tests.support.samples import random_design
 
@@ -68,6 +68,13 @@ def test_drives_survive_a_share_code() -> None:
     opened = persistence.open_share_code(persistence.share_code(document))
     assert opened.design == document.design
     assert opened.design.drives[0].name == "motor"
+
+
+def test_a_load_survives_a_share_code() -> None:
+    load = LoadCase(-12.5, moment_z=3.0, point_y=0.25, frame=LoadFrame.PLATFORM)
+    document = Document(design=replace(APPENDIX_4, load=load))
+    assert "load" not in persistence.dump(Document(design=APPENDIX_4))  # as older versions wrote it
+    assert persistence.open_share_code(persistence.share_code(document)).design.load == load
 
 
 def test_codes_from_before_there_were_counterweights_are_read() -> None:

@@ -13,10 +13,11 @@ from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEY_OF, KEYS, unit_suffix
 from paminsa_viz.files.design_writer import differences, write_design
 from paminsa_viz.files.errors import DesignFileError, FileError
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
-from paminsa_viz.model.parameters import PARAMETERS
+from paminsa_viz.model.load import LoadCase, LoadFrame
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from tests.support.samples import possible_values
 
 VERSION = "schema_version = 1\n"
 NAMES = st.text(max_size=60).filter(str.isprintable)
@@ -24,7 +25,7 @@ PLACES = [(bar, joint) for bar, joints in BAR_ENDS.items() for joint in joints]
 WEIGHTS = st.lists(
     st.builds(
         lambda place, beyond, mass: Counterweight(*place, beyond, mass),
-        st.sampled_from(PLACES), st.floats(-10, 10), st.floats(0, 1e300),
+        st.sampled_from(PLACES), st.floats(-10, 10), possible_values(PARAMETER["links.b3"]),
     ),
     max_size=3,
 )  # fmt: skip
@@ -34,13 +35,10 @@ WEIGHTS = st.lists(
 def designs(draw: st.DrawFn) -> Design:
     """Any possible design: a few of its numbers are drawn from all that are allowed."""
     chosen = draw(st.lists(st.sampled_from(PARAMETERS), unique_by=lambda item: item.path))
-    changes = {}
-    for item in chosen:
-        least = item.positive or item.path == "geometry.magnification"
-        low = 1.0 if item.path == "geometry.magnification" else 0.0
-        changes[item.path] = draw(st.floats(low, 1e300, exclude_min=least))
+    changes = {item.path: draw(possible_values(item)) for item in chosen}
     try:
         design = APPENDIX_4.vary(changes).with_knee(draw(st.sampled_from(KneeBranch)))
+        design = replace(design, load=replace(design.load, frame=draw(st.sampled_from(LoadFrame))))
         return replace(design, name=draw(NAMES), counterweights=tuple(draw(WEIGHTS)))
     except InvalidDesign:
         assume(False)
@@ -159,6 +157,17 @@ def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> Non
     assert '\nknee = "mirror"' in write_design(upper)
     assert read_design(f'{VERSION}[geometry]\nknee = "mirror"', "d").geometry == upper.geometry
     assert read_design(f'{VERSION}[geometry]\nknee = "printed"', "d") == APPENDIX_4
+
+
+def test_the_loads_frame_stands_in_a_file_only_where_it_is_not_the_world() -> None:
+    turning = replace(APPENDIX_4, load=LoadCase(force_x=-3.0, frame=LoadFrame.PLATFORM))
+    assert "\nframe" not in write_design(APPENDIX_4)
+    assert '\nframe = "platform"' in write_design(turning)
+    text = f'{VERSION}[load]\nforce_x_N = -3.0\nframe = "platform"'
+    assert read_design(text, "d") == turning
+    with pytest.raises(DesignFileError, match='"world" or "platform" is needed') as caught:
+        read_design(f'{VERSION}[load]\nframe = "tool"', "d")
+    assert (caught.value.key, caught.value.line) == ("load.frame", 3)
 
 
 @pytest.mark.parametrize("value", ['"upper"', "1", "true", '["mirror"]', "{a = 1}"])

@@ -8,13 +8,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from paminsa_viz.meshes import bodies, frame, library
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes import library
 from paminsa_viz.meshes.bodies import STANDING, make_body
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.placement import BODIES, place_parts
-from paminsa_viz.meshes.posed import transform
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.meshes.make_parts import script
@@ -26,66 +24,49 @@ pytestmark = pytest.mark.slow
 
 GEOMETRY = APPENDIX_4.geometry
 
-PARALLEL = {frozenset({"b4", "b7"}), frozenset({"b3", "b8"})}
+BARS = ("b3", "b4", "b7", "b8")
+PARALLEL = ({"b4", "b7"}, {"b3", "b8"})
 """Opposite sides of the parallelogram 8-9-4-7: they never cross."""
 
 
-@pytest.mark.parametrize("pair", list(combinations(("b3", "b4", "b7", "b8"), 2)), ids="-".join)
-def test_bars_that_cross_are_in_layers_of_their_own(pair: tuple[str, str]) -> None:
-    (low_a, high_a), (low_b, high_b) = (at.span(bar) for bar in pair)
-    apart = max(low_a - high_b, low_b - high_a)
-    if frozenset(pair) not in PARALLEL:
-        assert apart > 0.001
-    else:
-        # Parallel sides may share a layer, but then exactly.
-        assert apart > 0.001 or at.LAYER[pair[0]] == at.LAYER[pair[1]]
+def test_bars_that_cross_are_in_layers_of_their_own() -> None:
+    for one, other in combinations(BARS, 2):
+        (low_a, high_a), (low_b, high_b) = at.span(one), at.span(other)
+        same = at.LAYER[one] == at.LAYER[other] and {one, other} in PARALLEL
+        assert same or max(low_a - high_b, low_b - high_a) > 0.001, (one, other)
 
 
-@pytest.mark.parametrize("bar", ["b3", "b4", "b7", "b8"])
-def test_no_bar_shares_the_layer_of_shaft_guide_and_slider(bar: str) -> None:
+@pytest.mark.parametrize("bar", BARS)
+def test_a_bar_keeps_to_its_layer_clear_of_the_middle(bar: str) -> None:
+    """Tubes, sockets and barrels; only pins and their collars, which bridge layers, reach out."""
     low, high = at.span(bar)
     assert max(low - at.CORE, -at.CORE - high) > 0.001
-
-
-@pytest.mark.parametrize("bar", ["b3", "b4", "b7", "b8"])
-def test_the_mesh_of_a_bar_keeps_to_its_layer(bar: str) -> None:
-    """Tubes, sockets and barrels; only pins and their collars, which bridge layers, reach out."""
     part = make_body(f"leg1/{bar}", GEOMETRY)
-    low, high = at.span(bar)
-    tubes = [solid.mesh for solid in part.solids if solid.material == "accent"]
+    tubes = [solid.mesh.bounds[:, 1] for solid in part.solids if solid.material == "accent"]
     assert tubes
     for tube in tubes:
-        center = tube.bounds[:, 1].mean()
-        assert center == pytest.approx(at.LAYER[bar], abs=1e-9)
-        assert tube.bounds[0, 1] > low
-        assert tube.bounds[1, 1] < high
+        assert tube.mean() == pytest.approx(at.LAYER[bar], abs=1e-9)
+        assert low < tube[0] < tube[1] < high
     barrel = library.fixed_part("barrel").bounds()[:, 1]
     assert np.abs(barrel).max() <= at.BARREL / 2 + 0.0005
 
 
 @pytest.mark.parametrize("body", ["shaft", "guide", "slider"])
 def test_bodies_of_the_middle_layer_stay_in_it_but_for_pins(body: str) -> None:
-    part = make_body(f"leg1/{body}", GEOMETRY)
-    solid = [p.mesh for p in part.solids if p.material in ("body", "accent")]
+    solids = make_body(f"leg1/{body}", GEOMETRY).solids
+    bounds = [s.mesh.bounds for s in solids if s.material in ("body", "accent")]
     # The quill's collar turns above the base plate, out of the bars' reach.
-    low = [m for m in solid if m.bounds[0, 2] < at.MOUNT or body != "guide"]
-    if body == "guide":
-        low = [m for m in low if m.bounds[1, 2] < at.MOUNT]
-    assert max(np.abs(m.bounds[:, 1]).max() for m in low) <= at.CORE + 1e-9
+    low = [b for b in bounds if b[1, 2] < at.MOUNT or body != "guide"]
+    assert max(np.abs(b[:, 1]).max() for b in low) <= at.CORE + 1e-9
 
 
 @pytest.fixture
 def solid_parts(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """Use the parts as made: in the files, solids of one material are one mesh."""
-    from paminsa_viz.meshes import bodies, frame
+    made = {make.__name__: make for make in script.PARTS}
 
-    made = {fitting.name: fitting.make for fitting in script.CATALOG}
-
-    def fixed(name: str) -> MeshPart:
-        return made[name]()
-
-    monkeypatch.setattr(bodies, "fixed_part", fixed)
-    monkeypatch.setattr(frame, "fixed_part", fixed)
+    for module in (bodies, frame):
+        monkeypatch.setattr(module, "fixed_part", lambda name: made[name]())
     bodies._made.cache_clear()
     yield
     bodies._made.cache_clear()
@@ -121,7 +102,7 @@ POSES = {
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_no_body_passes_through_another(knee: KneeBranch) -> None:
     names = (*STANDING, *BODIES)
-    bodies = {name: SolidBody(make_body(name, with_knee(GEOMETRY, knee))) for name in names}
+    shapes = {name: SolidBody(make_body(name, with_knee(GEOMETRY, knee))) for name in names}
     free = [p for p in combinations(names, 2) if frozenset(p) not in touching()]
     place = layout(with_knee(GEOMETRY, knee))
     limits = {"low": place.platform_low, "high": place.platform_high}
@@ -129,8 +110,8 @@ def test_no_body_passes_through_another(knee: KneeBranch) -> None:
     for pose in POSES[knee]:
         where = (0.0, 0.0, 0.0, limits[pose]) if isinstance(pose, str) else pose
         places = place_parts(inverse_kinematics(with_knee(GEOMETRY, knee), where))
-        frames = {n: transform(places[n]) if n in places else np.eye(4) for n in names}
-        world = {n: bodies[n].points @ frames[n][:3, :3].T + frames[n][:3, 3] for n in names}
+        frames = {n: places[n].matrix if n in places else np.eye(4) for n in names}
+        world = {n: shapes[n].points @ frames[n][:3, :3].T + frames[n][:3, 3] for n in names}
         bounds = {n: (w.min(axis=0), w.max(axis=0)) for n, w in world.items()}
         for a, b in free:
             for one, other in ((a, b), (b, a)):
@@ -138,7 +119,7 @@ def test_no_body_passes_through_another(knee: KneeBranch) -> None:
                 points = world[one]
                 points = points[((points > low) & (points < high)).all(axis=1)]
                 frame = frames[other]
-                inside = bodies[other].holds((points - frame[:3, 3]) @ frame[:3, :3])
+                inside = shapes[other].holds((points - frame[:3, 3]) @ frame[:3, :3])
                 if inside.any():
                     hits.append((pose, one, other, int(inside.sum())))
     assert hits == []
@@ -151,6 +132,6 @@ def test_the_clearance_check_detects_a_collision(monkeypatch: pytest.MonkeyPatch
     configuration = inverse_kinematics(with_knee(GEOMETRY, KneeBranch.UPPER), (0.0, 0.0, 0.0, 0.45))
     places = place_parts(configuration)
     bar, shaft = (SolidBody(make_body(f"leg1/{b}", GEOMETRY)) for b in ("b4", "shaft"))
-    into, onto = (transform(places[f"leg1/{b}"]) for b in ("b4", "shaft"))
+    into, onto = (places[f"leg1/{b}"].matrix for b in ("b4", "shaft"))
     points = shaft.points @ onto[:3, :3].T + onto[:3, 3]
     assert bar.holds((points - into[:3, 3]) @ into[:3, :3]).any()

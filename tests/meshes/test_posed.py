@@ -15,8 +15,8 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.bodies import STANDING
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.meshes.load import LOAD_DENSITY, PAYLOAD_HEIGHT
-from paminsa_viz.meshes.materials import srgb_to_linear
+from paminsa_viz.meshes.loads import LOAD_DENSITY, PAYLOAD_HEIGHT
+from paminsa_viz.meshes.part import srgb_to_linear
 from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
@@ -27,9 +27,8 @@ POSE = (0.05, -0.03, 0.4, -0.6)
 
 def tree(data: bytes) -> dict:
     """The JSON part of a GLB."""
-    assert data[:4] == b"glTF"
-    assert struct.unpack("<I", data[8:12])[0] == len(data)
-    length = struct.unpack("<I", data[12:16])[0]
+    magic, size, length = struct.unpack("<4s4xII", data[:16])
+    assert (magic, size) == (b"glTF", len(data))
     return json.loads(data[20 : 20 + length])
 
 
@@ -43,9 +42,11 @@ def load(data: bytes) -> trimesh.Scene:
 
 
 def test_every_body_is_a_named_node(posed: bytes) -> None:
-    names = {node["name"] for node in tree(posed)["nodes"]}
+    bare = assemble_glb(APPENDIX_4, inverse_kinematics(APPENDIX_4.geometry, POSE), ground=False)
+    names, fewer = ({node["name"] for node in tree(file)["nodes"]} for file in (posed, bare))
     assert {name.replace("/", "_") for name in (*STANDING, *BODIES)} <= names
     assert {"paminsa", "payload"} <= names
+    assert not {"ground", "payload"} & fewer
 
 
 def test_bodies_stand_where_the_mechanism_is_with_y_up(posed: bytes) -> None:
@@ -89,13 +90,6 @@ def test_the_payloads_volume_shows_its_mass(posed: bytes) -> None:
     assert bounds[1, 1] < POSE[3]
 
 
-def test_without_payload_there_is_none() -> None:
-    data = assemble_glb(APPENDIX_4, inverse_kinematics(APPENDIX_4.geometry, POSE), ground=False)
-    names = {node["name"] for node in tree(data)["nodes"]}
-    assert "payload" not in names
-    assert "ground" not in names
-
-
 def test_the_upper_knee_carries_its_payload_on_top() -> None:
     design = LOADED.with_knee(KneeBranch.UPPER)
     configuration = inverse_kinematics(design.geometry, (0.0, 0.0, 0.0, 0.4))
@@ -107,13 +101,16 @@ def test_the_upper_knee_carries_its_payload_on_top() -> None:
 
 
 @pytest.mark.parametrize(
-    "pose", [(0.0, 0.0, 0.0, -1.5), (np.nan, 0.0, 0.0, -0.5), [(0.0, 0.0, 0.0, -0.5)]]
+    ("geometry", "pose"),
+    [
+        (APPENDIX_4.geometry, (0.0, 0.0, 0.0, -1.5)),
+        (APPENDIX_4.geometry, (np.nan, 0.0, 0.0, -0.5)),
+        (APPENDIX_4.geometry, [(0.0, 0.0, 0.0, -0.5)]),
+        (Geometry(base_radius=0.36), POSE),
+    ],
+    ids=["unreachable", "NaN", "batch", "another geometry"],
 )
-def test_an_unreachable_or_batched_pose_is_refused(pose) -> None:
-    with pytest.raises(InvalidInput):
-        assemble_glb(APPENDIX_4, inverse_kinematics(APPENDIX_4.geometry, pose))
-
-
-def test_another_geometry_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="geometry"):
-        assemble_glb(APPENDIX_4, inverse_kinematics(Geometry(base_radius=0.36), POSE))
+def test_a_configuration_that_cannot_be_drawn_is_refused(geometry, pose) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        assemble_glb(APPENDIX_4, inverse_kinematics(geometry, pose))
+    assert caught.value.argument == "configuration"

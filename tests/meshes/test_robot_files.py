@@ -20,7 +20,7 @@ from paminsa_viz.engines.poses import joint_values
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.robot_files import robot_files, zipped
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, inverse_kinematics
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from tests.support import samples
 from tests.support.samples import with_knee
 

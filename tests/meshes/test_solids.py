@@ -54,10 +54,11 @@ def test_a_piece_of_a_ring_spans_its_angle() -> None:
 
 def test_the_outline_around_circles_runs_at_their_radius() -> None:
     corners = np.array([[0.1, 0.0], [-0.05, 0.08], [-0.05, -0.08]])
-    outline = solids.rounded_polygon(corners, 0.02)[:, :2]
+    rounded = solids.rounded_polygon(corners, 0.02, 0.0, 10)
+    outline = rounded[:, :2]
     nearest = np.linalg.norm(outline[:, None] - corners, axis=2).min(axis=1)
     assert nearest == pytest.approx(np.full(len(outline), 0.02))
-    plate = closed(solids.prism(solids.rounded_polygon(corners, 0.02), 0.0, 0.01, 0.001, steps=3))
+    plate = closed(solids.prism(rounded, 0.0, 0.01, 0.001, steps=3))
     assert plate.extents[2] == pytest.approx(0.01)
 
 

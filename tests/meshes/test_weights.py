@@ -13,18 +13,17 @@ from hypothesis import strategies as st
 
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.placement import place_parts
-from paminsa_viz.meshes.posed import transform
-from paminsa_viz.meshes.weights import (
-    DENSITY,
+from paminsa_viz.meshes.loads import (
+    STEEL,
     clearance_text,
     counterweight,
     disc_radius,
     place_along,
 )
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 from tests.support.samples import random_design, random_poses, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
@@ -42,7 +41,7 @@ def test_a_counterweight_is_placed_from_its_joint(
     places = place_parts(configuration)
     for leg in range(3):
         outward = (near[leg] - far[leg]) / np.linalg.norm(near[leg] - far[leg])
-        frame = transform(places[f"leg{leg + 1}/{weight.bar}"])
+        frame = places[f"leg{leg + 1}/{weight.bar}"].matrix
         drawn = frame @ [place_along(design.geometry, weight), 0.0, 0.0, 1.0]
         assert drawn[:3] == pytest.approx(near[leg] + beyond * outward, abs=1e-9)
 
@@ -50,7 +49,7 @@ def test_a_counterweight_is_placed_from_its_joint(
 @given(st.floats(0.02, 50), st.floats(0.02, 50))
 def test_disc_volumes_are_proportional_to_mass(one: float, other: float) -> None:
     volume = [np.pi * disc_radius(m) ** 2 * at.BARREL for m in (one, other)]
-    assert volume[0] * DENSITY == pytest.approx(one)
+    assert volume[0] * STEEL == pytest.approx(one)
     assert volume[0] / volume[1] == pytest.approx(one / other)
 
 

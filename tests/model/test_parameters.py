@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields
 
 from paminsa_viz.model import APPENDIX_4, PARAMETER, PARAMETERS
+from paminsa_viz.model.load import WRENCH
 
 APPENDIX_4_RETYPED = {
     "k": 3.0, "R_b": 0.35, "R_pl": 0.1, "l_B1": 0.308, "l_B2": 0.442, "l_B3 = l_B8": 0.42,
@@ -30,6 +31,8 @@ NOT_IN_THE_PAPER = {
     "friction.viscous_linear": 0.0,
     "friction.coulomb_linear": 0.0,
     "friction.transition_speed": 1e-3,
+    **{f"load.{name}": 0.0 for name in WRENCH},
+    **{f"load.point_{axis}": 0.0 for axis in "xyz"},
 }
 """What the paper leaves out or does not have, at values that change nothing of the paper."""
 
@@ -46,9 +49,10 @@ def test_every_number_of_a_design_is_listed_once() -> None:
         value = getattr(APPENDIX_4, item.name)
         if hasattr(value, "__dataclass_fields__"):
             found += [f"{item.name}.{inner.name}" for inner in fields(value)]
-        elif item.name not in ("name", "counterweights"):
+        elif item.name not in ("name", "counterweights", "drives"):
             found.append(item.name)
-    found.remove("geometry.knee")  # a choice, not a number
+    for choice in ("geometry.knee", "load.frame"):
+        found.remove(choice)  # no number
     assert [p.path for p in PARAMETERS] == found
     assert list(PARAMETER) == found
     assert all(PARAMETER[p.path] is p for p in PARAMETERS)
@@ -73,7 +77,7 @@ def test_every_number_can_be_shown_to_a_person() -> None:
 
 
 def test_groups_are_the_fields_of_a_design() -> None:
-    others = ("gravity", "name", "counterweights")
+    others = ("gravity", "name", "counterweights", "drives")
     names = [item.name for item in fields(APPENDIX_4) if item.name not in others]
     assert list(dict.fromkeys(p.group for p in PARAMETERS)) == [*names, "design"]
     assert PARAMETER["gravity"].group == "design"

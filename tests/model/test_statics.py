@@ -38,7 +38,7 @@ BODIES = tuple(p.path for p in PARAMETERS if p.group in ("joints", "links"))
 
 def massless(design: Design, **changes: float) -> Design:
     """The same robot with no mass but a platform of next to nothing, and the changes."""
-    values = dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 1e-300}
+    values = dict.fromkeys(MASS_PATHS, 0.0) | {"platform.mass": 1e-30}
     return design.vary(values | {key.replace("__", "."): value for key, value in changes.items()})
 
 
@@ -111,7 +111,7 @@ def test_gamma_scales_the_map(case: Case, scale: float) -> None:
     np.testing.assert_array_equal(floating, 0.0)
 
 
-@given(case=cases(), mass=st.floats(0.0, 1e4))
+@given(case=cases(), mass=st.just(0.0) | st.floats(1e-30, 5e3))
 def test_platform_and_payload_ask_nothing_of_m1_to_m3(case: Case, mass: float) -> None:
     """Eq. 4, to the last bit; M4 carries k times their weight."""
     pose = case.poses()

@@ -16,7 +16,7 @@ import pytest
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design, UnreachablePose, static_imbalance
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.report import ReportRequest, report_html
 from paminsa_viz.report.balance_section import balance_section, contributions
 from paminsa_viz.report.blocks import Note, Row, Table

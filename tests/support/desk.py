@@ -1,16 +1,16 @@
-"""A panel on a real session and server, driven over a socket instead of by a browser."""
+"""Sessions without a browser: a panel driven over a socket, and a page that only listens."""
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from types import SimpleNamespace
 from typing import Any
 
 import viser
 
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.entries import Entry
-from paminsa_viz.explorer.inputs import Input
 from paminsa_viz.explorer.session import Session, View
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design
@@ -19,41 +19,68 @@ from tests.support.raw_page import TIMEOUT, RawPage, eventually, update
 Make = Sequence[Entry] | Callable[[Session], View]
 
 
-def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
-    """Yield all inputs of a table, those in folders and tabs as well."""
-    for entry in entries:
-        if isinstance(entry, Input):
-            yield entry
-        for inner in (getattr(entry, "entries", ()), *getattr(entry, "tabs", {}).values()):
-            yield from inputs_in(inner)
+def input_labeled(session: Session, label: str) -> Any:
+    """Return viser's handle of the first input with a label."""
+    inputs = session.client.gui._gui_input_handle_from_uuid.values()
+    return next(handle for handle in inputs if getattr(handle, "label", None) == label)
+
+
+def stop(session: Session) -> None:
+    """End a session and wait for its worker."""
+    session.close()
+    session._thread.join(TIMEOUT)
+    assert not session._thread.is_alive()
+
+
+class SilentPage:
+    """Stands in for viser's handle of a tab.
+
+    Attributes:
+        notices: Notices so far, title and text.
+        flushes: How often it was flushed.
+    """
+
+    camera = SimpleNamespace(image_width=1280, image_height=720)
+    atomic = staticmethod(contextlib.nullcontext)
+
+    def __init__(self) -> None:
+        self.notices: list[tuple[str, str]] = []
+        self.flushes = 0
+
+    def flush(self) -> None:
+        """Count."""
+        self.flushes += 1
+
+    def add_notification(self, title: str, body: str, **options: Any) -> None:
+        """Remember a notice."""
+        self.notices.append((title, body))
 
 
 class Desk:
-    """A panel and its session.
+    """A panel on a session and a real server.
 
     Attributes:
-        panel: The panel.
-        session: The session.
         page: The socket's end.
-        told: Notices so far, title and text.
+        session: The session.
+        panel: The panel.
+        notices: Notices so far, title and text.
     """
 
     def __init__(self, server: viser.ViserServer, make: Make) -> None:
         self.page = RawPage(server)
         self.session = Session(self.page.client, initial_state())
-        self.told: list[tuple[str, str]] = []
-        self.session.notify = self._tell  # type: ignore[method-assign]
+        self.notices: list[tuple[str, str]] = []
+        self.session.notify = (  # type: ignore[method-assign]
+            lambda title, body, *, bad=False: self.notices.append((title, body))
+        )
         self.panel: Any = make(self.session) if callable(make) else Panel(self.session, make)
         self.session.immediate.append(self.panel)
         self.session.start()
 
-    def _tell(self, title: str, body: str, *, bad: bool = False) -> None:
-        del bad
-        self.told.append((title, body))
-
-    def handle(self, key: str) -> Any:
-        """Return the input with a key."""
-        return self.panel.handles[key]
+    def handle(self, name: str) -> Any:
+        """Return the input with a key or, of a panel without keys, with a label."""
+        handles = getattr(self.panel, "handles", {})
+        return handles[name] if name in handles else input_labeled(self.session, name)
 
     @property
     def state(self) -> State:
@@ -62,32 +89,35 @@ class Desk:
 
     @property
     def design(self) -> Design:
-        """The present design."""
+        """The current design."""
         return self.state.document.design
 
-    def set(self, handle: Any, value: Any) -> None:
-        """Do what the page does when a person sets an input or presses a button."""
-        self.page.send(update(handle._impl.uuid, value))
+    def set(self, name: str, value: Any) -> None:
+        """Send what the page sends when a person sets an input or presses a button."""
+        self.page.send(update(self.handle(name)._impl.uuid, value))
 
     def until(self, condition: Callable[[], Any]) -> Any:
         """Wait until something holds."""
         return eventually(condition)
 
-    def dispatch(self, intent: Callable[[State], State]) -> None:
-        """Change the state from elsewhere, and wait until it has been taken."""
+    def noticed(self, text: str) -> None:
+        """Wait until a notice contains a text."""
+        eventually(lambda: any(text in title + body for title, body in self.notices))
+
+    def dispatch(self, action: Callable[[State], State]) -> None:
+        """Change the state from elsewhere, and wait until the worker has done so."""
         done: list[bool] = []
-        self.session.dispatch("elsewhere", intent)
+        self.session.dispatch("elsewhere", action)
         self.session.submit(lambda: done.append(True))
         eventually(lambda: done)
 
 
-@contextmanager
+@contextlib.contextmanager
 def desk_with(server: viser.ViserServer, make: Make) -> Iterator[Desk]:
     """Set a panel up, and clear away after it."""
     desk = Desk(server, make)
     try:
         yield desk
     finally:
-        desk.session.close()
-        desk.session._thread.join(TIMEOUT)
+        stop(desk.session)
         desk.page.socket.close()

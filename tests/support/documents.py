@@ -9,16 +9,16 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import Document, State, initial_state
-from paminsa_viz.model import APPENDIX_4, Design, KneeBranch
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
-from tests.support.samples import random_design, random_poses
+from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, KneeBranch
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from tests.support.samples import possible_values, random_design, random_poses
 
 COUNTERWEIGHTS = st.builds(
     lambda place, end, beyond, mass: Counterweight(place[0], place[1][end], beyond, mass),
     st.sampled_from(list(BAR_ENDS.items())),
     st.sampled_from([0, 1]),
     st.floats(-0.5, 0.5),
-    st.floats(0, 20),
+    possible_values(PARAMETER["links.b3"]),
 )
 
 
@@ -54,8 +54,8 @@ DOCUMENTS = st.builds(
 ).flatmap(lambda document: st.sampled_from(KneeBranch).map(lambda k: _document(k, document)))
 
 
-def standing_state(seed: int) -> State:
-    """Return a state in which a random robot stands at a random pose."""
+def state_at_random_pose(seed: int) -> State:
+    """Return a state with a random robot at a random pose."""
     rng = np.random.default_rng(seed)
     design = random_design(rng)
     x, y, theta, z = (float(v) for v in random_poses(rng, design)[0])

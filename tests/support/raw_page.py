@@ -48,6 +48,22 @@ def update(uuid: str, value: Any) -> bytes:
     return pack({"type": "GuiUpdateMessage", "uuid": uuid, "updates": {"value": value}})
 
 
+def upload_messages(
+    button: str, content: bytes, name: str = "a.toml", transfer: str = "t"
+) -> list[dict[str, Any]]:
+    """Return what the page sends when a file is given to an upload button."""
+    parts = [content[i : i + 2**19] for i in range(0, len(content), 2**19)]
+    same = {"source_component_uuid": button, "transfer_uuid": transfer}
+    start = {"filename": name, "mime_type": "", "size_bytes": len(content)}
+    return [
+        {"type": "FileTransferStartUpload", "part_count": len(parts), **start, **same},
+        *(
+            {"type": "FileTransferPart", "part_index": index, "content": part, **same}
+            for index, part in enumerate(parts)
+        ),
+    ]
+
+
 def dial(port: int, **options: Any) -> ClientConnection:
     """Open a WebSocket as viser's page does; it takes all that is sent, read or not."""
     options = {"subprotocols": [PROTOCOL], "compression": None, "max_size": None} | options

@@ -8,22 +8,31 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from hypothesis import strategies as st
 
-from paminsa_viz.model.design import (
-    APPENDIX_4,
-    Design,
-    Geometry,
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
+from paminsa_viz.model.parameters import (
     Inertias,
     JointMasses,
-    KneeBranch,
     LinkMasses,
+    Parameter,
     Payload,
     Platform,
+    possible_range,
 )
 from tests import oracle
 
 MARGIN = 0.05
 """Share of a length that random poses keep from every limit."""
+
+
+def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
+    """Draw any number that a design takes at a place, if it contradicts no other one."""
+    low, high = possible_range(parameter.unit, parameter.positive)
+    if parameter.path == "geometry.magnification":
+        low += 1.0
+    numbers = st.floats(-high if parameter.signed else low, high)
+    return numbers if parameter.positive else st.just(0.0) | numbers
 
 
 def random_design(rng: np.random.Generator, *, payload: bool = True) -> Design:

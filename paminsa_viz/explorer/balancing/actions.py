@@ -11,8 +11,7 @@ from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, InvalidInput
-from paminsa_viz.model.bounds import validate_limits
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 
 
 def change_settings(state: State, **changes: Any) -> State:
@@ -121,7 +120,7 @@ def chosen_point(state: State) -> int | None:
 
 
 def _compared(state: State, design: Design, reference: Design) -> State:
-    design = renamed_if_changed(validate_limits(design))
+    design = renamed_if_changed(design)
     return with_document(state, replace(state.document, design=design, reference=reference))
 
 
@@ -129,10 +128,10 @@ def set_counterweights(state: State, weights: tuple[Counterweight, ...]) -> Stat
     """Attach these counterweights to every leg, and no others.
 
     Raises:
-        InvalidDesign: If they are too many or too large to work with.
+        InvalidDesign: If they are too many.
     """
     changed = replace(state.document.design, counterweights=weights)
-    design = renamed_if_changed(validate_limits(changed))
+    design = renamed_if_changed(changed)
     return with_document(state, replace(state.document, design=design))
 
 

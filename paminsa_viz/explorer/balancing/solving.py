@@ -47,7 +47,7 @@ from paminsa_viz.model import (
     static_imbalance,
     xy_grid,
 )
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.plots.map_data import cell_centers, half_width
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights

@@ -85,6 +85,9 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
         for p in PARAMETERS
         if is_changed(design, p.path, reference)
     ]
+    frames = [which.load.frame.value for which in (reference, design)]
+    if frames[0] != frames[1]:
+        rows.append(["load fixed in", frames[0], Markup("<b>{}</b>").format(frames[1]), ""])
     rows += [
         [
             f"on {place}",

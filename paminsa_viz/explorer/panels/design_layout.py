@@ -22,7 +22,6 @@ from paminsa_viz.model import (
     InvalidInput,
     Parameter,
 )
-from paminsa_viz.model.bounds import largest
 from paminsa_viz.units import number, symbol_text
 
 STROKE = "geometry.guide_stroke"
@@ -81,6 +80,9 @@ GROUPS = (
     Group("Inertia, friction, g", "Inertias of the links [kg·m²]", ("inertias.",), open=False),
     Group("Inertia, friction, g", "Gravity", ("gravity",)),
     Group("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
+    Group("Load", "External force [N]", ("load.force",)),
+    Group("Load", "External moment [N·m]", ("load.moment",)),
+    Group("Load", "Point of the force, from the center [mm]", ("load.point",)),
 )  # fmt: skip
 """Every number of a design, once."""
 
@@ -114,8 +116,16 @@ NAMES = {
     "payload.inertia": "payload",
     "inertias.b2_vertical": "shaft",
     "inertias.b10_vertical": "guide link",
+    "load.moment_x": "bearings",
+    "load.moment_y": "bearings",
+    **dict.fromkeys(("load.force_x", "load.force_y", "load.force_z", "load.moment_z"), ""),
 }
 """A word or two next to the symbol; of what is not here, the unit or the direction."""
+
+BEARING_PATHS = ("load.moment_x", "load.moment_y", "load.point_z")
+"""What no actuator sees."""
+
+BEARINGS = "The bearings carry it: the actuators do not see it."
 
 RANGES = {
     "geometry.magnification": (1.35, 6.0, 0.025),
@@ -128,6 +138,9 @@ RANGES = {
     "friction.transition_speed": (0.0005, 0.1, 0.0005),
 }
 """Ends and step of a slider in the unit shown, where they do not follow from Appendix 4's value."""
+
+_SIGNED = {"N": (200.0, 1.0), "N m": (20.0, 0.1), "m": (200.0, 0.5)}
+"""Largest size and step of numbers with a sign, in the unit shown."""
 
 _BY_UNIT = {"kg": (3.0, 10.0, 0.0005), "kg m^2": (3.0, 0.1, 0.00005), "m": (2.0, 100.0, 0.25)}
 """The range in times of Appendix 4's value, the range if that is zero, and the step.
@@ -142,6 +155,9 @@ def base_range(parameter: Parameter) -> tuple[float, float, float]:
     """
     if parameter.path in RANGES:
         return RANGES[parameter.path]
+    if parameter.signed:
+        size, step = _SIGNED[parameter.unit]
+        return -size, size, step
     times, otherwise, step = _BY_UNIT[parameter.unit]
     high = round_up(times * parameter.display.from_si(parameter.default)) or otherwise
     return (step if parameter.positive else 0.0), high, step
@@ -159,7 +175,7 @@ def fitted_range(path: str, ends: tuple[float, float], value: float) -> tuple[fl
     """Return a slider's range, grown if it has to be to hold ``value`` with room above it."""
     low, high = ends
     if value > high:
-        most = PARAMETER[path].display.from_si(largest(path))
+        most = PARAMETER[path].display.from_si(PARAMETER[path].largest)
         high = min(round_up(1.5 * value), max(most, value))
     return min(low, value), high
 
@@ -180,6 +196,8 @@ def hint(parameter: Parameter) -> str:
     if parameter.path == STROKE:
         default = "as long as l_B10, and it follows l_B10 until it is set"
     name = parameter.label[:1].upper() + parameter.label[1:]
+    if parameter.group == "load":
+        return f"{name}. {BEARINGS}" if parameter.path in BEARING_PATHS else f"{name}."
     return f"{name}. Appendix 4: {default}."
 
 

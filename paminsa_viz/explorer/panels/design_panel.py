@@ -1,4 +1,4 @@
-"""The design's numbers: masses, geometry, inertias, friction; and their static imbalance."""
+"""The design's numbers: masses, geometry, inertias, friction, load; and their static imbalance."""
 
 from __future__ import annotations
 
@@ -7,13 +7,22 @@ from dataclasses import replace
 from functools import lru_cache, partial
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Slider
+from paminsa_viz.explorer.inputs import Dropdown, Slider
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group, is_changed, slider
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import APPENDIX_4, Geometry, Parameter, lumped_matrix, static_imbalance
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Geometry,
+    LoadFrame,
+    Parameter,
+    center_wrench,
+    load_torques,
+    lumped_matrix,
+    static_imbalance,
+)
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.units import number, symbol_text
@@ -90,10 +99,45 @@ def _folder(group: Group) -> Folder:
     return Folder(f"design.{group.title}", group.title, open=group.open, entries=entries)
 
 
+def load_html(frame: Frame) -> str:
+    """Return the load at the platform's center: what the actuators carry, and what bearings do."""
+    design = frame.standing_design
+    pose = frame.configuration.pose
+    wrench = center_wrench(design.load, float(pose[2]))
+    against = load_torques(design.geometry, design.load, pose)
+    rows = [(name, float(value), "N" if name == "F₄" else "N·m")
+            for name, value in zip(("τ₁", "τ₂", "τ₃", "F₄"), against, strict=True)]  # fmt: skip
+    return render("load.j2", acts=design.load.acts, wrench=wrench.tolist(), rows=rows)
+
+
+def _set_frame(state: State, frame: LoadFrame) -> State:
+    design = state.document.design
+    changed = replace(design, load=replace(design.load, frame=frame))
+    return actions.with_document(state, replace(state.document, design=changed))
+
+
+LOAD = (
+    Html("design.load", content=load_html),
+    Dropdown(
+        "design.load.frame", "Direction fixed in",
+        options={"the world": LoadFrame.WORLD, "the platform": LoadFrame.PLATFORM},
+        hint="Whether force and moment keep their direction or turn with the platform; the point "
+        "always moves with it",
+        read=lambda state: state.document.design.load.frame, apply=_set_frame,
+    ),
+)  # fmt: skip
+"""What stands above the sliders of the load."""
+
+
+def _tab(tab: str) -> tuple[Entry, ...]:
+    folders = tuple(_folder(group) for group in GROUPS if group.tab == tab)
+    return (*LOAD, *folders) if tab == "Load" else folders
+
+
 DESIGN = (
     Html("design.gauge", content=gauge_html),
     Tabs(
         "design.tabs",
-        tabs={tab: tuple(_folder(group) for group in GROUPS if group.tab == tab) for tab in TABS},
+        tabs={tab: _tab(tab) for tab in TABS},
     ),
 )

@@ -14,8 +14,7 @@ from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import APPENDIX_4, Design, InvalidDesign
-from paminsa_viz.model.bounds import validate_limits
+from paminsa_viz.model import APPENDIX_4, Design
 
 
 def file_name(design: Design) -> str:
@@ -33,10 +32,7 @@ def uploaded_design(name: str, content: bytes) -> Design:
     """
     if not content:
         raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
-    try:
-        return validate_limits(read_design(content, name))
-    except InvalidDesign as error:
-        raise DesignFileError(name, str(error)) from error
+    return read_design(content, name)
 
 
 def _download(session: Session) -> None:

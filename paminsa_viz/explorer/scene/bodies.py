@@ -16,9 +16,9 @@ from viser import FrameHandle, GlbHandle
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes import bodies as shapes
-from paminsa_viz.meshes import load
+from paminsa_viz.meshes import loads
+from paminsa_viz.meshes.loads import counterweight_glb
 from paminsa_viz.meshes.placement import about_z, elevated
-from paminsa_viz.meshes.weights import counterweight_glb
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import Configuration
@@ -149,11 +149,11 @@ class Bodies:
         """Show a payload, its volume in proportion to its mass; without mass it is hidden."""
         name, mass = f"{node_name('platform')}/payload", design.payload.mass
         if mass > 0:
-            node = self._put(name, load.payload_glb())
-            node.position = load.payload_offset(design.geometry)
+            node = self._put(name, loads.payload_glb())
+            node.position = loads.payload_offset(design.geometry)
             over = design.geometry.knee is KneeBranch.UPPER
             node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
-            node.scale = load.payload_scale(mass)
+            node.scale = loads.payload_scale(mass)
         if name in self._nodes:
             self._nodes[name].visible = mass > 0
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from viser import LineSegmentsHandle, SceneApi
 
 from paminsa_viz import palette
-from paminsa_viz.meshes.materials import srgb_to_linear
+from paminsa_viz.meshes.part import srgb_to_linear
 
 Array = NDArray[np.float64]
 

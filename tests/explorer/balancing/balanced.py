@@ -10,7 +10,7 @@ from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels.balance_text import status_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import Counterweight
 
 HANGING = Counterweight("b8", 8, 0.1, 1.0)
 

@@ -14,8 +14,7 @@ from paminsa_viz.explorer.balancing.solving import tidied
 from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import APPENDIX_4, InvalidDesign, static_imbalance
-from paminsa_viz.model.bounds import MOST_COUNTERWEIGHTS
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from tests.explorer.balancing.balanced import HANGING, solved, with_design
 
 

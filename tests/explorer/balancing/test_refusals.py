@@ -8,12 +8,10 @@ from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, Goal
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.balance_text import details_html
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import InvalidInput, static_imbalance
+from paminsa_viz.model import static_imbalance
 from tests.explorer.balancing.balanced import solved, status
-from tests.explorer.panel_desk import inputs_in
 
 
 def test_impossible_bounds_are_told_with_what_to_relax(start: State) -> None:
@@ -54,27 +52,3 @@ def test_nothing_that_may_change_is_refused(start: State) -> None:
         start, slot_b3=CounterweightSlot(), slot_b8=CounterweightSlot()
     )
     assert "give counterweights a mass" in status(solved(none))
-
-
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [
-        ("balance.max_increase", -1.0),
-        ("balance.max_increase", float("nan")),
-        ("balance.max_decrease", 150.0),
-        ("balance.slot_b8", (2000.0, 1.0)),
-        ("balance.slot_b3", (100.0, -1.0)),
-        ("balance.max_added", 1e6),
-        ("balance.variation", 60.0),
-    ],
-)
-def test_settings_out_of_range_are_refused(start: State, key: str, value: object) -> None:
-    entry = next(entry for entry in inputs_in(BALANCE) if entry.key == key)
-    with pytest.raises(InvalidInput, match=r"is possible|is needed"):
-        entry.parse(start, value)
-
-
-def test_every_input_takes_back_what_it_shows(start: State) -> None:
-    for entry in inputs_in(BALANCE):
-        value = entry.parse(start, entry.shown(start))
-        assert entry.key == "balance.point" or entry.apply(start, value) == start

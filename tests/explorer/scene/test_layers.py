@@ -13,7 +13,7 @@ from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.view_panel import commands, view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
-from paminsa_viz.explorer.scene.skeleton import sticks
+from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4
 from tests.support.desk import desk_with
@@ -61,7 +61,7 @@ def test_one_entry_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -
         nodes = scene._handle_from_node_name
         desk.until(lambda: "/grid" in nodes)
         box = desk.handle("layers.grid")
-        desk.set(box, True)
+        desk.set("layers.grid", True)
         desk.until(lambda: "grid" in desk.state.layers)
         desk.until(lambda: nodes["/grid"].visible)
         (command,) = [c for c in commands() if c.label == "Show or hide: grid"]

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.scene.bodies import node_name
-from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centers
-from paminsa_viz.model.counterweight import Counterweight
+from paminsa_viz.explorer.scene.mechanism import gravity_arrows, mass_centers
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients
+from paminsa_viz.model.parameters import Counterweight
 from tests.support.samples import random_poses
 from tests.support.scene import Scene, solved
 

@@ -1,4 +1,4 @@
-"""Counterweights: discs on the bars, or beyond their ends on a stub of the bar's tube."""
+"""What hangs on the robot: the payload, and counterweights on the bars or on stubs beyond them."""
 
 from __future__ import annotations
 
@@ -9,22 +9,64 @@ from typing import Final
 import numpy as np
 
 from paminsa_viz.meshes import layers as at
+from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
-from paminsa_viz.meshes.solids import ACROSS, ALONG, moved, rod
-from paminsa_viz.model.counterweight import BAR_ENDS, Counterweight
+from paminsa_viz.meshes.solids import ACROSS, ALONG, Array, moved, rod, turn
 from paminsa_viz.model.counterweight_clearance import counterweight_clearance
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg_points import bar_length
+from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
-DENSITY: Final = 7850.0
-"""Of steel; turns a mass into the size of its disc [kg/m^3]."""
+LOAD_DENSITY: Final = 3500.0
+"""Density that turns the payload's mass into the size it is drawn at [kg/m^3]."""
+
+PAYLOAD_HEIGHT: Final = 1.25 * (1.0 / LOAD_DENSITY / (1.25 * np.pi)) ** (1 / 3)
+"""Height of a payload of 1 kg: a drum 1.25 times as high as its radius [m]."""
+
+
+@lru_cache(maxsize=1)
+def payload_glb() -> bytes:
+    """Return the payload of 1 kg as a GLB in its own frame."""
+    return fixed_part("payload").glb()
+
+
+def payload_scale(mass: float) -> float:
+    """Return the size of the payload's mesh for a mass [kg]; its volume is in proportion."""
+    return float(np.cbrt(max(mass, 0.0)))
+
+
+def payload_offset(geometry: Geometry) -> tuple[float, float, float]:
+    """Return where the payload's upper face sits in the platform's frame [m].
+
+    It hangs below the platform where the robot hangs, and stands on it with the upper knee
+    (there the mesh is turned over).
+    """
+    top = geometry.platform_joint_height - at.PLATE_BELOW_5
+    below = geometry.knee is KneeBranch.LOWER
+    return (0.0, 0.0, top - 0.0215 if below else top + 0.0025)
+
+
+def payload_transform(geometry: Geometry, mass: float) -> Array:
+    """Return the payload's size and place in the platform's frame as a matrix, (4, 4)."""
+    over = geometry.knee is KneeBranch.UPPER
+    out = np.eye(4)
+    out[:3, :3] = payload_scale(mass) * (turn("x", np.pi) if over else np.eye(3))
+    out[:3, 3] = payload_offset(geometry)
+    return out
+
+
+def payload_center(geometry: Geometry, mass: float) -> Array:
+    """Return the middle of the payload in the platform's frame, (3,) [m]."""
+    x, y, top = payload_offset(geometry)
+    half = PAYLOAD_HEIGHT * payload_scale(mass) / 2
+    return np.array([x, y, top - half if geometry.knee is KneeBranch.LOWER else top + half])
+
+
+STEEL: Final = 7850.0
+"""Density that turns a counterweight's mass into the size of its disc [kg/m^3]."""
 
 SMALLEST: Final = 0.004
 """Radius below which no disc is drawn any smaller [m]; that of 10 g."""
-
-SEGMENTS: Final = 22
-HUB: Final = 0.34
-"""Radius of the colored hub as a part of the disc's."""
 
 
 def disc_radius(mass: float) -> float:
@@ -32,7 +74,7 @@ def disc_radius(mass: float) -> float:
 
     So it stays within its bar's layer, and its volume is in proportion to the mass.
     """
-    return max(float(np.sqrt(max(mass, 0.0) / (DENSITY * np.pi * at.BARREL))), SMALLEST)
+    return max(float(np.sqrt(max(mass, 0.0) / (STEEL * np.pi * at.BARREL))), SMALLEST)
 
 
 def place_along(geometry: Geometry, weight: Counterweight) -> float:
@@ -58,8 +100,8 @@ def counterweight(geometry: Geometry, weight: Counterweight) -> MeshPart:
         low, high = sorted((x, end))
         tube = rod(at.TUBE_RADIUS[weight.bar], low, high, 0.0, 12)
         part.add("accent", moved(tube, (0.0, y, 0.0), ALONG))
-    disc = rod(radius, -half, half, 0.002, SEGMENTS)
-    hub = rod(HUB * radius, -half - 0.001, half + 0.001, 0.0, 14)
+    disc = rod(radius, -half, half, 0.002, 22)
+    hub = rod(0.34 * radius, -half - 0.001, half + 0.001, 0.0, 14)
     part.add("body", moved(disc, (x, y, 0.0), ACROSS))
     return part.add("accent", moved(hub, (x, y, 0.0), ACROSS))
 

@@ -1,0 +1,283 @@
+"""Every input of every panel: what it shows, takes, refuses and undoes."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+import viser
+
+from paminsa_viz.explorer import actions, bindings
+from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.bindings import Binding, same
+from paminsa_viz.explorer.entries import Entry, given
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import (
+    Checkbox,
+    Dropdown,
+    Input,
+    Number,
+    Pair,
+    Slider,
+    TextBox,
+    in_unit,
+)
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Kind
+from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels.balance_panel import BALANCE
+from paminsa_viz.explorer.panels.design_panel import DESIGN
+from paminsa_viz.explorer.panels.export_panel import export_entries
+from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
+from paminsa_viz.explorer.panels.motion_panel import motion_entries
+from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
+from paminsa_viz.explorer.panels.pose_panel import POSE
+from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import InvalidInput
+from tests.support.desk import SilentPage, desk_with, stop
+from tests.support.raw_page import eventually
+
+
+def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
+    """Yield all inputs of a table, those in folders and tabs as well."""
+    for entry in entries:
+        if isinstance(entry, Input):
+            yield entry
+        for inner in (getattr(entry, "entries", ()), *getattr(entry, "tabs", {}).values()):
+            yield from inputs_in(inner)
+
+
+def name(entry: Input, state: State) -> str:
+    """Return what messages call an input."""
+    return given(entry.label, state) or entry.key
+
+
+NO_PICTURE: Any = SimpleNamespace(scales=())
+PANELS: dict[str, tuple[Entry, ...]] = {
+    "pose": POSE,
+    "design": DESIGN,
+    "balance": BALANCE,
+    "motion": motion_entries(MotionStore()),
+    "plots": PLOT_INPUTS,
+    "view": view_entries(),
+    "export": tuple(export_entries(MapStore())),
+    "file": FILE,
+    "torque maps": torque_entries("torque maps", NO_PICTURE),
+    "single map": single_entries("single map", NO_PICTURE),
+}
+INPUTS = [
+    pytest.param(entry, id=f"{panel}:{entry.key}")
+    for panel, entries in PANELS.items()
+    for entry in inputs_in(entries)
+]
+JUNK: dict[type[Input], list[Any]] = {
+    Slider: [math.nan, math.inf, 10**400, "1", None, True, [1.0]],
+    Number: [math.nan, -math.inf, 10**400, "1", None, False, [1.0]],
+    Pair: [[1.0, math.nan], [1.0], [1.0, 2.0, 3.0], [True, 1.0], "ab", None],
+    Checkbox: [1, "on", None],
+    Dropdown: ["no such text", 3, None],
+    TextBox: [3, None],
+}
+ONE_WAY = {"balance.point", "weights.add"}
+"""Inputs that show no value of the state: a step to a design of the front, an action."""
+
+
+@pytest.fixture(scope="module")
+def state() -> State:
+    """A state in which as many inputs as possible have something to show."""
+    state = actions.pin_reference(actions.move(initial_state(), x=0.02, theta=0.3))
+    state = balancing.add_counterweight(state, "b8", 8)
+    return motions.choose_kind(state, Kind.ARCH)
+
+
+def ends(entry: Input, state: State) -> list[tuple[Any, Any]]:
+    """Return the lowest and highest values of a number's range, and values beyond them."""
+    if isinstance(entry, (Slider, Number)):
+        slider = isinstance(entry, Slider)
+        low, high = given(entry.range, state) if slider else in_unit(entry.range, entry.unit)
+        return [(end, end + sign) for end, sign in ((low, -1.0), (high, 1.0)) if end is not None]
+    if isinstance(entry, Pair) and None not in sum(entry.range, ()):
+        low, high = zip(*map(in_unit, entry.range, entry.units), strict=True)
+        return [(low, (low[0], low[1] - 1.0)), (high, (high[0] + 1.0, high[1]))]
+    return []
+
+
+def another(entry: Input, state: State) -> Any:
+    """Return a possible value that the input does not show."""
+    if isinstance(entry, Checkbox):
+        return not entry.shown(state)
+    if isinstance(entry, Dropdown):
+        return next(text for text in given(entry.options, state) if text != entry.shown(state))
+    if isinstance(entry, TextBox):
+        return {"file.name": "light arms"}.get(entry.key, entry.shown(initial_state()))
+    if entry.key.endswith(".ends"):
+        return (-2.5, 4.0)
+    if entry.key.startswith("weights."):
+        return (150.0, 2.5)
+    if isinstance(entry, Pair):
+        return next(end for end, _ in ends(entry, state) if end != entry.shown(state))
+    assert isinstance(entry, (Slider, Number))
+    value, high = entry.shown(state), ends(entry, state)[-1][0]
+    return value + entry.step if value < high else value - entry.step
+
+
+@pytest.mark.parametrize("entry", INPUTS)
+def test_input_takes_back_what_it_shows(entry: Input, state: State) -> None:
+    if entry.key not in ONE_WAY:
+        shown = entry.shown(state)
+        after = entry.apply(state, entry.parse(state, shown))
+        assert same(entry.shown(after), shown)
+
+
+@pytest.mark.parametrize("entry", INPUTS)
+def test_value_of_another_kind_is_refused_by_name(entry: Input, state: State) -> None:
+    for value in JUNK[type(entry)]:
+        with pytest.raises(InvalidInput) as error:
+            entry.parse(state, value)
+        assert error.value.argument == name(entry, state) != ""
+
+
+@pytest.mark.parametrize("entry", INPUTS)
+def test_ends_of_a_range_are_taken_and_no_number_beyond_them(entry: Input, state: State) -> None:
+    if entry.key in ONE_WAY:
+        return
+    for end, beyond in ends(entry, state):
+        after = entry.apply(state, entry.parse(state, end))
+        assert entry.shown(after) == pytest.approx(end, rel=1e-12, abs=5e-4)
+        if not isinstance(entry, Slider):
+            with pytest.raises(InvalidInput) as error:
+                entry.parse(state, beyond)
+            assert error.value.argument == name(entry, state)
+        elif entry.fit is None:
+            assert entry.parse(state, beyond) == entry.parse(state, end)
+        else:
+            assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("balance.max_increase", -1.0),
+        ("balance.max_decrease", 150.0),
+        ("balance.slot_b8", (2000.0, 1.0)),
+        ("balance.slot_b3", (100.0, -1.0)),
+        ("balance.max_added", 1e6),
+        ("balance.variation", 60.0),
+        ("export.width", 1e6),
+        ("export.dpi", 1e9),
+        ("motion.radius", 0.0),
+        ("simulation.bandwidth", 1e4),
+    ],
+)
+def test_absurd_setting_is_refused(key: str, value: object, state: State) -> None:
+    entries = {entry.key: entry for panel in PANELS.values() for entry in inputs_in(panel)}
+    with pytest.raises(InvalidInput, match=r"is possible|is needed"):
+        entries[key].parse(state, value)
+
+
+@pytest.mark.parametrize("entry", [p for p in INPUTS if isinstance(p.values[0], Dropdown)])
+def test_every_choice_is_shown_once_it_is_made(entry: Dropdown, state: State) -> None:
+    for text in given(entry.options, state):
+        if entry.key not in ONE_WAY:
+            assert entry.shown(entry.apply(state, entry.parse(state, text))) == text
+
+
+def test_keys_and_labels_tell_inputs_apart(state: State) -> None:
+    keys = Counter(entry.key for entries in PANELS.values() for entry in inputs_in(entries))
+    assert {key for key, count in keys.items() if count > 1} == {"layers.path"}  # in two panels
+    for entries in PANELS.values():
+        names = Counter(name(entry, state) for entry in inputs_in(entries))
+        assert max(names.values()) == 1, names.most_common(1)
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_each_input_sets_the_state_and_undo_takes_it_back(
+    server: viser.ViserServer, panel: str, state: State
+) -> None:
+    entries = PANELS[panel]
+    with desk_with(server, entries) as desk:
+        for entry in inputs_in(entries):
+            if entry.key in ONE_WAY or (entry.key.startswith("weights.") and entry.key[-1] != "0"):
+                continue
+            desk.dispatch(lambda _: state)
+            desk.until(lambda e=entry: desk.handle(e.key).value == e.shown(state))
+            value = another(entry, state)
+            expected = entry.apply(state, entry.parse(state, value))
+            desk.set(entry.key, value)
+            desk.until(lambda e=entry, s=expected: e.read(desk.state) == e.read(s))
+            assert desk.state == expected
+            if expected.document != state.document and entry.undo:
+                desk.session.undo()
+                desk.until(lambda: desk.state.document == state.document)
+                assert not desk.notices
+
+
+@pytest.fixture
+def session() -> Iterator[Session]:
+    page: Any = SilentPage()
+    started = Session(page, initial_state())
+    started.start()
+    yield started
+    stop(started)
+
+
+class FakeInput:
+    """Stands in for an input of the page: its value is set at once, its callback comes later."""
+
+    value = 0.0
+
+    def __init__(self, session: Session, apply: Callable[[State, float], State]) -> None:
+        entry = Slider(
+            "x", range=(-1.0, 1.0), step=0.001, read=lambda s: s.document.pose[0], apply=apply
+        )
+        binding = Binding(session, entry, self)
+        self.drawn: list[State] = []
+
+        def draw(frame: Frame, dragging: bool) -> None:
+            binding.draw(frame.state)
+            self.drawn.append(frame.state)
+
+        view: Any = SimpleNamespace(draw=draw)
+        session.immediate.append(view)
+
+    def on_update(self, callback: Callable[[Any], None]) -> None:
+        self.callback = callback
+
+    def report(self) -> None:
+        """Run the callback of a value that the page has set."""
+        self.callback(SimpleNamespace(client=self))
+
+
+def test_value_set_while_another_frame_is_drawn_is_kept(session: Session) -> None:
+    handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
+    handle.value = 0.07  # the callback is still on its way
+    session.dispatch("elsewhere", lambda state: actions.move(state, x=0.01, y=0.02))
+    eventually(lambda: handle.drawn and handle.drawn[-1].document.pose[1] == 0.02)
+    assert handle.value == 0.07
+    handle.report()
+    eventually(lambda: session.state.document.pose[0] == 0.07)
+    session.undo()
+    eventually(lambda: handle.value == 0.01)
+
+
+@pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
+def test_input_is_set_back_after_a_refused_value(
+    session: Session, wrong: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(state: State, value: float) -> State:
+        raise InvalidInput("x", "it is not liked")
+
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
+    handle = FakeInput(session, refuse)
+    handle.value = wrong
+    handle.report()
+    eventually(lambda: handle.value == 0.0)
+    assert len(session.client.notices) == 1
