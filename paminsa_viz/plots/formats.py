@@ -11,14 +11,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCH = 25.4  # mm
+POINT = INCH / 72  # mm
 
 WIDTHS = (50.0, 1000.0)
 """Possible widths of a figure [mm]."""
@@ -28,18 +30,14 @@ MOST_PIXELS = 20_000
 """Largest width of a figure made of pixels."""
 
 
-@dataclass(frozen=True)
-class Credits:
-    """What a file says of itself: title, one line about it, and the version of this package."""
+PROGRAM = f"paminsa_viz {__version__}"
+
+
+class Credits(NamedTuple):
+    """What a file says of itself: title, and one line about it."""
 
     title: str
     about: str
-    version: str
-
-    @property
-    def program(self) -> str:
-        """Name and version of this package."""
-        return f"paminsa_viz {self.version}"
 
 
 @dataclass(frozen=True)
@@ -72,20 +70,20 @@ FIGURE_FORMATS: dict[str, FigureFormat] = {
     for each in (
         FigureFormat(
             "png",
-            lambda c: {"Title": c.title, "Description": c.about, "Software": c.program},
+            lambda c: {"Title": c.title, "Description": c.about, "Software": PROGRAM},
             pixels=True,
         ),
         FigureFormat(
             "svg",
             # Without a date, so that equal input gives equal bytes; the same for PDF.
             lambda c: {
-                "Title": c.title, "Description": c.about, "Creator": c.program, "Date": None
+                "Title": c.title, "Description": c.about, "Creator": PROGRAM, "Date": None
             },
         ),
         FigureFormat(
             "pdf",
             lambda c: {
-                "Title": c.title, "Subject": c.about, "Creator": c.program,
+                "Title": c.title, "Subject": c.about, "Creator": PROGRAM,
                 "Producer": "matplotlib", "CreationDate": None,
             },
         ),

@@ -96,7 +96,7 @@ def _layout(data: MapData, layout: MapLayout, name: str) -> dict[str, Any]:
         "hoverlabel": {"font": {"family": FONT, "size": 12}},
     }
     for index, panel in enumerate(layout.panels):
-        number = _number(index)
+        number = axis_number(index)
         fixed = {"visible": False, "fixedrange": True}
         across = [panel.left / width, min(panel.right / width, 1.0)]
         up = [max(1 - panel.bottom / height, 0.0), 1 - panel.top / height]
@@ -124,7 +124,7 @@ def _reasons(data: MapData, index: int) -> dict[str, Any]:
 def _heatmap(
     x: NDArray[np.float64], y: NDArray[np.float64], z: ArrayLike, index: int
 ) -> dict[str, Any]:
-    number = _number(index)
+    number = axis_number(index)
     return {
         "type": "heatmap",
         "x": _packed(MM * x),
@@ -138,7 +138,8 @@ def _heatmap(
     }
 
 
-def _number(index: int) -> str:
+def axis_number(index: int) -> str:
+    """Return how plotly numbers the axes of a panel: nothing for the first, then 2, 3."""
     return "" if index == 0 else str(index + 1)
 
 

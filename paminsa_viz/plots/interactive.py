@@ -12,7 +12,7 @@ from plotly.subplots import make_subplots
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
-from paminsa_viz.plots.hover import FONT, reason_text, reasons, value_text
+from paminsa_viz.plots.hover import FONT, axis_number, reason_text, reasons, value_text
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
@@ -56,7 +56,7 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
     figure.update_yaxes(title="y [mm]", col=1)
     for index, each in enumerate(scales[:1] if shared else scales):
         place = {} if shared else _below(index, data.panels)
-        figure.layout[f"coloraxis{_number(index)}"] = _color_axis(data, each, place)
+        figure.layout[f"coloraxis{axis_number(index)}"] = _color_axis(data, each, place)
     figure.update_layout(
         width=width,
         height=round((width - 150) / data.panels * (top - bottom) / (right - left))
@@ -71,10 +71,6 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
     return figure
 
 
-def _number(index: int) -> str:
-    return "" if index == 0 else str(index + 1)
-
-
 def _cells(data: MapData, index: int, scale: Scale, axis: int) -> list[go.Heatmap]:
     """Return the values, and a clear layer that says why there is none."""
     factor = data.display[0]
@@ -85,7 +81,7 @@ def _cells(data: MapData, index: int, scale: Scale, axis: int) -> list[go.Heatma
     # what is read off is the value itself. Single precision halves what is sent.
     shown = go.Heatmap(
         z=np.clip(scale.position(values), -1.0, 2.0).astype(np.float32),
-        customdata=(values * factor).astype(np.float32), coloraxis=f"coloraxis{_number(axis)}",
+        customdata=(values * factor).astype(np.float32), coloraxis=f"coloraxis{axis_number(axis)}",
         hovertemplate=value_text(data, index, "customdata"), **place,
     )  # fmt: skip
     singular = np.char.startswith(texts, "singular")
