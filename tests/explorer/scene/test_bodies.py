@@ -67,9 +67,7 @@ def test_only_bodies_that_move_are_sent(scene: Scene) -> None:
 
 
 @pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0, -1.5), (np.nan, 0.0, 0.0, -0.5)], ids=str)
-def test_pose_without_a_configuration_sends_nothing(
-    scene: Scene, pose: tuple[float, ...]
-) -> None:
+def test_pose_without_a_configuration_sends_nothing(scene: Scene, pose: tuple[float, ...]) -> None:
     layers = ["mesh", "labels"]
     scene.draw(layers=layers)
     with scene.sent() as messages:
