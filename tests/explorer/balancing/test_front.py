@@ -38,7 +38,7 @@ def test_the_front_is_gone_along_point_by_point(start: State) -> None:
         still = static_torque(job, after.document.design)[0]
         assert still == pytest.approx(point.second, rel=1e-6, abs=1e-7)
         assert clicked_point({"x": point.first, "y": point.second}, outcome) == index
-        marks = front_figure(outcome, index)["data"][0]["marker"]["size"]
+        marks = front_figure(after)["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
     with pytest.raises(InvalidInput, match="no such point"):
         balancing.choose_point(after, len(front.points))
