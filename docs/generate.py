@@ -24,7 +24,7 @@ from typing import Any
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli.arguments import PROGRAM
+from paminsa_viz.cli import PROGRAM
 from paminsa_viz.files.design_schema import DRIVE_KEYS, KNEE, SCHEMA_VERSION, TABLES, DesignKey
 from paminsa_viz.files.design_writer import write_design
 from paminsa_viz.model import APPENDIX_4, KneeBranch
@@ -157,42 +157,19 @@ def command_line() -> str:
         ),
     ]
     for name in cli.COMMANDS:
-        kinds, description = _command(name)
-        parts += [f"## {name}", f"```text\n{description.strip()}\n```"]
-        for word, kind in kinds.items():
+        module = cli.command_module(name)
+        parts += [f"## {name}", f"```text\n{module.DESCRIPTION.strip()}\n```"]
+        for word, kind in _kinds(module.FLAGS).items():
             parts += [f"### {name} {word}", f"{inspect.getdoc(kind)}"] if word else []
             parts.append(_table(("flag", "default", ""), list(_flags(kind))))
     return _page(parts)
 
 
-class _Asked(Exception):
-    """Carries what a command asked its words to be parsed into."""
-
-
-def _command(name: str) -> tuple[dict[str, type], str]:
-    """Return a command's flags, by subcommand, and what its help says first."""
-    module = importlib.import_module(cli.module_of(name))
-    saved = module.parse
-
-    def asked(kind: Any, _words: Any, _command: str, description: str) -> None:
-        raise _Asked(kind, description)
-
-    module.parse = asked  # type: ignore[attr-defined]
-    try:
-        module.main([])
-    except _Asked as found:
-        kind, description = found.args
-    else:
-        raise AssertionError(f"{name} parses nothing")
-    finally:
-        module.parse = saved  # type: ignore[attr-defined]
-    if not isinstance(kind, types.UnionType) and typing.get_origin(kind) is not typing.Union:
-        return {"": kind}, description
-    found = {}
-    for item in typing.get_args(kind):
-        owner, *marks = typing.get_args(item)
-        found[marks[0].name] = owner
-    return found, description
+def _kinds(flags: Any) -> dict[str, type]:
+    """Return a command's flags by subcommand, under an empty name where there are none."""
+    if inspect.isclass(flags):
+        return {"": flags}
+    return {mark.name: kind for kind, mark in map(typing.get_args, typing.get_args(flags))}
 
 
 def _flags(kind: type) -> Iterator[tuple[str, str, str]]:
@@ -233,15 +210,16 @@ def _default(value: Any) -> str:
 
 
 def _said(kind: type) -> dict[str, str]:
-    """Return the text below each field of a dataclass."""
-    body = ast.parse(textwrap.dedent(inspect.getsource(kind))).body[0]
-    assert isinstance(body, ast.ClassDef)
-    found = {}
-    for item, after in pairwise(body.body):
-        if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
-            assert isinstance(after, ast.Expr)
-            assert isinstance(after.value, ast.Constant)
-            found[item.target.id] = " ".join(str(after.value.value).split())
+    """Return the text below each field of a dataclass, inherited ones included."""
+    found: dict[str, str] = {}
+    for owner in reversed(kind.__mro__[:-1]):
+        body = ast.parse(textwrap.dedent(inspect.getsource(owner))).body[0]
+        assert isinstance(body, ast.ClassDef)
+        for item, after in pairwise(body.body):
+            if isinstance(item, ast.AnnAssign) and isinstance(item.target, ast.Name):
+                assert isinstance(after, ast.Expr)
+                assert isinstance(after.value, ast.Constant)
+                found[item.target.id] = " ".join(str(after.value.value).split())
     return found
 
 

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 import contextlib
+import ctypes
+import gc
 import importlib
 import logging
 import sys
 import threading
+import time
 import warnings
 import webbrowser
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import tyro
 
 from paminsa_viz import cli
-from paminsa_viz.cli.arguments import PROGRAM, parse
+from paminsa_viz.cli import PROGRAM
 from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:  # loaded when the server starts, and in the background
@@ -35,6 +38,13 @@ next frame is computed. Python's own 5 ms would be felt."""
 
 FIRST_TAB_TIMEOUT = 2.0
 """How long the program waits for a first tab before it prepares what that needs [s]."""
+
+
+COLLECTION_DELAY = 3.0
+"""Time from the closing of a page to the freeing of its memory [s]."""
+
+MOST_PAGES = 1000
+"""Most pages that can be asked for."""
 
 
 DESCRIPTION = f"""\
@@ -58,8 +68,8 @@ class AppOptions:
     """
 
     host: str = "127.0.0.1"
-    """Address to listen on. 0.0.0.0 lets everybody in your network use the page: it has no
-    password."""
+    """Address to listen on. 0.0.0.0 lets everybody in your network use the page who has the
+    printed address with its access token."""
     port: int = 8080
     """Port to listen on; 0 takes any free one. A port in use is an error."""
     browser: bool = True
@@ -68,18 +78,37 @@ class AppOptions:
     """Design file (TOML) to start with, instead of the paper's Appendix 4."""
     allow_host: Annotated[tuple[str, ...], tyro.conf.arg(metavar="NAME")] = ()
     """Another name under which a browser may open the page, such as robot.local."""
+    token: Literal["auto", "on", "off"] = "auto"
+    """Whether a browser has to show the access token that is part of the printed address; auto asks
+    for it unless only this machine can reach the page."""
+    pages: int = 24
+    """Pages that can be open at the same time; each takes some 30 MB."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.port <= 65535:
             raise InvalidInput("--port", f"{self.port} is not from 0 to 65535")
         if not self.host.strip():
             raise InvalidInput("--host", "an address or name is needed")
+        if not 1 <= self.pages <= MOST_PAGES:
+            raise InvalidInput("--pages", f"{self.pages} is not from 1 to {MOST_PAGES}")
+        if self.token == "off" and self.exposed:
+            raise InvalidInput("--token", "off is possible only where no other machine can connect")
+
+    @property
+    def exposed(self) -> bool:
+        """Whether other machines can reach the page, directly or through a proxy."""
+        from paminsa_viz.explorer.server.names import Authority, is_loopback
+
+        names = [Authority.parse(entry) for entry in self.allow_host]
+        return not all(is_loopback(name) for name in (self.host, *(n.name for n in names if n)))
+
+    def run(self) -> int:
+        """Start the explorer and serve until it is stopped."""
+        run(self)
+        return 0
 
 
-def main(words: list[str]) -> int:
-    """Start the explorer and serve until it is stopped."""
-    run(parse(AppOptions, words, "", DESCRIPTION))
-    return 0
+FLAGS = AppOptions
 
 
 class App:
@@ -87,26 +116,36 @@ class App:
 
     Attributes:
         server: The guarded viser server.
+        token: What browsers have to show, or None.
         sessions: Session of every connected tab, by client number.
     """
 
     def __init__(self, options: AppOptions, design: Design) -> None:
+        from paminsa_viz.explorer.server.access import AccessToken
+        from paminsa_viz.explorer.server.limits import Limits
         from paminsa_viz.explorer.server.listening import open_server
 
         self.design = design
         self.sessions: dict[int, Session] = {}
         self._first_tab = threading.Event()
-        self.server = open_server(options.host, options.port, allowed_hosts=options.allow_host)
+        self._closed_page = threading.Event()
+        wanted = options.token == "on" or (options.token == "auto" and options.exposed)
+        self.token = AccessToken() if wanted else None
+        self.server = open_server(
+            options.host, options.port, allowed_hosts=options.allow_host,
+            limits=Limits(sessions=options.pages), token=self.token,
+        )  # fmt: skip
         self.server.on_client_connect(self._connect)
         self.server.on_client_disconnect(self._disconnect)
         threading.Thread(target=_warm_up, args=(design, self._first_tab), daemon=True).start()
+        threading.Thread(target=self._free_memory, name="paminsa-memory", daemon=True).start()
 
     @property
     def url(self) -> str:
-        """Address of the page."""
+        """Address of the page, with the access token if there is one."""
         from paminsa_viz.explorer.server.listening import server_url
 
-        return server_url(self.server)
+        return server_url(self.server, self.token)
 
     def _connect(self, client: viser.ClientHandle) -> None:
         from paminsa_viz.explorer.page import build
@@ -118,6 +157,23 @@ class App:
         session = self.sessions.pop(client.client_id, None)
         if session is not None:
             session.close()
+        self._closed_page.set()
+
+    def _free_memory(self) -> None:
+        """Free what closed pages held, soon after they are gone.
+
+        A page of viser and its callbacks hold each other, so only the garbage collector frees them;
+        on its own it would do so after hundreds of megabytes.
+        """
+        while True:
+            self._closed_page.wait()
+            time.sleep(COLLECTION_DELAY)  # pages closed together are freed together
+            self._closed_page.clear()
+            gc.collect()
+            with contextlib.suppress(
+                OSError, AttributeError, TypeError
+            ):  # only some C libraries have it
+                ctypes.CDLL(None).malloc_trim(0)
 
     def stop(self) -> None:
         """Close every session and the server."""
@@ -168,9 +224,10 @@ def run(options: AppOptions) -> None:
     print(f"PAMINSA explorer: {app.url}   (Ctrl+C ends it)", flush=True)
     if options.browser:
         threading.Thread(target=webbrowser.open, args=(app.url,), daemon=True).start()
-    with contextlib.suppress(KeyboardInterrupt):
+    try:
         threading.Event().wait()
-    app.stop()
+    finally:  # where Ctrl-C is an exception, as in a notebook
+        app.stop()
 
 
 if __name__ == "__main__":

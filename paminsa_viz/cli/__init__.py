@@ -1,7 +1,8 @@
 """The command line ``paminsa-viz``.
 
-Each command is a module with ``main(words) -> exit code``, imported only when it runs, so that a
-small command does not wait for the page's libraries.
+Each command is a module with its flags, ``FLAGS``, whose ``run()`` returns the exit code, and a
+``DESCRIPTION`` for its help. It is imported only when it runs, so that a small command does not
+wait for the page's libraries.
 
 Exit codes: 0 done; 1 a negative result, such as a verification that failed, a motion that cannot be
 run, bounds that cannot be met; 2 a wrong argument or file, with one line on stderr that names the
@@ -10,16 +11,16 @@ place; 130 stopped with Ctrl-C.
 
 from __future__ import annotations
 
-import difflib
-import importlib
 import os
 import sys
-import warnings
 from collections.abc import Sequence
+from importlib import import_module
+from types import ModuleType
 
-from paminsa_viz import __version__
-from paminsa_viz.cli.arguments import PROGRAM, UsageError, print_error
+from paminsa_viz import __version__, interrupts
 from paminsa_viz.errors import PaminsaError
+
+PROGRAM = "paminsa-viz"
 
 COMMANDS: dict[str, str] = {
     "start": "open the explorer in the browser (also without any command)",
@@ -33,49 +34,69 @@ COMMANDS: dict[str, str] = {
     "report": "write a design report as one HTML file",
     "export": "write the robot as GLB, or as a MuJoCo model with or without meshes",
 }
-"""Commands and what they do."""
+"""Commands and what they do. Each is the module of its name in this package."""
 
 
-def module_of(command: str) -> str:
-    """Return the module of a command: the application itself for ``start``."""
-    return "paminsa_viz.app" if command == "start" else f"paminsa_viz.cli.{command}"
+def command_module(command: str) -> ModuleType:
+    """Import the module of a command: the application itself for ``start``."""
+    return import_module("paminsa_viz.app" if command == "start" else f"{__name__}.{command}")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code.
 
     Args:
-        arguments: Words after the program's name; None takes them from ``sys.argv``.
+        arguments: Words after the program's name. None takes them from ``sys.argv``; this is the
+            program itself then, whose process Ctrl-C ends.
     """
-    words = list(sys.argv[1:] if arguments is None else arguments)
+    if arguments is None:
+        interrupts.exit_on_interrupt(PROGRAM)
+        code = _exit_code(sys.argv[1:])
+        interrupts.ignore_interrupts()
+        return code
+    return _exit_code(list(arguments))
+
+
+def _exit_code(words: list[str]) -> int:
     try:
-        with warnings.catch_warnings():
-            # A number too large for the arithmetic ends as NaN or is refused; what NumPy has to
-            # say of it names no place.
-            warnings.simplefilter("ignore", RuntimeWarning)
-            return _run(words)
+        return _run(words)
     except KeyboardInterrupt:
-        return 130
+        return interrupts.EXIT_CODE
     except BrokenPipeError:
         # Whoever read the output has gone (`| head`). Python would report it once more at its exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
     except (PaminsaError, OSError) as error:
+        from paminsa_viz.cli.output import print_error
+
         print_error(error)
         return 2
 
 
 def _run(words: list[str]) -> int:
+    # Late, as all of it takes time in which the program can be stopped already.
+    import difflib
+    import shlex
+    import warnings
+
+    from paminsa_viz.cli.arguments import UsageError, command_line, parse
+
     if words[:1] in (["--version"], ["-V"]):
         print(f"{PROGRAM} {__version__}")
         return 0
-    name = "start"
-    if words and not words[0].startswith("-"):
-        name = words.pop(0)
+    command_line.set(shlex.join([PROGRAM, *words]))
+    named = bool(words) and not words[0].startswith("-")
+    name = words.pop(0) if named else "start"
     if name not in COMMANDS:
         near = difflib.get_close_matches(name, COMMANDS, 1)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(COMMANDS)}"
         raise UsageError(f"there is no command {name[:40]!r}; {hint}")
-    code = importlib.import_module(module_of(name)).main(words)
+    with warnings.catch_warnings():
+        # A number too large for the arithmetic ends as NaN or is refused; what NumPy has to say of
+        # it names no place.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        module = command_module(name)
+        program = PROGRAM if name == "start" else f"{PROGRAM} {name}"
+        code = parse(module.FLAGS, words, program, module.DESCRIPTION).run()
     sys.stdout.flush()
     return code

@@ -4,51 +4,43 @@ from __future__ import annotations
 
 import io
 import re
-import sys
 from collections.abc import Sequence
 from contextlib import redirect_stderr
-from typing import Any, TypeVar
+from contextvars import ContextVar
+from typing import Any
 
 import tyro
 
 from paminsa_viz.errors import PaminsaError
 
-PROGRAM = "paminsa-viz"
-
-Options = TypeVar("Options")
+command_line: ContextVar[str] = ContextVar("command_line")
+"""The command that runs, as it was typed: provenance of what it writes."""
 
 
 class UsageError(PaminsaError):
     """Invalid arguments."""
 
 
-def print_error(error: Exception) -> None:
-    """Print an error as one line on stderr."""
-    print(f"{PROGRAM}: {' '.join(str(error).split())}", file=sys.stderr)
-
-
-def parse(kind: type[Options], words: Sequence[str], command: str, description: str) -> Options:
+def parse(kind: Any, words: Sequence[str], program: str, description: str) -> Any:
     """Return an instance of ``kind``, a dataclass or a union of subcommands, from words.
 
     Args:
         kind: What to make.
         words: The words after the command's name.
-        command: The command's name, empty for the program itself.
+        program: Name of the program and the command.
         description: What its ``--help`` says first.
 
     Raises:
         UsageError: If the words do not fit.
         SystemExit: After ``--help``.
     """
-    program = f"{PROGRAM} {command}".rstrip()
     complaint = io.StringIO()
-    target: Any = kind
     if not {"-h", "--help"}.isdisjoint(words):
         print(f"{description}\n")  # tyro would run its lines together
     try:
         with redirect_stderr(complaint):
             return tyro.cli(
-                target,
+                kind,
                 args=list(words),
                 prog=program,
                 description=" ",
@@ -76,7 +68,8 @@ def one_line(complaint: str) -> str:
     texts = [" ".join(lines).rstrip(".") for lines in statements if lines]
     if "╭" not in complaint:
         del texts[:1]  # the title
-    texts[:1] = [_without_types(text) for text in texts[:1]]
+    for pattern, needed in _TYPES.items():
+        texts[:1] = [re.sub(pattern, needed, text) for text in texts[:1]]
     kept = texts[:1] + [text for text in texts[1:] if text.startswith("Perhaps")]
     return "; ".join(kept) or "the arguments do not fit"
 
@@ -89,10 +82,3 @@ _TYPES = {
     r"could not convert string to float: (.*)": r"a number is needed, not \1",
 }
 """Errors of tyro and Python about a value of another type, and the text shown instead."""
-
-
-def _without_types(text: str) -> str:
-    """Return a statement in words of the command line instead of the language's."""
-    for pattern, needed in _TYPES.items():
-        text = re.sub(pattern, needed, text)
-    return text

@@ -26,15 +26,16 @@ from paminsa_viz.balancing import (
     optimize,
     paper_changes,
 )
-from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, check_ending
+from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
+from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Find the masses that balance the robot best, within bounds, and prove that none are better.
@@ -62,14 +63,16 @@ MassFlag = tuple[str, float, float]
 RailFlag = tuple[Literal["b3", "b4", "b7", "b8"], int, float, float, float]
 
 
-@dataclass(frozen=True)
-class BalanceFlags:
-    """BalanceFlags of the command."""
+GOALS = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
+"""Goals on a motion."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BalanceFlags(JsonFlags, MotionFlags, DesignFlags):
+    """Flags of the command."""
 
     goal: Literal["static", "peak", "rms", "energy"] = "static"
-    """What to make small."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML), instead of the paper's Appendix 4."""
+    """What to make small. A static balance holds for both branches of the knee and any motion."""
     change: Annotated[tuple[MassFlag, ...], tyro.conf.arg(metavar="PATH LOW HIGH")] = ()
     """A mass that may change, such as links.b3, and its bounds [kg]; can be repeated."""
     rail: Annotated[tuple[RailFlag, ...], tyro.conf.arg(metavar="BAR JOINT FROM TO MOST")] = ()
@@ -82,46 +85,59 @@ class BalanceFlags:
     """Largest |M_p2|, for goals on a motion [N]."""
     max_added: Annotated[float | None, tyro.conf.arg(metavar="KG")] = None
     """Largest added mass of the whole robot, for goals on a motion [kg]."""
-    preset: PresetName = "paper-like"
-    """The motion."""
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
-    """A motion as a table, instead of a preset."""
-    assembly: Assembly | None = None
-    """Branch of the knee, for goals on a motion and the room of counterweights; by default the
-    design's own. A static balance holds for both."""
     out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
     """Write the design here."""
-    json: bool = False
-    """Print JSON for other programs."""
 
+    def check(self) -> None:
+        """Refuse contradictions, and numbers that no machine has and the arithmetic cannot take.
 
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(BalanceFlags, words, "balance", DESCRIPTION)
-    design = design_of(flags.design, flags.assembly)
-    changes = _changes(flags, design)
-    on_motion = flags.max_imbalance is not None or flags.max_added is not None
-    if flags.goal == "static" and on_motion:
-        raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
-    try:
-        if flags.goal == "static":
-            criterion = AddedMass() if flags.criterion == "added" else MassChange()
-            found = balance(design, changes, criterion, exact=flags.exact)
+        Raises:
+            UsageError: Which flag.
+        """
+        kilograms = LARGEST["kg"]
+        for flag, unit, most, numbers in (
+            ("--change", "kg", kilograms, [high for _, _, high in self.change]),
+            ("--rail", "mm", MM * LARGEST["m"], [end for rail in self.rail for end in rail[2:4]]),
+            ("--rail", "kg", kilograms, [rail[4] for rail in self.rail]),
+            ("--max-imbalance", "N", 1e6, [self.max_imbalance or 0.0]),
+            ("--max-added", "kg", kilograms, [self.max_added or 0.0]),
+        ):
+            for number in numbers:
+                if not abs(number) <= most:
+                    raise UsageError(f"{flag} {number:g}: at most {most:g} {unit} are possible")
+        if self.max_imbalance is not None and self.max_imbalance < 0:
+            raise UsageError("--max-imbalance: a size is needed, 0 or more")
+        limited = self.max_imbalance is not None or self.max_added is not None
+        if self.goal == "static" and limited:
+            raise UsageError("--max-imbalance and --max-added belong to a goal on a motion")
+        check_ending("--out", self.out, [".toml"])
+
+    def run(self) -> int:
+        """Find the masses."""
+        self.check()
+        design = self.given_design()
+        changes = _changes(self, design)
+        try:
+            if self.goal == "static":
+                criterion = AddedMass() if self.criterion == "added" else MassChange()
+                found = balance(design, changes, criterion, exact=self.exact)
+            else:
+                found = _on_motion(self, design, changes)
+        except (InfeasibleBounds, ImpossibleTrajectory) as error:
+            print_error(error)
+            return 1
+        if self.out is not None:
+            comment = f"Balanced by paminsa_viz {__version__}."
+            save_design(replace(found.after, name=self.out.stem[:100]), self.out, comment=comment)
+        if self.json:
+            print_json(_report(found))
         else:
-            found = _on_motion(flags, design, changes)
-    except (InfeasibleBounds, ImpossibleTrajectory) as error:
-        print_error(error)
-        return 1
-    if flags.out is not None:
-        comment = f"Balanced by paminsa_viz {__version__}."
-        save_design(replace(found.after, name=flags.out.stem[:100]), flags.out, comment=comment)
-    if flags.json:
-        print_json(_report(found))
-    else:
-        _print(found)
-        if flags.out is not None:
-            print(f"{flags.out}: written")
-    return 0
+            _print(found)
+            print_written([] if self.out is None else [self.out])
+        return 0
+
+
+FLAGS = BalanceFlags
 
 
 def _changes(flags: BalanceFlags, design: Design) -> Changes:
@@ -130,35 +146,13 @@ def _changes(flags: BalanceFlags, design: Design) -> Changes:
     Raises:
         InvalidInput: If bounds or levers contradict each other.
     """
-    _check_sizes(flags)
     if not flags.change and not flags.rail:
         return paper_changes(design)
     rails = [
-        CounterweightRange(bar, joint, start / 1e3, end / 1e3, most)
+        CounterweightRange(bar, joint, start / MM, end / MM, most)
         for bar, joint, start, end, most in flags.rail
     ]
     return Changes(tuple(MassRange(*item) for item in flags.change), tuple(rails))
-
-
-def _check_sizes(flags: BalanceFlags) -> None:
-    """Refuse numbers that no machine has and the arithmetic cannot take.
-
-    Raises:
-        UsageError: Which flag.
-    """
-    kilograms = LARGEST["kg"]
-    for flag, unit, most, numbers in (
-        ("--change", "kg", kilograms, [high for _, _, high in flags.change]),
-        ("--rail", "mm", 1e3 * LARGEST["m"], [end for rail in flags.rail for end in rail[2:4]]),
-        ("--rail", "kg", kilograms, [rail[4] for rail in flags.rail]),
-        ("--max-imbalance", "N", 1e6, [flags.max_imbalance or 0.0]),
-        ("--max-added", "kg", kilograms, [flags.max_added or 0.0]),
-    ):
-        for number in numbers:
-            if not abs(number) <= most:
-                raise UsageError(f"{flag} {number:g}: at most {most:g} {unit} are possible")
-    if flags.max_imbalance is not None and flags.max_imbalance < 0:
-        raise UsageError("--max-imbalance: a size is needed, 0 or more")
 
 
 def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum:
@@ -168,10 +162,9 @@ def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum
         ImpossibleTrajectory: If the robot cannot run it.
         InfeasibleBounds: If the bounds do not allow the limits.
     """
-    motion = motion_of(flags.preset, flags.file, design.geometry)
+    motion = flags.given_motion(design.geometry)
     solved = solve_trajectory(design.geometry, motion, gravity=design.gravity)
     solved.check.require()
-    goals = {"peak": TrajectoryPeak, "rms": TrajectoryRms, "energy": TrajectoryEnergy}
     limits: list[tuple[Term, float]] = []
     if flags.exact:
         limits.append((Imbalance(), 0.0))
@@ -179,14 +172,13 @@ def _on_motion(flags: BalanceFlags, design: Design, changes: Changes) -> Optimum
         limits.append((Imbalance(), flags.max_imbalance))
     if flags.max_added is not None:
         limits.append((AddedMass(), flags.max_added))
-    return optimize(design, changes, goals[flags.goal](solved), limits=limits)
+    return optimize(design, changes, GOALS[flags.goal](solved), limits=limits)
 
 
 def _changed(found: Optimum) -> list[tuple[str, float, float]]:
     """Return the masses and inertias that differ, with their values before and after."""
-    paths = list(MASS_PATHS)
-    held = len(found.before.counterweights)
-    paths += [f"counterweights.{number}.mass" for number in range(held)]
+    held = range(len(found.before.counterweights))
+    paths = [*MASS_PATHS, *(f"counterweights.{number}.mass" for number in held)]
     pairs = [(path, found.before.value(path), found.after.value(path)) for path in paths]
     return [item for item in pairs if item[1] != item[2]]
 

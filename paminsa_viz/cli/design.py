@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
+import numpy as np
 import tyro
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import JsonFlags, check_ending
+from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
-from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, DesignKey, choice
-from paminsa_viz.files.design_writer import differences, write_design
+from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, choice
+from paminsa_viz.files.design_writer import write_design
+from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.reach import Limit, home_pose
 
 DESCRIPTION = """\
 Work with design files: a robot's lengths, masses and inertias as readable TOML.
@@ -28,6 +33,9 @@ Work with design files: a robot's lengths, masses and inertias as readable TOML.
   paminsa-viz design show robot.toml            every value with the paper's symbol
 
 A file may leave values out; they are then Appendix 4's."""
+
+_CHECKED_ACCELERATION = (1.0, 1.0, 1.0, 1.0)
+"""Acceleration at which torques are checked for overflow [m/s^2, rad/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -45,52 +53,41 @@ class Check:
         for file in self.files:
             try:
                 design = load_design(file)
+                _require_finite_torques(design, file)
             except PaminsaError as error:
                 print_error(error)
                 code = 2
                 continue
-            count = len(differences(APPENDIX_4, design)) + len(design.counterweights)
-            count += len(_different_choices(APPENDIX_4, design))
+            count = sum(a != b for _, _, a, b, _ in _rows(APPENDIX_4, design))
+            count += len(design.counterweights)
             count += sum(drive is not None for drive in design.drives)
             changed = f"{count} value{' differs' if count == 1 else 's differ'} from Appendix 4"
             print(f'{file}: fine, "{design.name}", {changed if count else "as Appendix 4"}')
         return code
 
 
-@dataclass(frozen=True)
-class Show:
+@dataclass(frozen=True, kw_only=True)
+class Show(JsonFlags):
     """Print every value of a design with its symbol and unit."""
 
     file: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file; Appendix 4 if left out."""
-    json: bool = False
-    """Print JSON for other programs."""
 
     def run(self) -> int:
         """Print the table."""
         design = _load(self.file)
         if self.json:
-            weights = [vars(weight) for weight in design.counterweights]
-            values: dict[str, Any] = {
-                "name": design.name,
-                "knee": design.geometry.knee.value,
-                "load_frame": design.load.frame.value,
-                "values": _values(design),
-                "counterweights": weights,
-            }
-            print_json(values | ({"drives": _drives(design)} if any(design.drives) else {}))
+            values = {key.path: design.value(key.parameter.path) for key in KEYS}
+            facts: dict[str, Any] = {"name": design.name}
+            facts |= {name: choice(design, table, name).value for table, name in CHOICES}
+            facts["values"] = values
+            facts |= {"counterweights": _weights(design)}
+            print_json(facts | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
         print(design.name)
-        rows = [
-            (key.table, key.name, f"{design.value(key.parameter.path):.10g}", _meaning(key))
-            for key in KEYS
-        ]
-        for table, name in CHOICES:
-            last = max(place for place, row in enumerate(rows) if row[0] == table)
-            word = choice(design, table, name).value
-            rows.insert(last + 1, (table, name, word, CHOICE_MEANINGS[name]))
+        rows = [(table, name, _text(v), what) for table, name, v, _, what in _rows(design, design)]
         rows += [
-            ("counterweights", "mass_kg", f"{weight.mass:.10g}", weight.place)
+            ("counterweights", "mass_kg", _text(weight.mass), weight.place)
             for weight in design.counterweights
         ]
         rows += [
@@ -111,98 +108,100 @@ class Default:
 
     def run(self) -> int:
         """Write it."""
+        check_ending("--out", self.out, [".toml"])
         comment = f"Written by paminsa_viz {__version__}."
         if self.out is None:
             print(write_design(APPENDIX_4, comment=comment), end="")
         else:
-            print(f"{save_design(APPENDIX_4, self.out, comment=comment)}: written")
+            print_written([save_design(APPENDIX_4, self.out, comment=comment)])
         return 0
 
 
-@dataclass(frozen=True)
-class Diff:
+@dataclass(frozen=True, kw_only=True)
+class Diff(JsonFlags):
     """Print the values in which two designs differ."""
 
     file: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")]
     """Design file."""
     other: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
     """Design file to compare with it; if left out, the first one is compared with Appendix 4."""
-    json: bool = False
-    """Print JSON for other programs."""
 
     def run(self) -> int:
         """Print the table."""
         files = (None, self.file) if self.other is None else (self.file, self.other)
-        first, second = map(_load, files)
-        found = differences(first, second)
-        chosen = _different_choices(first, second)
+        first, second = designs = tuple(map(_load, files))
+        changed = [row for row in _rows(first, second) if row[2] != row[3]]
         weighted = first.counterweights != second.counterweights
         driven = first.drives != second.drives
         if self.json:
-            changes: dict[str, Any] = {key.path: {"first": a, "second": b} for key, a, b in found}
-            for table, name, a, b in chosen:
-                changes[f"{table}.{name}"] = {"first": a, "second": b}
-            weights = {
-                name: [vars(weight) for weight in design.counterweights]
-                for name, design in (("first", first), ("second", second))
+            facts: dict[str, Any] = {"first": first.name, "second": second.name}
+            facts["differences"] = {
+                f"{table}.{name}" if table else name: {"first": a, "second": b}
+                for table, name, a, b, _ in changed
             }
-            facts = {"first": first.name, "second": second.name, "differences": changes}
-            facts |= {"counterweights": weights} if weighted else {}
-            drives = {"first": _drives(first), "second": _drives(second)}
-            facts |= {"drives": drives} if driven else {}
-            print_json(facts)
-        elif not (found or weighted or driven or chosen):
-            print("the designs have the same values")
-        else:
-            rows: list[tuple[str, ...]] = [
-                (
-                    key.table,
-                    key.name,
-                    f"{a:.10g}",
-                    f"{b:.10g}",
-                    f"{100 * (b / a - 1):+.3g} %" if a else "",
-                    _meaning(key),
-                )
-                for key, a, b in found
-            ]
-            rows += [(table, name, a, b, "", CHOICE_MEANINGS[name]) for table, name, a, b in chosen]
             if weighted:
-                held = [
-                    "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or "-"
-                    for design in (first, second)
-                ]
-                rows.append(("counterweights", "", *held, "", ""))
-            for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
-                if pair[0] != pair[1]:
-                    texts = ["-" if drive is None else drive.summary for drive in pair]
-                    rows.append(("drives", actuator, *texts, "", ""))
-            names = [str(file or APPENDIX_4.name) for file in files]
-            print_table([("", "", *names, "change", ""), *rows])
+                weights = map(_weights, designs)
+                facts["counterweights"] = dict(zip(("first", "second"), weights, strict=True))
+            if driven:
+                facts["drives"] = {"first": _drives(first), "second": _drives(second)}
+            print_json(facts)
+            return 0
+        if not changed and not weighted and not driven:
+            print("the designs have the same values")
+            return 0
+        rows = [("", "", *(str(file or APPENDIX_4.name) for file in files), "change", "")]
+        for table, name, a, b, what in changed:
+            share = isinstance(a, float) and isinstance(b, float) and a != 0
+            change = f"{100 * (b / a - 1):+.3g} %" if share else ""
+            rows.append((table, name, _text(a), _text(b), change, what))
+        if weighted:
+            held = [
+                "; ".join(f"{w.mass:.6g} kg on {w.place}" for w in design.counterweights) or "-"
+                for design in designs
+            ]
+            rows.append(("counterweights", "", *held, "", ""))
+        for actuator, *pair in zip(ACTUATORS, first.drives, second.drives, strict=True):
+            if pair[0] != pair[1]:
+                texts = ["-" if drive is None else drive.summary for drive in pair]
+                rows.append(("drives", actuator, *texts, "", ""))
+        print_table(rows)
         return 0
 
 
-def main(words: list[str]) -> int:
-    """Run one of the command's parts."""
-    kinds: Any = (
-        Annotated[Check, tyro.conf.subcommand("check")]
-        | Annotated[Show, tyro.conf.subcommand("show")]
-        | Annotated[Default, tyro.conf.subcommand("default")]
-        | Annotated[Diff, tyro.conf.subcommand("diff")]
-    )
-    return parse(kinds, words, "design", DESCRIPTION).run()
+FLAGS: Any = (
+    Annotated[Check, tyro.conf.subcommand("check")]
+    | Annotated[Show, tyro.conf.subcommand("show")]
+    | Annotated[Default, tyro.conf.subcommand("default")]
+    | Annotated[Diff, tyro.conf.subcommand("diff")]
+)
+
+Row: TypeAlias = tuple[str, str, float | str, float | str, str]
+
+
+def _rows(first: Design, second: Design) -> list[Row]:
+    """Return table, key, both values and the meaning of everything that a design file holds."""
+    rows: list[Row] = []
+    for key in KEYS:
+        parameter = key.parameter
+        values = (first.value(parameter.path), second.value(parameter.path))
+        rows.append((key.table, key.name, *values, f"{parameter.symbol}, {parameter.label}"))
+    for table, name in CHOICES:
+        last = max(place for place, row in enumerate(rows) if row[0] == table)
+        words = [choice(design, table, name).value for design in (first, second)]
+        rows.insert(last + 1, (table, name, *words, CHOICE_MEANINGS[name]))
+    return rows
+
+
+def _text(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.10g}"
 
 
 def _load(file: Path | None) -> Design:
     return APPENDIX_4 if file is None else load_design(file)
 
 
-def _different_choices(first: Design, second: Design) -> list[tuple[str, str, str, str]]:
-    """Return table, key and both words of the choices in which two designs differ."""
-    found = [
-        (table, name, *(choice(design, table, name).value for design in (first, second)))
-        for table, name in CHOICES
-    ]
-    return [row for row in found if row[2] != row[3]]
+def _weights(design: Design) -> list[dict[str, Any]]:
+    return [vars(weight) for weight in design.counterweights]
 
 
 def _drives(design: Design) -> dict[str, Any]:
@@ -211,9 +210,13 @@ def _drives(design: Design) -> dict[str, Any]:
     return {name: asdict(drive) for name, drive in pairs if drive is not None}
 
 
-def _values(design: Design) -> dict[str, float]:
-    return {key.path: design.value(key.parameter.path) for key in KEYS}
+def _require_finite_torques(design: Design, file: Path) -> None:
+    """Refuse a design whose numbers, each possible alone, overflow together.
 
-
-def _meaning(key: DesignKey) -> str:
-    return f"{key.parameter.symbol}, {key.parameter.label}"
+    Raises:
+        DesignFileError: If a torque at the home pose is not finite, at rest or accelerated.
+    """
+    pose = home_pose(design.geometry)
+    found = inverse_dynamics(design, pose, np.zeros(4), np.array(_CHECKED_ACCELERATION))
+    if found.status == Limit.OK and not np.isfinite(found.torque).all():
+        raise DesignFileError(str(file), "its numbers overflow: the torques are not finite")

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.inputs import Assembly, design_of
+from paminsa_viz.cli.flags import DesignFlags, check_ending
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,
@@ -45,56 +44,37 @@ leg (stretched:leg2), singular, or not-finite for numbers too large to compute w
 written completely or, when IN.csv is refused, not at all."""
 
 
-@dataclass(frozen=True)
-class Evaluate:
+@dataclass(frozen=True, kw_only=True)
+class Evaluate(DesignFlags):
     """Flags of the command."""
 
     table: Annotated[Path, tyro.conf.Positional, tyro.conf.arg(metavar="IN.csv")]
     """Table of poses."""
     out: Annotated[Path, tyro.conf.arg(metavar="OUT.csv")]
     """Table to write; may be IN.csv itself."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Assembly | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
+
+    def run(self) -> int:
+        """Evaluate the table."""
+        check_ending("--out", self.out, [".csv"])
+        counts = evaluate_table(self.table, self.out, self.given_design())
+        rows = counts.total()
+        reasons = [(word, count) for word, count in counts.most_common() if word != "ok"]
+        text = f"{self.out}: {rows} row{'' if rows == 1 else 's'}"
+        if reasons:
+            text += f", {rows - counts['ok']} without numbers "
+            text += f"({', '.join(f'{count} {word}' for word, count in reasons)})"
+        print(text)
+        return 0
 
 
-@dataclass
-class Summary:
-    """What became of a table.
-
-    Attributes:
-        rows: How many rows it has.
-        reasons: How many rows have no numbers, by reason.
-    """
-
-    rows: int = 0
-    reasons: Counter[str] = field(default_factory=Counter)
-
-    def __str__(self) -> str:
-        text = f"{self.rows} row{'' if self.rows == 1 else 's'}"
-        count = self.reasons.total()
-        if not count:
-            return text
-        reasons = ", ".join(f"{number} {word}" for word, number in self.reasons.most_common())
-        return f"{text}, {count} without numbers ({reasons})"
-
-
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(Evaluate, words, "evaluate", DESCRIPTION)
-    design = design_of(flags.design, flags.assembly)
-    tally = evaluate_table(flags.table, flags.out, design)
-    print(f"{flags.out}: {tally}")
-    return 0
+FLAGS = Evaluate
 
 
 def evaluate_table(
     source: str | os.PathLike[str],
     target: str | os.PathLike[str],
     design: Design = APPENDIX_4,
-) -> Summary:
+) -> Counter[str]:
     """Evaluate a CSV table of poses into another one, of any length in bounded memory.
 
     Args:
@@ -102,10 +82,13 @@ def evaluate_table(
         target: Table to write; it may be the same file, and appears only when it is complete.
         design: The robot.
 
+    Returns:
+        How many rows have which status.
+
     Raises:
         FileError: If a file cannot be read or written, or holds something else than poses.
     """
-    tally = Summary()
+    counts: Counter[str] = Counter()
     with open_table(source) as lines:
         table = TableReader(lines, POSES, os.fspath(source))
         with open_atomically(target) as file:
@@ -114,11 +97,10 @@ def evaluate_table(
                 results, words = evaluate_block(block, design)
                 texts = np.array([",".join(map(str.strip, row)) for row in block.cells], object)
                 file.write(csv_rows([texts, *results.T, words]))
-                tally.rows += len(words)
-                tally.reasons.update(word for word in words.tolist() if word != "ok")
+                counts.update(words.tolist())
             # Some systems do not let an open file be replaced, and it may be this one.
             lines.close()
-    return tally
+    return counts
 
 
 def evaluate_block(block: TableBlock, design: Design) -> tuple[np.ndarray, np.ndarray]:

@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.inputs import Assembly, design_of
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
+from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
-from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.model import Design
 from paminsa_viz.model.reach import Limit, home_pose, status_words
-from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
@@ -50,8 +49,8 @@ every cell.
 Exit code: 0 done; 1 no position can be reached there; 2 a wrong argument or file."""
 
 
-FEWEST, MOST = 10, 2000
-"""Cells along a side that can be asked for."""
+CELLS = (10, 2000)
+"""Possible numbers of cells along a side."""
 
 
 if TYPE_CHECKING:
@@ -60,8 +59,12 @@ else:
     Choice = Literal[tuple(name.replace("_", "-") for name in selections())]
 
 
-@dataclass(frozen=True)
-class Map:
+class NothingReached(PaminsaError):
+    """A map without any position that can be reached."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Map(FilesFlags, ComparedDesignFlags):
     """Flags of the command."""
 
     quantity: Choice = "torques"
@@ -72,13 +75,6 @@ class Map:
     """Height of the platform [mm]; in the middle of the workspace if left out."""
     at: Annotated[tuple[float, float], tyro.conf.arg(metavar="X Y")] = (0.0, 0.0)
     """Position of the ring that marks a pose [mm]."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML), instead of the paper's Appendix 4."""
-    reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Another design file; the maps show the design minus this one."""
-    assembly: Assembly | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
     cells: int = FULL
     """Cells along each side."""
 
@@ -92,15 +88,6 @@ class Map:
     own_ranges: bool = False
     """Give each of the three torques colors of its own."""
 
-    out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
-    """File to write; may be given several times."""
-    width: Annotated[float, tyro.conf.arg(metavar="MM")] = 170.0
-    """Width of figures [mm]; 85 is a column, 170 a page."""
-    dpi: float = 300.0
-    """Pixels per inch."""
-    json: bool = False
-    """Print JSON for other programs, in SI units."""
-
     @property
     def quantities(self) -> tuple[str, ...]:
         """Keys of what is mapped."""
@@ -112,55 +99,48 @@ class Map:
         Raises:
             UsageError: Which flag, and what is allowed.
         """
-        if not FEWEST <= self.cells <= MOST:
-            raise UsageError(f"--cells: {FEWEST} to {MOST} are possible, not {self.cells}")
-        for name, values in (("theta", (self.theta,)), ("z", (self.z or 0.0,)), ("at", self.at),
-                             ("range", self.range or ())):  # fmt: skip
-            if not np.isfinite(values).all():
+        fewest, most = CELLS
+        if not fewest <= self.cells <= most:
+            raise UsageError(f"--cells: {fewest} to {most} are possible, not {self.cells}")
+        for name in ("theta", "z", "at", "range"):
+            if not np.isfinite(getattr(self, name) or 0.0).all():
                 raise UsageError(f"--{name}: finite numbers are needed")
         if self.range is not None and self.full_range:
             raise UsageError("--range and --full-range exclude each other")
         if self.range is not None and not self.range[0] < self.range[1]:
             raise UsageError("--range: the first end has to be below the second")
+        self.check_files()
+
+    def run(self) -> int:
+        """Compute the maps and write the files."""
+        self.check()
+        design = self.given_design()
+        reference = self.given_reference(design)
+        data = maps_of(self, design, reference, self.cells)
         for path in self.out:
-            endings = (*figure_endings(), *table_endings())
-            if path.suffix.lower() not in endings:
-                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(endings)}")
+            ending = path.suffix.lower()
+            if ending in table_endings():
+                content = table_bytes(map_table(data), ending[1:])
+            else:
+                from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second
 
-
-class NothingReached(PaminsaError):
-    """A map without any position that can be reached."""
-
-
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(Map, words, "map", DESCRIPTION)
-    flags.check()
-    design = design_of(flags.design, flags.assembly)
-    reference = None
-    if flags.reference is not None:
-        reference = design_of(flags.reference).with_knee(design.geometry.knee)
-    data = maps_of(flags, design, reference, flags.cells)
-    for path in flags.out:
-        ending = path.suffix.lower()
-        if ending in table_endings():
-            content = table_bytes(map_table(data), ending[1:])
+                scales = scales_of(self, data, maps_of(self, design, reference, COARSE))
+                content = render(data, scales, ending[1:], width_mm=self.width, dpi=self.dpi)
+            write_bytes(path, content)
+        facts = _report(self, data)
+        if self.json:
+            print_json(facts)
         else:
-            from paminsa_viz.plots.map_figure import render  # late: matplotlib takes a second
+            _print(self, data, facts)
+        if not (data.status == Limit.OK).any():
+            z = format_ascii(data.z, "m", 6)
+            problem = f"no position can be reached at {self.theta:g}° and z = {z}"
+            print_error(NothingReached(problem))
+            return 1
+        return 0
 
-            scales = scales_of(flags, data, maps_of(flags, design, reference, COARSE))
-            content = render(data, scales, ending[1:], width_mm=flags.width, dpi=flags.dpi)
-        write_bytes(path, content)
-    facts = report(flags, data)
-    if flags.json:
-        print_json(facts)
-    else:
-        _print(flags, data, facts)
-    if not (data.status == Limit.OK).any():
-        z = format_ascii(data.z, "m", 6)
-        print_error(NothingReached(f"no position can be reached at {flags.theta:g}° and z = {z}"))
-        return 1
-    return 0
+
+FLAGS = Map
 
 
 def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) -> MapData:
@@ -191,7 +171,7 @@ def scales_of(flags: Map, data: MapData, sample: MapData) -> tuple[Scale, ...]:
     return choose_scales(data, choice, sample)
 
 
-def report(flags: Map, data: MapData) -> dict[str, Any]:
+def _report(flags: Map, data: MapData) -> dict[str, Any]:
     """Return what the maps hold as data for JSON, in SI units."""
     reached = data.status == Limit.OK
     leg = np.full(data.status.shape, -1, np.int8) if data.leg is None else data.leg
@@ -247,5 +227,4 @@ def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
     print_table(rows, right=True)
     area, radius = facts["reached_area_m2"], facts["singular_radius_m"]
     print(f"reached: {area:.4g} m²; singular circle: radius {format_ascii(radius, 'm')}")
-    for path in flags.out:
-        print(f"{path}: written")
+    print_written(flags.out)

@@ -1,9 +1,23 @@
-"""What commands print: tables for people, JSON for programs."""
+"""What commands print: tables for people, JSON for programs, errors in one line."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+import sys
+from collections.abc import Iterable, Sequence
+
+from paminsa_viz.cli import PROGRAM
+
+
+def print_error(error: Exception) -> None:
+    """Print an error as one line on stderr."""
+    print(f"{PROGRAM}: {' '.join(str(error).split())}", file=sys.stderr)
+
+
+def print_written(paths: Iterable[object]) -> None:
+    """Print which files are written."""
+    for path in paths:
+        print(f"{path}: written")
 
 
 def print_json(value: object) -> None:
@@ -17,7 +31,7 @@ def print_table(rows: Sequence[tuple[str, ...]], *, indent: int = 0, right: bool
     Args:
         rows: Rows of as many cells each.
         indent: Spaces before each row.
-        right: Whether all columns but the first end, and not begin, in line: for numbers.
+        right: Whether all columns but the first are aligned to the right: for numbers.
     """
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     for row in rows:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-import shlex
 import sys
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -12,8 +10,9 @@ from typing import Annotated
 
 import tyro
 
-from paminsa_viz.cli.arguments import PROGRAM, parse
-from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
+from paminsa_viz.cli.arguments import command_line
+from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_ending
+from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.trajectory import home
 
@@ -29,60 +28,40 @@ trajectory with loads and figures, the verification against physics engines if t
 open it in a browser and print."""
 
 
-@dataclass(frozen=True)
-class Report:
+@dataclass(frozen=True, kw_only=True)
+class Report(MotionFlags, PoseFlags, DesignFlags):
     """Flags of the command."""
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.html")]
-    """File to write; one that exists is replaced."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Assembly | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
-    pose: Annotated[
-        tuple[float, float, float, float] | None, tyro.conf.arg(metavar="X Y THETA Z")
-    ] = None
-    """Pose in mm, mm, degrees, mm; maps are at its angle and height. In the middle of the
-    workspace if left out."""
-    preset: PresetName = "paper-like"
-    """A ready-made motion, sized for the robot. None of them is the paper's own."""
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
-    """A motion as a table with t_s,x_m,y_m,theta_rad,z_m, instead of a preset."""
+    """File to write; one that exists is replaced. Maps are at the angle and height of the pose."""
     verify: bool = True
     """Check the formulas against the physics engines that are installed."""
     seed: int = 0
     """Seed of random poses."""
 
+    def run(self) -> int:
+        """Write the report."""
+        check_ending("--out", self.out, [".html", ".htm"])
+        design = self.given_design()
+        pose = self.given_pose or tuple(home(design.geometry).tolist())
+        trajectory = self.given_motion(design.geometry)
 
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(Report, words, "report", DESCRIPTION)
-    design = design_of(flags.design, flags.assembly)
-    if flags.pose is None:
-        x, y, theta, z = home(design.geometry).tolist()
-    else:
-        x, y, theta, z = flags.pose
-        x, y, theta, z = 1e-3 * x, 1e-3 * y, math.radians(theta), 1e-3 * z
-    trajectory = motion_of(flags.preset, flags.file, design.geometry)
+        from paminsa_viz.report import ReportRequest, report_html  # figures take a second to load
 
-    from paminsa_viz.report import ReportRequest, report_html  # figures take a second to load
-
-    request = ReportRequest(
-        design=design,
-        pose=(x, y, theta, z),
-        trajectory=trajectory,
-        made=datetime.now(UTC),
-        command=shlex.join([PROGRAM, "report", *words]),
-        verified=flags.verify,
-        seed=flags.seed,
-    )
-    # Opened first, so that a place which cannot be written to is known before the work.
-    with open_atomically(flags.out) as file:
-        file.write(report_html(request, _say))
-    print(f"{flags.out}: written")
-    return 0
+        request = ReportRequest(
+            design=design,
+            pose=pose,
+            trajectory=trajectory,
+            made=datetime.now(UTC),
+            command=command_line.get(),
+            verified=self.verify,
+            seed=self.seed,
+        )
+        # Opened first, so that a place which cannot be written to is known before the work.
+        with open_atomically(self.out) as file:
+            file.write(report_html(request, lambda part: print(f"{part} ...", file=sys.stderr)))
+        print_written([self.out])
+        return 0
 
 
-def _say(words: str) -> None:
-    print(f"{words} ...", file=sys.stderr)
+FLAGS = Report

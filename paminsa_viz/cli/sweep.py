@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-import shlex
-import sys
 import time
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
@@ -14,10 +12,11 @@ from typing import Annotated
 import numpy as np
 import tyro
 
-from paminsa_viz.cli.arguments import PROGRAM, UsageError, parse, print_error
-from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
-from paminsa_viz.cli.output import print_json
+from paminsa_viz.cli.arguments import UsageError, command_line
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PresetName, check_ending
+from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
+from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.studies import (
     DesignAxis,
@@ -34,6 +33,7 @@ from paminsa_viz.studies import (
 )
 from paminsa_viz.studies.running import WorkersLost
 from paminsa_viz.studies.variations import check_path
+from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Measure many designs over the workspace: torques, masses, distances to every limit, one row each.
@@ -53,8 +53,9 @@ With --preset or --file, each design is also measured on that motion: torques, f
 so that all of them run the same motion. A design that cannot run it has no such numbers; the
 columns motion and motion_fails_s say why not and when.
 
-Rows are written as they come. After Ctrl-C, a kill or a power cut the same command goes on where
-the table ends; no row is lost or written twice. --jobs and --dask change nothing in the table.
+Rows are written as they come. After Ctrl-C, a kill or a power cut the same command resumes where
+the table ends; no row is lost or written twice, and a row that was changed since is refused.
+--jobs and --dask change nothing in the table.
 
 Exit code: 0 done; 1 workers died; 2 a wrong argument or file; 130 stopped with Ctrl-C."""
 
@@ -68,12 +69,14 @@ WORTH_PROCESSES = 10**7
 """Number of poses that take about as long as processes take to start, some seconds."""
 
 
-@dataclass(frozen=True)
-class Sweep:
+@dataclass(frozen=True, kw_only=True)
+class Sweep(JsonFlags, MotionFlags, DesignFlags):
     """Flags of the command."""
 
+    preset: PresetName | None = None
+    """A ready-made motion to measure the designs on as well."""
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.csv")]
-    """Table to write, or to go on with."""
+    """Table to write, or to resume."""
     vary: Annotated[tuple[str, ...], tyro.conf.arg(metavar="PATH[=VALUES]")] = ()
     """A design value that varies, and how; can be repeated."""
     random: Annotated[int | None, tyro.conf.arg(metavar="N")] = None
@@ -84,78 +87,62 @@ class Sweep:
     """Spread of random values around the design's own; 0.2 is 20 % less to 20 % more."""
     scale_bars: bool = False
     """Let bars keep their cross section, so that mass and inertia follow their length."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML) for what does not vary, instead of the paper's Appendix 4."""
-    assembly: Assembly | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
 
     radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
-    """Radius of the disc of positions that is looked at [mm]; half of R_b if left out."""
+    """Radius of the disc of measured positions [mm]; half of R_b if left out."""
     theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = (0.0, 30.0)
-    """An angle that is looked at [°]; can be repeated."""
+    """A measured angle [°]; can be repeated."""
     z: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM")] = ()
-    """A height that is looked at [mm]; can be repeated. In the middle of the workspace if left
-    out."""
+    """A measured height [mm]; can be repeated. In the middle of the workspace if left out."""
     cells: int = 40
     """Positions along the disc's diameter."""
     max_condition: float = 10.0
     """Largest condition number at which torques count; beyond it they grow without bound."""
 
-    preset: PresetName | None = None
-    """A ready-made motion to measure the designs on as well."""
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
-    """A motion as a table, instead of a preset."""
-
     restart: bool = False
-    """Begin again, whatever the table holds."""
+    """Start over, whatever the table holds."""
     jobs: int | None = None
     """Number of processes; one on each core if left out, where that pays."""
     dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
     """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
-    json: bool = False
-    """Print JSON for other programs, in SI units."""
+
+    def run(self) -> int:
+        """Measure the designs."""
+        if self.dask is not None and self.jobs is not None:
+            raise UsageError("--dask and --jobs exclude each other")
+        self.exclude_both()
+        check_ending("--out", self.out, [".csv"])
+        study = study_of(self, self.given_design())
+        started = time.monotonic()
+        latest = StudySummary(study)
+
+        def note(summary: StudySummary) -> None:
+            nonlocal latest
+            latest = summary
+            show(summary)
+
+        def stopped() -> str:
+            return f"stopped after {latest.rows} of {study.size} rows; the same command resumes it"
+
+        with on_interrupt(stopped), progress_bar(study.size) as show:
+            try:
+                with _workers(self, study) as workers:
+                    run_study(
+                        study, self.out, workers,
+                        restart=self.restart, progress=note, command=command_line.get(),
+                    )  # fmt: skip
+            except WorkersLost as error:
+                print_error(error)
+                return 1
+        seconds = time.monotonic() - started
+        if self.json:
+            print_json(report(self.out, latest, seconds))
+        else:
+            print_report(self.out, latest, seconds)
+        return 0
 
 
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(Sweep, words, "sweep", DESCRIPTION)
-    if flags.dask is not None and flags.jobs is not None:
-        raise UsageError("--dask and --jobs exclude each other")
-    if flags.preset is not None and flags.file is not None:
-        raise UsageError("--preset and --file exclude each other")
-    study = study_of(flags, design_of(flags.design, flags.assembly))
-    started = time.monotonic()
-    latest = StudySummary(study)
-
-    def note(summary: StudySummary) -> None:
-        nonlocal latest
-        latest = summary
-        show(summary)
-
-    with progress_bar(study.size) as show:
-        try:
-            with _workers(flags, study) as workers:
-                run_study(
-                    study, flags.out, workers, restart=flags.restart, progress=note,
-                    command=shlex.join([PROGRAM, "sweep", *words]),
-                )  # fmt: skip
-        except WorkersLost as error:
-            print_error(error)
-            return 1
-        except KeyboardInterrupt:
-            print(
-                f"{PROGRAM}: stopped after {latest.rows} of {study.size} rows; the same command "
-                "goes on from there",
-                file=sys.stderr,
-            )
-            raise
-    seconds = time.monotonic() - started
-    if flags.json:
-        print_json(report(flags.out, latest, seconds))
-    else:
-        print_report(flags.out, latest, seconds)
-    return 0
+FLAGS = Sweep
 
 
 def study_of(flags: Sweep, design: Design) -> Study:
@@ -171,22 +158,22 @@ def study_of(flags: Sweep, design: Design) -> Study:
         raise UsageError(f"--spread: a share from 0 to 1 is needed, not {flags.spread:g}")
     region = default_region(design)
     if flags.radius is not None:
-        region = replace(region, radius=1e-3 * flags.radius)
+        region = replace(region, radius=flags.radius / MM)
     if flags.z:
-        region = replace(region, z=tuple(1e-3 * z for z in flags.z))
+        region = replace(region, z=tuple(z / MM for z in flags.z))
     theta = tuple(math.radians(angle) for angle in flags.theta)
     region = replace(region, theta=theta, cells=flags.cells, max_condition=flags.max_condition)
-    variation = _random(flags, design) if flags.random is not None else _grid(flags)
+    variation: DesignGrid | RandomDesigns
+    if flags.random is None:
+        variation = DesignGrid(tuple(map(_axis, flags.vary)))
+    else:
+        ranges = tuple(_range(text, design, flags.spread) for text in flags.vary)
+        variation = RandomDesigns(ranges, flags.random, flags.seed)
     if variation.size > MOST:
         raise UsageError(f"{variation.size} designs are too many; {MOST} are possible")
-    motion = None
-    if flags.preset is not None or flags.file is not None:
-        motion = motion_of(flags.preset or "paper-like", flags.file, design.geometry)
+    moving = flags.preset is not None or flags.file is not None
+    motion = flags.given_motion(design.geometry) if moving else None
     return Study(design, variation, region, flags.scale_bars, motion)
-
-
-def _grid(flags: Sweep) -> DesignGrid:
-    return DesignGrid(tuple(map(_axis, flags.vary)))
 
 
 def _axis(text: str) -> DesignAxis:
@@ -209,11 +196,6 @@ def _axis(text: str) -> DesignAxis:
         raise UsageError(problem) from None
     _check_size(path, values)
     return DesignAxis(path, values)
-
-
-def _random(flags: Sweep, design: Design) -> RandomDesigns:
-    ranges = tuple(_range(text, design, flags.spread) for text in flags.vary)
-    return RandomDesigns(ranges, flags.random or 0, flags.seed)
 
 
 def _range(text: str, design: Design, spread: float) -> DesignRange:

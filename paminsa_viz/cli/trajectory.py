@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass, fields, replace
 from typing import Annotated, Literal
 
 import tyro
 
-from paminsa_viz.cli.arguments import UsageError, parse, print_error
-from paminsa_viz.cli.inputs import Assembly, PresetName, design_of
-from paminsa_viz.cli.output import print_json
-from paminsa_viz.cli.trajectory_files import output_endings, write_files
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags, MotionFlags
+from paminsa_viz.cli.output import print_error, print_json
+from paminsa_viz.cli.trajectory_files import PAGE, write_files
 from paminsa_viz.cli.trajectory_report import Results, SimulationStopped, print_report, report
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import Design
@@ -27,7 +26,6 @@ from paminsa_viz.trajectory import (
     InfeasibleMotion,
     MinimumTime,
     MotionLimits,
-    Simulation,
     SimulationFailed,
     Trajectory,
     analyze,
@@ -66,31 +64,10 @@ MOST_LIMIT = 1e9
 """Largest limit of a motion, in the unit of its flag; beyond it none is meant."""
 
 
-@dataclass(frozen=True)
-class TrajectoryFlags:
-    """TrajectoryFlags of the command."""
+@dataclass(frozen=True, kw_only=True)
+class LimitFlags:
+    """Limits of the shortest motion."""
 
-    preset: PresetName | None = None
-    """A ready-made motion, sized for the robot; paper-like by default.
-    None of them is the paper's own."""
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
-    """A motion as a table, instead of a preset."""
-    waypoints: bool = False
-    """The rows of --file are a few waypoints: start and end at rest, smoothly through them."""
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML), instead of the paper's Appendix 4; also for friction and payload."""
-    reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Another design file, to compare with on the same motion."""
-    assembly: Assembly | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
-    printed: bool = False
-    """Also work it out by the formulas as published, misprints included."""
-
-    duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
-    """Duration [s], instead of the motion's own."""
-    shortest: bool = False
-    """Run the motion in the shortest time that keeps the limits below."""
     max_speed: Annotated[float | None, tyro.conf.arg(metavar="M/S")] = None
     """Limit of the platform's speed [m/s]."""
     max_turn_speed: Annotated[float | None, tyro.conf.arg(metavar="DEG/S")] = None
@@ -107,6 +84,34 @@ class TrajectoryFlags:
     """Limit of the torque of M1, M2 and M3 [N m]."""
     max_force: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
     """Limit of the force of M4 [N]."""
+
+    @property
+    def given_limits(self) -> dict[str, float]:
+        """The limits that are given, in the units of the flags, by the names of the fields."""
+        names = [f"max_{field.name}" for field in fields(MotionLimits)]
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
+    @property
+    def limits(self) -> MotionLimits:
+        """The limits, in SI units."""
+        given = {name.removeprefix("max_"): value for name, value in self.given_limits.items()}
+        turns = {name: math.radians(value) for name, value in given.items() if "turn" in name}
+        return MotionLimits(**given | turns)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
+    """Flags of the command."""
+
+    waypoints: bool = False
+    """The rows of --file are a few waypoints: start and end at rest, smoothly through them."""
+    printed: bool = False
+    """Also work it out by the formulas as published, misprints included."""
+
+    duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
+    """Duration [s], instead of the motion's own."""
+    shortest: bool = False
+    """Run the motion in the shortest time that keeps the limits --max-..."""
     rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
     """Samples a second; 1000 for planned motions, and as they are for a table."""
 
@@ -118,19 +123,11 @@ class TrajectoryFlags:
     bandwidth: Annotated[float, tyro.conf.arg(metavar="HZ")] = Controller().bandwidth
     """Bandwidth of the controller [Hz]."""
 
-    out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
-    """File to write; may be given several times."""
     figure: FigureKind | None = None
     """What figures show: torques, or with --simulate the tracking, by default.
     A comparison is with --engine, else --printed, else --reference."""
     engine: Literal["mujoco", "pinocchio"] | None = None
     """Work the torques out in a physics engine too, for the comparison."""
-    width: Annotated[float, tyro.conf.arg(metavar="MM")] = 170.0
-    """Width of figures [mm]; 85 is a column, 170 a page."""
-    dpi: float = 300.0
-    """Pixels per inch of PNG."""
-    json: bool = False
-    """Print JSON for other programs, in SI units."""
 
     def check(self) -> None:
         """Refuse flags that do not belong together, before anything is computed.
@@ -138,18 +135,19 @@ class TrajectoryFlags:
         Raises:
             UsageError: Which flag, and what to do.
         """
-        limits = [name for name in vars(self) if name.startswith("max_") and self.given(name)]
-        limit = f"--{(limits or ['max_speed'])[0].replace('_', '-')}"
+        limits = self.given_limits
+        limit = f"--{next(iter(limits), 'max_speed').replace('_', '-')}"
         unplanned = self.file is not None and not self.waypoints
+        timed = self.duration is not None
         drawn = any(path.suffix.lower() in figure_endings() for path in self.out)
         kind, second = self.figure_kind, self.engine or self.printed or self.reference
         pictures = "needs --out with .png, .svg or .pdf"
         plan = "needs a planned motion: a preset, or --file with --waypoints"
+        self.exclude_both()
         for wrong, problem in (
-            (self.preset and self.file, "--preset and --file exclude each other"),
             (self.waypoints and self.file is None, "--waypoints belongs to --file"),
-            (self.shortest and self.given("duration"), "--duration excludes --shortest"),
-            (self.given("duration") and unplanned, f"--duration {plan}"),
+            (self.shortest and timed, "--duration excludes --shortest"),
+            (timed and unplanned, f"--duration {plan}"),
             (self.shortest and unplanned, f"--shortest {plan}"),
             (self.shortest and not limits, f"--shortest needs a limit, such as {limit}"),
             (limits and not self.shortest, f"{limit} belongs to --shortest"),
@@ -164,7 +162,7 @@ class TrajectoryFlags:
                 f"--bandwidth: 0 to {MOST_BANDWIDTH:g} Hz are possible",
             ),
             (
-                any(getattr(self, name) > MOST_LIMIT for name in limits),
+                any(value > MOST_LIMIT for value in limits.values()),
                 f"{limit}: at most {MOST_LIMIT:g} is possible",
             ),
             (self.engine and kind != "comparison", "--engine belongs to --figure comparison"),
@@ -173,14 +171,7 @@ class TrajectoryFlags:
         ):
             if wrong:
                 raise UsageError(f"{problem}; see paminsa-viz trajectory --help")
-        for path in self.out:
-            endings = output_endings()
-            if path.suffix.lower() not in endings:
-                raise UsageError(f"--out {path}: its ending has to be one of {', '.join(endings)}")
-
-    def given(self, name: str) -> bool:
-        """Whether a flag without a default is given."""
-        return getattr(self, name) is not None
+        self.check_files(PAGE)
 
     @property
     def figure_kind(self) -> FigureKind:
@@ -191,83 +182,67 @@ class TrajectoryFlags:
             return "comparison"
         return "torques" if self.simulate is None else "tracking"
 
-    @property
-    def limits(self) -> MotionLimits:
-        """The limits, in SI units."""
+    def run(self) -> int:
+        """Work the motion out, write the files and report."""
+        self.check()
+        design = self.given_design()
+        reference = self.given_reference(design)
+        try:
+            results = _worked_out(self, design, reference)
+        except (ImpossibleTrajectory, InfeasibleMotion) as error:
+            print_error(error)
+            if self.json:
+                print_json({"ok": False, "problems": [str(error)]})
+            return 1
+        for problem in results.problems:
+            print_error(problem)
+        written = write_files(
+            results, self.out, kind=self.figure_kind, engine=self.engine,
+            width_mm=self.width, dpi=self.dpi, simulated=self.simulate is not None,
+        )  # fmt: skip
+        if self.json:
+            print_json(report(results, written))
+        else:
+            print_report(results, written)
+        return 1 if results.problems else 0
 
-        def turn(value: float | None) -> float | None:
-            return None if value is None else math.radians(value)
 
-        return MotionLimits(
-            speed=self.max_speed,
-            turn_speed=turn(self.max_turn_speed),
-            acceleration=self.max_acceleration,
-            turn_acceleration=turn(self.max_turn_acceleration),
-            jerk=self.max_jerk,
-            turn_jerk=turn(self.max_turn_jerk),
-            torque=self.max_torque,
-            force=self.max_force,
-        )
-
-
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(TrajectoryFlags, words, "trajectory", DESCRIPTION)
-    flags.check()
-    design = design_of(flags.design, flags.assembly)
-    reference = None
-    if flags.reference is not None:
-        reference = design_of(flags.reference).with_knee(design.geometry.knee)
-    try:
-        results = _worked_out(flags, design, reference)
-    except (ImpossibleTrajectory, InfeasibleMotion) as error:
-        print_error(error)
-        if flags.json:
-            print_json({"ok": False, "problems": [str(error)]})
-        return 1
-    for problem in results.problems:
-        print_error(problem)
-    written = write_files(
-        results, flags.out, kind=flags.figure_kind, engine=flags.engine,
-        width_mm=flags.width, dpi=flags.dpi, simulated=flags.simulate is not None,
-    )  # fmt: skip
-    if flags.json:
-        print_json(report(results, written))
-    else:
-        print_report(results, written)
-    return 1 if results.problems else 0
+FLAGS = TrajectoryFlags
 
 
 def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None) -> Results:
-    """Return all that is asked for.
+    """Return all that the flags require.
 
     Raises:
         ImpossibleTrajectory, InfeasibleMotion: If there is no motion to work out.
     """
     trajectory, quickest = _motion(flags, design)
     analysis = analyze(design, trajectory)
-    results = Results(analysis, quickest)
-    if reference is not None:
-        results = replace(results, reference=analyze(reference, trajectory))
-    if flags.printed:
-        as_printed = analyze(design, trajectory, misprints=Misprint.ALL)
-        results = replace(results, printed=as_printed)
+    results = Results(
+        analysis,
+        quickest,
+        None if reference is None else analyze(reference, trajectory),
+        analyze(design, trajectory, misprints=Misprint.ALL) if flags.printed else None,
+    )
     if analysis.check.first is not None:
         return replace(results, problems=(ImpossibleTrajectory(analysis.check.first),))
     if flags.simulate is None:
         return results
+    payload = design.payload.mass + flags.payload_mismatch
+    robot = design.vary({"payload.mass": payload})
+    controller = Controller(
+        ControlMode[flags.simulate.replace("-", "_").upper()], bandwidth=flags.bandwidth
+    )
     try:
-        simulation = _simulated(flags, design, trajectory)
+        simulation = simulate(robot, trajectory, model=design, controller=controller)
     except SimulationFailed as error:
         return replace(results, problems=(error,))
-    results = replace(results, simulation=simulation)
-    if simulation.stopped is None:
-        return results
-    return replace(results, problems=(SimulationStopped(simulation.stopped),))
+    stopped = () if simulation.stopped is None else (SimulationStopped(simulation.stopped),)
+    return replace(results, simulation=simulation, problems=stopped)
 
 
 def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, MinimumTime | None]:
-    """Return the motion as samples, and what its duration follows from if that was asked."""
+    """Return the motion as samples, and what its duration follows from if it is the shortest."""
     if flags.file is None:
         plan = PRESET[flags.preset or "paper-like"].build(design.geometry)
     else:
@@ -283,18 +258,3 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Minimum
         quickest = minimum_time(plan, flags.limits, design)
         plan = quickest.plan
     return plan.sample(RATE if flags.rate is None else flags.rate), quickest
-
-
-def _simulated(flags: TrajectoryFlags, design: Design, trajectory: Trajectory) -> Simulation:
-    payload = design.payload.mass + flags.payload_mismatch
-    robot = design.vary({"payload.mass": payload})
-    control = _CONTROLS[flags.simulate or "pd"]
-    controller = Controller(control, bandwidth=flags.bandwidth)
-    return simulate(robot, trajectory, model=design, controller=controller)
-
-
-_CONTROLS = {
-    "computed-torque": ControlMode.COMPUTED_TORQUE,
-    "pd": ControlMode.PD,
-    "feed-forward": ControlMode.FEED_FORWARD,
-}

@@ -6,7 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from paminsa_viz.cli.arguments import print_error
+from paminsa_viz.cli.output import print_error
 from paminsa_viz.cli.trajectory_report import Results
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.errors import FileError
@@ -17,11 +17,7 @@ from paminsa_viz.plots.series import EngineTorques, FigureKind
 from paminsa_viz.trajectory import ImpossibleTrajectory, TrajectoryAnalysis
 
 PAGE = ".html"
-
-
-def output_endings() -> tuple[str, ...]:
-    """Return the endings of the files that can be written, with their dots."""
-    return (*table_endings(), *figure_endings(), PAGE)
+"""Ending of the file in which the motion is played."""
 
 
 def write_files(
@@ -40,7 +36,7 @@ def write_files(
 
     Args:
         results: What was worked out.
-        paths: Files, whose endings are among `output_endings`.
+        paths: Files of tables, figures and pages.
         kind: What figures show.
         engine: ``"mujoco"`` or ``"pinocchio"``, to compare with, or None.
         width_mm: Width of figures [mm].
@@ -55,22 +51,38 @@ def write_files(
         EngineMissing: If the engine is not installed.
         InvalidInput: If a figure's width or resolution is not possible.
     """
-    other = None if engine is None else engine_torques(results.analysis, engine)
+    analysis, simulation = results.analysis, results.simulation
+    other = None if engine is None else engine_torques(analysis, engine)
+
+    def content(ending: str) -> bytes:
+        if ending in table_endings():
+            table = simulation_table(simulation) if simulation else analysis_table(analysis)
+            return table_bytes(table, ending[1:])
+        if ending == PAGE:
+            from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
+
+            return motion_html(analysis.design, analysis.trajectory)
+        from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
+
+        return figure_bytes(
+            kind, analysis,
+            reference=results.reference, published=results.printed, simulation=simulation,
+            engine=other, format=ending[1:], width_mm=width_mm, dpi=dpi,
+        )  # fmt: skip
+
     written = []
     for path in paths:
         ending = path.suffix.lower()
-        needs_simulation = (simulated and ending in table_endings()) or (
-            ending in figure_endings() and kind == "tracking"
-        )
-        if needs_simulation and results.simulation is None:
+        tracking = ending in figure_endings() and kind == "tracking"
+        simulated_table = ending in table_endings() and simulated
+        if simulation is None and (tracking or simulated_table):
             print_error(_NotWritten(path, "there is no simulated motion"))
             continue
         try:
-            content = _content(results, ending, kind, other, width_mm, dpi)
+            write_bytes(path, content(ending))
         except ImpossibleTrajectory:
             print_error(_NotWritten(path, "the motion fails at its start"))
             continue
-        write_bytes(path, content)
         written.append(path)
     return written
 
@@ -94,32 +106,6 @@ def engine_torques(analysis: TrajectoryAnalysis, engine: str) -> EngineTorques:
     )
     torque[~analysis.check.good] = float("nan")
     return EngineTorques(name, torque + analysis.solved.friction(design))
-
-
-def _content(
-    results: Results,
-    ending: str,
-    kind: FigureKind,
-    other: EngineTorques | None,
-    width_mm: float,
-    dpi: float,
-) -> bytes:
-    analysis = results.analysis
-    if ending in table_endings():
-        simulation = results.simulation
-        table = simulation_table(simulation) if simulation else analysis_table(analysis)
-        return table_bytes(table, ending[1:])
-    if ending == PAGE:
-        from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
-
-        return motion_html(analysis.design, analysis.trajectory)
-    from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
-
-    return figure_bytes(
-        kind, analysis,
-        reference=results.reference, published=results.printed, simulation=results.simulation,
-        engine=other, format=ending[1:], width_mm=width_mm, dpi=dpi,
-    )  # fmt: skip
 
 
 class _NotWritten(FileError):

@@ -1,4 +1,4 @@
-"""What ``paminsa-viz trajectory`` says: a table for people, the same as data for programs."""
+"""What ``paminsa-viz trajectory`` prints: a table for people, the same as data for programs."""
 
 from __future__ import annotations
 
@@ -11,19 +11,29 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.output import print_table
+from paminsa_viz.cli.output import print_table, print_written
 from paminsa_viz.errors import PaminsaError
-from paminsa_viz.trajectory import (
-    MinimumTime,
-    PathEvent,
-    Simulation,
-    TrajectoryAnalysis,
-)
+from paminsa_viz.trajectory import MinimumTime, PathEvent, Simulation, TrajectoryAnalysis
 from paminsa_viz.trajectory.limits import ACTUATOR_NAMES
 from paminsa_viz.units import format_ascii
 
-_UNITS = ("N m", "N m", "N m", "N")
-_SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
+TORQUE_UNITS = ("N m", "N m", "N m", "N")
+SPEED_UNITS = ("rad/s", "rad/s", "rad/s", "m/s")
+
+LOADS = (
+    ("peak", "peak", "peak", TORQUE_UNITS),
+    ("peak_t", "peak_t_s", "  at", ("s",) * 4),
+    ("rms", "rms", "RMS", TORQUE_UNITS),
+    ("top_speed", "top_speed", "largest speed", SPEED_UNITS),
+    ("top_power", "top_power_W", "peak power", ("W",) * 4),
+    ("top_power_t", "top_power_t_s", "  at", ("s",) * 4),
+    ("driven", "driven_J", "energy, driving", ("J",) * 4),
+    ("braked", "braked_J", "energy, braking", ("J",) * 4),
+)
+"""Loads of an actuator: field of `ActuatorSummary`, JSON key, text, units of the actuators."""
+
+COMPARED = ("peak", "rms", "top_power")
+"""Loads that are repeated for a reference and for the formulas as published."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +42,7 @@ class Results:
 
     Attributes:
         analysis: The design on the motion.
-        quickest: What the duration follows from, if the shortest one was asked for.
+        quickest: What the duration follows from, if it is the shortest one.
         reference: Another design on the same motion.
         printed: The design by the formulas as published.
         simulation: The robot driven along the motion.
@@ -79,18 +89,17 @@ def report(results: Results, written: Sequence[Path]) -> dict[str, Any]:
         "problems": [str(problem) for problem in results.problems],
         "failure": _failure(check.first),
         "closest": _event(check.closest),
-        "shortest": None
-        if quickest is None
-        else {
+        "shortest": quickest
+        and {
             "quantity": quickest.quantity,
             "limit": quickest.limit,
             "unit": quickest.unit,
             "t_s": quickest.t,
         },
         "actuators": _actuators(analysis),
-        "reference": None if results.reference is None else _other(results.reference),
-        "printed": None if results.printed is None else _other(results.printed),
-        "simulation": None if results.simulation is None else _simulation(results.simulation),
+        "reference": results.reference and _other(results.reference),
+        "printed": results.printed and _other(results.printed),
+        "simulation": results.simulation and _simulation(results.simulation),
         "files": [os.fspath(path) for path in written],
     }
 
@@ -111,9 +120,7 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
         rows = [("", *ACTUATOR_NAMES), *_rows(analysis)]
         for title, other in (("reference", results.reference), ("as published", results.printed)):
             if other is not None and other.summary:
-                rows += [
-                    (f"{title}: {row[0]}", *row[1:]) for row in _rows(other) if row[0] in _BOTH
-                ]
+                rows += _rows(other, COMPARED, f"{title}: ")
         print_table(rows, right=True)
         print()
     if check.first is not None:
@@ -131,30 +138,23 @@ def print_report(results: Results, written: Sequence[Path]) -> None:
         print(f'reference "{results.reference.design.name}": {verdict}')
     if results.simulation is not None:
         _print_simulation(results.simulation)
-    for path in written:
-        print(f"{path}: written")
+    print_written(written)
 
 
-_BOTH = ("peak", "RMS", "peak power")
-"""Rows that are repeated for a reference and for the formulas as published."""
-
-
-def _rows(analysis: TrajectoryAnalysis) -> list[tuple[str, ...]]:
-    found = analysis.summary
-
-    def row(name: str, values: Sequence[float], units: Sequence[str]) -> tuple[str, ...]:
-        return (name, *(format_ascii(v, u, 3) for v, u in zip(values, units, strict=True)))
-
-    seconds, watts, joules = ("s",) * 4, ("W",) * 4, ("J",) * 4
+def _rows(
+    analysis: TrajectoryAnalysis, kept: Sequence[str] = (), prefix: str = ""
+) -> list[tuple[str, ...]]:
+    """Return rows of loads, all of them or those that are kept."""
     return [
-        row("peak", [a.peak for a in found], _UNITS),
-        row("  at", [a.peak_t for a in found], seconds),
-        row("RMS", [a.rms for a in found], _UNITS),
-        row("largest speed", [a.top_speed for a in found], _SPEED_UNITS),
-        row("peak power", [a.top_power for a in found], watts),
-        row("  at", [a.top_power_t for a in found], seconds),
-        row("energy, driving", [a.driven for a in found], joules),
-        row("energy, braking", [a.braked for a in found], joules),
+        (
+            prefix + text,
+            *(
+                format_ascii(getattr(summary, load), unit, 3)
+                for summary, unit in zip(analysis.summary, units, strict=True)
+            ),
+        )
+        for load, _, text, units in LOADS
+        if not kept or load in kept
     ]
 
 
@@ -173,22 +173,11 @@ def _failure(event: PathEvent | None) -> dict[str, Any] | None:
 
 
 def _actuators(analysis: TrajectoryAnalysis) -> list[dict[str, Any]]:
-    names = zip(ACTUATOR_NAMES, _UNITS, _SPEED_UNITS, strict=True)
+    names = zip(ACTUATOR_NAMES, TORQUE_UNITS, SPEED_UNITS, strict=True)
     return [
-        {
-            "name": name,
-            "unit": unit,
-            "peak": found.peak,
-            "peak_t_s": found.peak_t,
-            "rms": found.rms,
-            "speed_unit": speed_unit,
-            "top_speed": found.top_speed,
-            "top_power_W": found.top_power,
-            "top_power_t_s": found.top_power_t,
-            "driven_J": found.driven,
-            "braked_J": found.braked,
-        }
-        for (name, unit, speed_unit), found in zip(names, analysis.summary, strict=False)
+        {"name": name, "unit": unit, "speed_unit": speed_unit}
+        | {key: getattr(summary, load) for load, key, *_ in LOADS}
+        for (name, unit, speed_unit), summary in zip(names, analysis.summary, strict=False)
     ]
 
 

@@ -11,9 +11,8 @@ from typing import Annotated, Any
 import tyro
 
 from paminsa_viz import __version__
-from paminsa_viz.cli.arguments import parse
-from paminsa_viz.cli.inputs import Assembly, PresetName, design_of, motion_of
-from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
+from paminsa_viz.cli.output import print_json, print_table, print_written
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.errors import PaminsaError
@@ -36,24 +35,15 @@ MuJoCo moves under the calculated torques. Joint friction is left out.
 
 Exit code: 0 passed, 1 failed, 2 a wrong argument or no engine."""
 
-FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
-
 HEAD = ("", "largest torque", "largest difference", "RMS", "relative, largest", "RMS")
 
+FormatName = tyro.extras.literal_type_from_choices(FIGURE_FORMATS)
 
-@dataclass(frozen=True)
-class Verify:
+
+@dataclass(frozen=True, kw_only=True)
+class Verify(JsonFlags, MotionFlags, DesignFlags):
     """Flags of the command."""
 
-    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
-    """Design file (TOML), instead of the paper's Appendix 4."""
-    assembly: Assembly | None = None
-    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
-    design's own."""
-    preset: PresetName = "paper-like"
-    """A ready-made motion, sized for the robot. None of them is the paper's own."""
-    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
-    """A motion as a table with t_s,x_m,y_m,theta_rad,z_m, instead of a preset."""
     poses: int = POSES
     """Number of random poses at rest."""
     seed: int = 0
@@ -62,8 +52,6 @@ class Verify:
     """Largest difference that passes, over the largest torque of the actuator."""
     model: Annotated[Path | None, tyro.conf.arg(metavar="FILE.xml")] = None
     """Check this exported MJCF model against the design, instead of the design's own."""
-    json: bool = False
-    """Print JSON for other programs."""
     figures: Annotated[Path | None, tyro.conf.arg(metavar="FOLDER")] = None
     """Write figures like the paper's Figs. 6 and 7 there: both curves and their difference."""
     format: Annotated[str, tyro.conf.arg(constructor=FormatName, help_behavior_hint="(png)")] = (
@@ -71,33 +59,33 @@ class Verify:
     )
     """Format of the figures."""
 
-
-def main(words: list[str]) -> int:
-    """Run the command."""
-    flags = parse(Verify, words, "verify", DESCRIPTION)
-    design = design_of(flags.design, flags.assembly)
-    motion = motion_of(flags.preset, flags.file, design.geometry)
-    xml = None if flags.model is None else _mechanics(flags.model)
-    try:
-        found = verify(
-            design, motion,
-            poses=flags.poses, seed=flags.seed, tolerance=flags.tolerance, xml=xml,
-        )  # fmt: skip
-    except PaminsaError:
-        raise
-    except ValueError as error:
-        if flags.model is None:
+    def run(self) -> int:
+        """Compare, and return the verdict."""
+        design = self.given_design()
+        motion = self.given_motion(design.geometry)
+        xml = None if self.model is None else _mechanics(self.model)
+        try:
+            found = verify(
+                design, motion,
+                poses=self.poses, seed=self.seed, tolerance=self.tolerance, xml=xml,
+            )  # fmt: skip
+        except PaminsaError:
             raise
-        raise FileError(str(flags.model), f"MuJoCo cannot use it: {error}") from error
-    drawn = [] if flags.figures is None else _figures(found, flags.figures, flags.format)
-    if flags.json:
-        files = {"figures": [str(path) for path in drawn]} if drawn else {}
-        print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": flags.seed, **files})
-    else:
-        _show(found)
-        for path in drawn:
-            print(f"{path}: written")
-    return 0 if found.passed else 1
+        except ValueError as error:
+            if self.model is None:
+                raise
+            raise FileError(str(self.model), f"MuJoCo cannot use it: {error}") from error
+        drawn = [] if self.figures is None else _figures(found, self.figures, self.format)
+        if self.json:
+            files = {"figures": [str(path) for path in drawn]} if drawn else {}
+            print_json({"paminsa_viz": __version__, **found.to_dict(), "seed": self.seed, **files})
+        else:
+            _print(found)
+            print_written(drawn)
+        return 0 if found.passed else 1
+
+
+FLAGS = Verify
 
 
 def _mechanics(path: Path) -> str:
@@ -115,7 +103,7 @@ def _mechanics(path: Path) -> str:
     return ET.tostring(root, encoding="unicode")
 
 
-def _show(found: Verification) -> None:
+def _print(found: Verification) -> None:
     motion = found.trajectory
     print(
         f"{found.design.name}, {found.design.geometry.knee.label}: "
@@ -135,7 +123,7 @@ def _show(found: Verification) -> None:
     ]
     head = ("", "tau_1", "tau_2", "tau_3", "F_4")
     print_table([head, *rows], indent=2, right=True)
-    _show_simulation(found)
+    _print_simulation(found)
     verdict = "PASS" if found.passed else "FAIL"
     print(
         f"\n{verdict}: the largest difference is {found.worst:.1e} of the largest torque; "
@@ -157,7 +145,7 @@ def _rows(where: str, comparison: Comparison) -> list[tuple[str, ...]]:
     ]
 
 
-def _show_simulation(found: Verification) -> None:
+def _print_simulation(found: Verification) -> None:
     run: dict[str, Any] = found.to_dict()["simulation"]
     x, y, theta, z = run["drift_m_rad"]
     end = "to the end" if run["complete"] else "until the unstable robot had strayed"

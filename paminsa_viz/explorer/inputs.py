@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import KW_ONLY, dataclass, replace
+from dataclasses import KW_ONLY, dataclass
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -19,7 +19,7 @@ from paminsa_viz.model import InvalidInput
 from paminsa_viz.units import DisplayUnit, display_unit
 
 Range = tuple[float | None, float | None]
-"""Smallest and largest number in the unit shown; None where there is no limit."""
+"""Smallest and largest number in SI; None where there is no limit."""
 
 PLAIN = DisplayUnit(1.0, "")
 """Of a number that is shown as it is."""
@@ -40,6 +40,12 @@ def finite(value: Any) -> float | None:
     return number if math.isfinite(number) else None
 
 
+def in_unit(ends: Range, unit: DisplayUnit) -> Range:
+    """Return ends in SI in the unit shown."""
+    low, high = (None if end is None else unit.from_si(end) for end in ends)
+    return low, high
+
+
 def attribute(path: str, change: Callable[..., State] | None = None) -> dict[str, Any]:
     """Return ``read`` and ``apply`` of an input for an attribute of the state.
 
@@ -51,9 +57,8 @@ def attribute(path: str, change: Callable[..., State] | None = None) -> dict[str
     part, _, name = path.rpartition(".")
 
     def apply(state: State, value: Any) -> State:
-        if change is not None:
-            return change(state, **{name: value})
-        return state.updated(part, **{name: value}) if part else replace(state, **{name: value})
+        changes = {name: value}
+        return state.updated(part, **changes) if change is None else change(state, **changes)
 
     return {"read": attrgetter(path), "apply": apply}
 
@@ -97,13 +102,13 @@ class Input(Entry, ABC):
         """Return the error that says what is needed."""
         return InvalidInput(given(self.label, state) or self.key, needed)
 
-    def number(self, state: State, value: Any, ends: Range) -> float:
-        """Return a number from the page that is finite and in a range.
+    def number(self, state: State, value: Any, ends: Range, unit: DisplayUnit) -> float:
+        """Return a number from the page in SI, which is finite and in a range.
 
         Raises:
             InvalidInput: If it is not.
         """
-        number, (low, high) = finite(value), ends
+        number, (low, high) = finite(value), in_unit(ends, unit)
         if number is None:
             raise self.refusal(state, "a finite number is needed")
         if low is not None and high is not None and not low <= number <= high:
@@ -112,7 +117,7 @@ class Input(Entry, ABC):
             raise self.refusal(state, f"at least {low:g} is needed, not {number:g}")
         if high is not None and number > high:
             raise self.refusal(state, f"at most {high:g} is possible, not {number:g}")
-        return number
+        return unit.to_si(number)
 
 
 @dataclass(frozen=True)
@@ -139,7 +144,7 @@ class Slider(Input):
         return self.unit.from_si(self.read(state))
 
     def parse(self, state: State, value: Any) -> float:
-        number = self.number(state, value, (None, None))
+        number = self.number(state, value, (None, None), PLAIN)
         if self.fit is None:
             low, high = given(self.range, state)
             number = min(max(number, low), high)
@@ -157,7 +162,10 @@ class Slider(Input):
 
 @dataclass(frozen=True)
 class Number(Input):
-    """A number box; attributes as of `Slider`, and numbers beyond the range are refused."""
+    """A number box; attributes as of `Slider`, but the range is in SI.
+
+    Numbers beyond it are refused.
+    """
 
     _: KW_ONLY
     range: Range = (None, None)
@@ -168,10 +176,10 @@ class Number(Input):
         return self.unit.from_si(self.read(state))
 
     def parse(self, state: State, value: Any) -> float:
-        return self.unit.to_si(self.number(state, value, self.range))
+        return self.number(state, value, self.range, self.unit)
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
-        low, high = self.range
+        low, high = in_unit(self.range, self.unit)
         value = self.shown(state)
         return gui.add_number(label, value, min=low, max=high, step=self.step, **properties)
 
@@ -198,13 +206,14 @@ class Pair(Input):
         if not isinstance(value, (tuple, list)) or len(value) != 2:
             raise self.refusal(state, "two numbers are needed")
         first, second = (
-            unit.to_si(self.number(state, one, ends))
+            self.number(state, one, ends, unit)
             for one, ends, unit in zip(value, self.range, self.units, strict=True)
         )
         return first, second
 
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
-        low, high = (None if None in ends else ends for ends in zip(*self.range, strict=True))
+        ranges = map(in_unit, self.range, self.units)
+        low, high = (None if None in ends else ends for ends in zip(*ranges, strict=True))
         step = given(self.step, state)
         return gui.add_vector2(label, self.shown(state), min=low, max=high, step=step, **properties)
 

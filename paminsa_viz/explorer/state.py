@@ -108,6 +108,8 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         simulating, balancing, engine_answer: Jobs of the session and what came of them.
+        export: How files are exported.
+        table_at_rest: Whether a motion in an opened file starts and ends at rest.
     """
 
     document: Document
@@ -121,10 +123,18 @@ class State:
     balancing: Balancing = field(default_factory=Balancing)
     engine_answer: Answer | None = None
     export: ExportSettings = field(default_factory=ExportSettings)
+    table_at_rest: bool = False
 
     def updated(self, part: str, **changes: Any) -> State:
-        """Return the state with other attributes of one of its parts, such as ``"map_view"``."""
-        return replace(self, **{part: replace(getattr(self, part), **changes)})
+        """Return the state with other attributes of a part, such as ``"simulating.settings"``."""
+        return _updated(self, part, changes)
+
+
+def _updated(data: Any, part: str, changes: dict[str, Any]) -> Any:
+    if not part:
+        return replace(data, **changes)
+    name, _, rest = part.partition(".")
+    return replace(data, **{name: _updated(getattr(data, name), rest, changes)})
 
 
 def initial_state(design: Design = APPENDIX_4) -> State:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from paminsa_viz.files.errors import FileError
+from paminsa_viz.interrupts import indivisible, on_interrupt
 
 
 @contextmanager
@@ -42,32 +43,49 @@ def write_bytes(path: str | os.PathLike[str], content: bytes) -> None:
 @contextmanager
 def _written(path: str | os.PathLike[str], **how: Any) -> Iterator[Any]:
     name = os.fspath(path)
-    mode = None
     try:
         target = Path(os.path.realpath(path))
-        temporary = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
-        with suppress(FileNotFoundError):
-            found = target.stat().st_mode
-            if not stat.S_ISREG(found):
-                kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
-                raise FileError(name, f"cannot be written: it is {kind}")
-            mode = stat.S_IMODE(found)
-        descriptor = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        mode = _mode(target, name)
     except (OSError, ValueError) as error:
         raise as_file_error(name, error, "written") from error
-    try:
-        with open(descriptor, **how) as file:
-            yield file
-            file.flush()
-            os.fsync(file.fileno())
-        if mode is not None:
-            os.chmod(temporary, mode)
-        os.replace(temporary, target)
-    except OSError as error:
-        raise as_file_error(name, error, "written") from error
-    finally:
-        with suppress(FileNotFoundError):
+    temporary = target.with_name(f".{target.name[:50]}.{secrets.token_hex(4)}.tmp")
+
+    def remove() -> None:
+        with suppress(OSError):  # where none could be made, it cannot be removed
             temporary.unlink()
+
+    with on_interrupt(remove):
+        try:
+            with indivisible():
+                number = os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+            with open(number, **how) as file:
+                yield file
+                file.flush()
+                os.fsync(file.fileno())
+            if mode is not None:
+                os.chmod(temporary, mode)
+            with indivisible():
+                os.replace(temporary, target)
+        except OSError as error:
+            raise as_file_error(name, error, "written") from error
+        finally:
+            remove()
+
+
+def _mode(target: Path, name: str) -> int | None:
+    """Return the mode of the file that is to be replaced, or None where there is none.
+
+    Raises:
+        FileError: If there is something that is no regular file.
+    """
+    try:
+        found = target.stat().st_mode
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(found):
+        kind = "a folder" if stat.S_ISDIR(found) else "not a regular file"
+        raise FileError(name, f"cannot be written: it is {kind}")
+    return stat.S_IMODE(found)
 
 
 def as_file_error(

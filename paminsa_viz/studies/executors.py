@@ -11,10 +11,12 @@ from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import wait
 from typing import Any, TypeVar
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.interrupts import hidden_from_children, on_interrupt
 from paminsa_viz.model import backend
 
 Item = TypeVar("Item")
@@ -49,7 +51,8 @@ class Workers:
         waiting: deque[Future[Result]] = deque()
         try:
             for item in items:
-                waiting.append(self.executor.submit(function, item))
+                with hidden_from_children():  # this is where an executor starts its processes
+                    waiting.append(self.executor.submit(function, item))
                 if len(waiting) >= AHEAD * self.count:
                     yield waiting.popleft().result()
             while waiting:
@@ -83,9 +86,11 @@ def processes(count: int | None = None) -> Iterator[Workers]:
     backend.compile_now()
     # Not forked: a fork takes over threads' locks, and differs from what Windows and macOS do.
     context = multiprocessing.get_context("spawn")
+    _start_quiet_tracker()
     pool = ProcessPoolExecutor(count, mp_context=context, initializer=_start_process)
     try:
-        yield Workers(pool, count)
+        with on_interrupt(_end_processes):
+            yield Workers(pool, count)
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
 
@@ -126,11 +131,25 @@ def _cores() -> int:
     return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
+def _start_quiet_tracker() -> None:
+    """Start the process that removes what a stopped program leaves, without a word of it."""
+    variable = "PYTHONWARNINGS"
+    before = os.environ.get(variable)
+    os.environ[variable] = ",".join(filter(None, (before, "ignore:resource_tracker")))
+    try:
+        resource_tracker.ensure_running()
+    finally:
+        os.environ.pop(variable) if before is None else os.environ.update({variable: before})
+
+
+def _end_processes() -> None:
+    for process in multiprocessing.active_children():
+        process.kill()
+
+
 def _start_process() -> None:
     """Prepare a worker process."""
-    # Ctrl-C reaches all processes; the first one tells the others when to end.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # A first process that is killed cannot tell.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where `hidden_from_children` can do nothing
     threading.Thread(target=_end_with_parent, daemon=True).start()
     backend.compile_now()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from itertools import count
 
 import numpy as np
 import pytest
@@ -165,6 +166,7 @@ SHORT = APPENDIX_4.vary({"geometry.guide_stroke": 0.05})
             )
         ),
     ],
+    ids=count(),
 )  # fmt: skip
 def test_impossible_requests_are_rejected(make, named: str) -> None:
     with pytest.raises((InvalidInput, InvalidDesign), match=named):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import count
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,7 +15,6 @@ from paminsa_viz.balancing import (
     Spring,
     SpringPlace,
     at_joint,
-    balance,
     fit_springs,
     on_bar,
     on_guide,
@@ -110,53 +112,21 @@ def test_fit_meets_its_bound_and_beats_random_springs(measure: str) -> None:
     assert fit.after < 0.8 * fit.before
     assert fit.gap <= 1e-8 * fit.before
     rng = np.random.default_rng(0)
-    whole = [spring_torques(g, [Spring(p.first, p.second, 1.0)], poses)[..., :3] for p in places]
-    free = [
-        spring_torques(g, [Spring(p.first, p.second, 1.0, 1.0)], poses)[..., :3] - w
-        for p, w in zip(places, whole, strict=True)
-    ]
     best = np.inf
-    for _ in range(2000):
-        total = gravity.copy()
-        for p, w, f in zip(places, whole, free, strict=True):
-            near = fit.springs[places.index(p)].stiffness * rng.uniform(0.9, 1.1)
-            stiffness = min(
-                near if rng.uniform() < 0.5 else rng.uniform(0, p.max_stiffness), p.max_stiffness
+    for _ in range(400):
+        springs = [
+            replace(
+                spring,
+                stiffness=min(rng.uniform(0.8, 1.2) * spring.stiffness, place.max_stiffness),
+                free_length=rng.uniform(place.min_free_length, place.max_free_length),
             )
-            total += stiffness * (w + rng.uniform(p.min_free_length, p.max_free_length) * f)
-        best = min(best, of(total))
+            for spring, place in zip(fit.springs, places, strict=True)
+        ]
+        best = min(best, of(gravity + spring_torques(g, springs, poses)[..., :3]))
     assert best >= fit.lower_bound - 1e-12
     for (low, high), spring in zip(fit.reach, fit.springs, strict=True):
         lengths = spring_lengths(g, spring, poses)
         assert (low, high) == (lengths.min(), lengths.max())
-
-
-def test_free_length_is_no_worse_than_any_fixed_one() -> None:
-    poses = workspace().poses()
-    ends = (on_guide(0.0, 0.3), at_joint(9))
-    free = fit_springs(APPENDIX_4, [SpringPlace(*ends, 1e4, 0.0, 0.6)], poses, measure="rms")
-    fixed = [
-        fit_springs(APPENDIX_4, [SpringPlace(*ends, 1e4, d, d)], poses, measure="rms").after
-        for d in np.linspace(0, 0.6, 13)
-    ]
-    assert free.after <= min(fixed) + 1e-9
-    assert min(fixed) < fixed[0]
-
-
-def test_springs_agree_with_counterweights_on_the_same_poses() -> None:
-    """Both balance; only the counterweights make the robot heavier."""
-    poses = workspace().poses()
-    weights = balance(APPENDIX_4)
-    fit = fit_springs(APPENDIX_4, [SpringPlace(on_slider(0.2), at_joint(9))], poses)
-    by_weights = static_torques(weights.after, poses)
-    by_springs = static_torques(APPENDIX_4, poses) + spring_torques(
-        APPENDIX_4.geometry, fit.springs, poses
-    )
-    assert np.abs(by_weights[..., :3]).max() < 1e-12
-    assert np.abs(by_springs[..., :3]).max() < 1e-7
-    assert weights.objective > 8
-    # a mast on the guide lifts nothing, so that M4 keeps the knees' part of the weight alone
-    assert (by_weights[..., 3] - by_springs[..., 3]).std() < 1e-6
 
 
 @pytest.mark.parametrize(
@@ -171,6 +141,7 @@ def test_springs_agree_with_counterweights_on_the_same_poses() -> None:
         lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -0.5]], measure="mean"),
         lambda: fit_springs(APPENDIX_4, [], [[0.0, 0.0, 0.0, -5.0]]),
     ],
+    ids=count(),
 )
 def test_impossible_springs_are_rejected(make) -> None:
     with pytest.raises((InvalidInput, InvalidDesign)):

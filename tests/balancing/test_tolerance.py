@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -139,6 +140,7 @@ def test_only_the_magnification_unbalances_masses_at_joints() -> None:
         lambda: length_tolerance(BALANCED, 0.1, POSES, samples=0),
         lambda: length_tolerance(BALANCED, 0.1, [[0.0, 0.0, 0.0, -9.0]]),
     ],
+    ids=count(),
 )
 def test_impossible_requests_are_rejected(make) -> None:
     with pytest.raises(InvalidInput):

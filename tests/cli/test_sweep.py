@@ -41,8 +41,9 @@ LONG = ("--random", "120", "--seed", "2", "--vary", "links.b3", "--vary", "geome
 
 def test_flags_become_a_study_in_si_units() -> None:
     assert "sweep" in COMMANDS
-    flags = Sweep(Path("a"), ("links.b3=0.2:0.6:3", "joints.j7=0.1,0.3"), radius=100.0, z=(500.0,),
-                  theta=(0.0, 180.0), cells=9, scale_bars=True)  # fmt: skip
+    grid = ("links.b3=0.2:0.6:3", "joints.j7=0.1,0.3")
+    flags = Sweep(out=Path("a"), vary=grid, radius=100.0, z=(500.0,), theta=(0.0, 180.0), cells=9,
+                  scale_bars=True)  # fmt: skip
     study = study_of(flags, APPENDIX_4.with_knee(KneeBranch.UPPER))
     assert study.variation == DesignGrid(
         (DesignAxis("links.b3", (0.2, 0.4, 0.6)), DesignAxis("joints.j7", (0.1, 0.3)))
@@ -52,7 +53,9 @@ def test_flags_become_a_study_in_si_units() -> None:
     assert region.theta == pytest.approx((0.0, 3.14159265))
     assert (study.design.geometry.knee, study.scale_bars) == (KneeBranch.UPPER, True)
 
-    flags = Sweep(Path("a"), ("links.b3", "joints.j7=0.1:0.3"), random=7, seed=5, spread=0.5)
+    flags = Sweep(
+        out=Path("a"), vary=("links.b3", "joints.j7=0.1:0.3"), random=7, seed=5, spread=0.5
+    )
     b3 = APPENDIX_4.links.b3
     assert study_of(flags, APPENDIX_4).variation == RandomDesigns(
         (DesignRange("links.b3", 0.5 * b3, 1.5 * b3), DesignRange("joints.j7", 0.1, 0.3)), 7, 5
@@ -172,7 +175,8 @@ def start(folder: Path) -> subprocess.Popen[str]:
 def whole(tmp_path_factory) -> bytes:
     """The table of the same command without a stop, from a single process."""
     path = tmp_path_factory.mktemp("sweep") / "a.csv"
-    flags = Sweep(path, ("links.b3", "geometry.base_radius"), 120, 2, cells=100, preset="arch")
+    varied = ("links.b3", "geometry.base_radius")
+    flags = Sweep(out=path, vary=varied, random=120, seed=2, cells=100, preset="arch")
     command = " ".join(["paminsa-viz sweep", *LONG])
     run_study(study_of(flags, APPENDIX_4), path, command=command)
     return path.read_bytes()
@@ -218,7 +222,7 @@ def test_ctrl_c_leaves_a_table_to_go_on_with(folder, whole) -> None:
     out, err = process.communicate(timeout=30)
     assert (process.returncode, out) == (130, "")
     assert err.startswith("paminsa-viz: stopped after ")
-    assert err.endswith(" of 120 rows; the same command goes on from there\n")
+    assert err.endswith(" of 120 rows; the same command resumes it\n")
     rows = int(err.split()[3])
     assert 8 <= rows < 120
     left = (folder / "a.csv").read_bytes()

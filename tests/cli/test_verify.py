@@ -6,18 +6,16 @@ import json
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import get_args
 
 import numpy as np
 import pytest
 
 from paminsa_viz.cli import main
-from paminsa_viz.cli.inputs import PresetName
 from paminsa_viz.engines.mjcf import mjcf_text
 from paminsa_viz.files.columns import TRAJECTORY
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4
-from paminsa_viz.trajectory import PRESET, paper_like
+from paminsa_viz.trajectory import paper_like
 
 pytestmark = pytest.mark.slow
 
@@ -92,10 +90,6 @@ def test_figures_are_written_where_they_are_wanted(motion, capsys) -> None:
     assert {"formulae_mujoco.svg", "formulae_as_printed_mujoco.svg"} <= names
     assert {Path(path).name for path in json.loads(capsys.readouterr().out)["figures"]} == names
     assert b"<svg" in Path("a/b/formulae_mujoco.svg").read_bytes()
-
-
-def test_every_preset_can_be_named() -> None:
-    assert get_args(PresetName) == tuple(PRESET)
 
 
 @pytest.mark.parametrize(

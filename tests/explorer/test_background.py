@@ -9,19 +9,27 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.state import initial_state
 from tests.support.raw_page import TIMEOUT
 
 
-class Recorder:
-    """Stands in for a session: applies actions at once."""
+class Bench:
+    """A session that applies actions at once, and a job that starts and ends when it is let."""
 
     closed = False
 
     def __init__(self) -> None:
         self.state = initial_state()
         self.sources: list[str] = []
-        self.done = threading.Semaphore(0)
+        self.done, self.started, self.may_end = (threading.Semaphore(0) for _ in range(3))
+        self.ran: list[float] = []
+        self.canceled: list[bool] = []
+        session: Any = self
+        self.job: Any = BackgroundJob(
+            session, "job", self._run, lambda state, x: actions.move(state, x=x),
+            failed=lambda job, problem: 0.5,
+            progress=lambda state, job, done: actions.move(state, y=done / 100),
+        )  # fmt: skip
 
     def dispatch(self, source: str, action: Any, *, step: bool) -> None:
         self.state = action(self.state)
@@ -29,85 +37,54 @@ class Recorder:
         if source == "job.result":
             self.done.release()
 
-    def wait(self) -> None:
-        assert self.done.acquire(timeout=TIMEOUT)
-
-
-class Work:
-    """A job's function that starts and ends when it is let."""
-
-    def __init__(self) -> None:
-        self.ran: list[float] = []
-        self.started, self.may_end = threading.Semaphore(0), threading.Semaphore(0)
-        self.canceled: list[bool] = []
-
-    def __call__(self, job: float, report: Any) -> float:
+    def _run(self, job: float, report: Any) -> float:
         self.ran.append(job)
         self.started.release()
         assert self.may_end.acquire(timeout=TIMEOUT)
         self.canceled.append(report(0.5))
-        if job < 0:
-            raise ZeroDivisionError
-        return job
+        return job / (job >= 0)
+
+    def start(self, job: float) -> None:
+        """Request a job, and wait until it runs."""
+        self.job.request(job)
+        assert self.started.acquire(timeout=TIMEOUT)
+
+    def finish(self, count: int = 1) -> tuple[float, ...]:
+        """Let jobs end; return the position after the first result."""
+        self.may_end.release(count)
+        assert self.done.acquire(timeout=TIMEOUT)
+        return self.state.document.pose[:2]
 
 
 @pytest.fixture
-def recorder() -> Recorder:
-    return Recorder()
+def bench() -> Bench:
+    return Bench()
 
 
-@pytest.fixture
-def work() -> Work:
-    return Work()
-
-
-@pytest.fixture
-def job(recorder: Recorder, work: Work) -> BackgroundJob[float, float]:
-    def receive(state: State, x: float) -> State:
-        return actions.move(state, x=x)
-
-    return BackgroundJob(
-        recorder, "job", work, receive, failed=lambda job, problem: 0.5,  # type: ignore[arg-type]
-        progress=lambda state, job, done: actions.move(state, y=done / 100),
-    )  # fmt: skip
-
-
-def test_newest_of_waiting_jobs_runs_and_only_its_result_is_received(
-    job: Any, work: Work, recorder: Recorder
-) -> None:
-    job.request(0.01)
-    assert work.started.acquire(timeout=TIMEOUT)
+def test_newest_of_waiting_jobs_runs_and_only_its_result_is_received(bench: Bench) -> None:
+    bench.start(0.01)
     for x in (0.02, 0.03, 0.04):
-        job.request(x)
-    job.request(job._wanted)  # the same again is no new job
-    work.may_end.release(2)
-    recorder.wait()
-    assert work.ran == [0.01, 0.04]
-    assert work.canceled == [True, False]
-    assert recorder.sources == ["job.progress", "job.result"]
-    assert recorder.state.document.pose[:2] == (0.04, 0.005)
+        bench.job.request(x)
+    bench.job.request(bench.job._wanted)  # the same again is no new job
+    assert bench.finish(2) == (0.04, 0.005)
+    assert bench.ran == [0.01, 0.04]
+    assert bench.canceled == [True, False]
+    assert bench.sources == ["job.progress", "job.result"]
 
 
-def test_canceled_job_is_told_to_stop_and_its_result_is_dropped(
-    job: Any, work: Work, recorder: Recorder
-) -> None:
-    job.request(0.01)
-    assert work.started.acquire(timeout=TIMEOUT)
-    job.request(None)
-    work.may_end.release()
-    job.request(0.02)
-    work.may_end.release()
-    recorder.wait()
-    assert work.ran[-1] == 0.02
-    assert recorder.state.document.pose[0] == 0.02
-    assert recorder.sources.count("job.result") == 1
+def test_canceled_job_is_told_to_stop_and_its_result_is_dropped(bench: Bench) -> None:
+    bench.start(0.01)
+    bench.job.request(None)
+    bench.may_end.release()
+    bench.job.request(0.02)
+    assert bench.finish()[0] == 0.02
+    assert bench.ran[-1] == 0.02
+    assert bench.sources.count("job.result") == 1
 
 
 def test_unexpected_error_is_logged_and_delivered_as_a_failure(
-    job: Any, work: Work, recorder: Recorder, caplog: pytest.LogCaptureFixture
+    bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
-    job.request(-1.0)
-    work.may_end.release()
-    recorder.wait()
-    assert recorder.state.document.pose[0] == 0.5
+    bench.start(-1.0)
+    assert bench.finish()[0] == 0.5
     assert "ZeroDivisionError" in caplog.text

@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 import viser
 
-from paminsa_viz.explorer import actions
+from paminsa_viz.explorer import actions, bindings
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.bindings import same
+from paminsa_viz.explorer.bindings import Binding, same
 from paminsa_viz.explorer.entries import Entry, given
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Input, Number, Pair, Slider, TextBox
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import (
+    Checkbox,
+    Dropdown,
+    Input,
+    Number,
+    Pair,
+    Slider,
+    TextBox,
+    in_unit,
+)
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
@@ -24,14 +34,16 @@ from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
-from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entries
+from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
 from paminsa_viz.explorer.panels.motion_panel import motion_entries
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.panels.pose_panel import POSE
 from paminsa_viz.explorer.panels.view_panel import view_entries
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
-from tests.support.desk import desk_with
+from tests.support.desk import SilentPage, desk_with, stop
+from tests.support.raw_page import eventually
 
 
 def inputs_in(entries: Sequence[Entry]) -> Iterator[Input]:
@@ -89,10 +101,11 @@ def state() -> State:
 def ends(entry: Input, state: State) -> list[tuple[Any, Any]]:
     """Return the lowest and highest values of a number's range, and values beyond them."""
     if isinstance(entry, (Slider, Number)):
-        low, high = given(entry.range, state) if isinstance(entry, Slider) else entry.range
+        slider = isinstance(entry, Slider)
+        low, high = given(entry.range, state) if slider else in_unit(entry.range, entry.unit)
         return [(end, end + sign) for end, sign in ((low, -1.0), (high, 1.0)) if end is not None]
     if isinstance(entry, Pair) and None not in sum(entry.range, ()):
-        low, high = zip(*entry.range, strict=True)
+        low, high = zip(*map(in_unit, entry.range, entry.units), strict=True)
         return [(low, (low[0], low[1] - 1.0)), (high, (high[0] + 1.0, high[1]))]
     return []
 
@@ -112,7 +125,7 @@ def another(entry: Input, state: State) -> Any:
     if isinstance(entry, Pair):
         return next(end for end, _ in ends(entry, state) if end != entry.shown(state))
     assert isinstance(entry, (Slider, Number))
-    value, (_, high) = entry.shown(state), given(entry.range, state)
+    value, high = entry.shown(state), ends(entry, state)[-1][0]
     return value + entry.step if value < high else value - entry.step
 
 
@@ -147,6 +160,27 @@ def test_ends_of_a_range_are_taken_and_no_number_beyond_them(entry: Input, state
             assert entry.parse(state, beyond) == entry.parse(state, end)
         else:
             assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("balance.max_increase", -1.0),
+        ("balance.max_decrease", 150.0),
+        ("balance.slot_b8", (2000.0, 1.0)),
+        ("balance.slot_b3", (100.0, -1.0)),
+        ("balance.max_added", 1e6),
+        ("balance.variation", 60.0),
+        ("export.width", 1e6),
+        ("export.dpi", 1e9),
+        ("motion.radius", 0.0),
+        ("simulation.bandwidth", 1e4),
+    ],
+)
+def test_absurd_setting_is_refused(key: str, value: object, state: State) -> None:
+    entries = {entry.key: entry for panel in PANELS.values() for entry in inputs_in(panel)}
+    with pytest.raises(InvalidInput, match=r"is possible|is needed"):
+        entries[key].parse(state, value)
 
 
 @pytest.mark.parametrize("entry", [p for p in INPUTS if isinstance(p.values[0], Dropdown)])
@@ -184,3 +218,66 @@ def test_each_input_sets_the_state_and_undo_takes_it_back(
                 desk.session.undo()
                 desk.until(lambda: desk.state.document == state.document)
                 assert not desk.notices
+
+
+@pytest.fixture
+def session() -> Iterator[Session]:
+    page: Any = SilentPage()
+    started = Session(page, initial_state())
+    started.start()
+    yield started
+    stop(started)
+
+
+class FakeInput:
+    """Stands in for an input of the page: its value is set at once, its callback comes later."""
+
+    value = 0.0
+
+    def __init__(self, session: Session, apply: Callable[[State, float], State]) -> None:
+        entry = Slider(
+            "x", range=(-1.0, 1.0), step=0.001, read=lambda s: s.document.pose[0], apply=apply
+        )
+        binding = Binding(session, entry, self)
+        self.drawn: list[State] = []
+
+        def draw(frame: Frame, dragging: bool) -> None:
+            binding.draw(frame.state)
+            self.drawn.append(frame.state)
+
+        view: Any = SimpleNamespace(draw=draw)
+        session.immediate.append(view)
+
+    def on_update(self, callback: Callable[[Any], None]) -> None:
+        self.callback = callback
+
+    def report(self) -> None:
+        """Run the callback of a value that the page has set."""
+        self.callback(SimpleNamespace(client=self))
+
+
+def test_value_set_while_another_frame_is_drawn_is_kept(session: Session) -> None:
+    handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
+    handle.value = 0.07  # the callback is still on its way
+    session.dispatch("elsewhere", lambda state: actions.move(state, x=0.01, y=0.02))
+    eventually(lambda: handle.drawn and handle.drawn[-1].document.pose[1] == 0.02)
+    assert handle.value == 0.07
+    handle.report()
+    eventually(lambda: session.state.document.pose[0] == 0.07)
+    session.undo()
+    eventually(lambda: handle.value == 0.01)
+
+
+@pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
+def test_input_is_set_back_after_a_refused_value(
+    session: Session, wrong: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(state: State, value: float) -> State:
+        raise InvalidInput("x", "it is not liked")
+
+    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
+    handle = FakeInput(session, refuse)
+    handle.value = wrong
+    handle.report()
+    eventually(lambda: handle.value == 0.0)
+    assert len(session.client.notices) == 1

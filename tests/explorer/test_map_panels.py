@@ -14,9 +14,13 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Bridge, Slots
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.map_controls import choose_quantity, show_figure_3
 from paminsa_viz.explorer.panels.map_picture import caption
-from paminsa_viz.explorer.panels.maps_panel import MapsPanel, clicked_place
+from paminsa_viz.explorer.panels.maps_panel import (
+    MapsPanel,
+    choose_quantity,
+    clicked_place,
+    show_figure_3,
+)
 from paminsa_viz.explorer.session import Session, start_width
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from tests.support.desk import Desk

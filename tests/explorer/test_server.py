@@ -176,5 +176,5 @@ def test_loopback_exposes_nothing(host: str) -> None:
 def test_anything_else_comes_with_a_warning(host: str) -> None:
     notice = exposure_notice(host)
     assert notice is not None
-    assert "no password" in notice
+    assert "no encryption" in notice
     assert ("every network" in notice) == (host in ("0.0.0.0", "::"))

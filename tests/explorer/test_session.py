@@ -1,47 +1,25 @@
-"""The worker of a tab, with a page that only remembers what it was told."""
+"""The worker of a tab: the latest request per source wins, and failures stay single."""
 
 from __future__ import annotations
 
-import contextlib
-import math
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
+import numpy as np
 import pytest
-import viser
 
-from paminsa_viz.explorer import actions, bindings, session
-from paminsa_viz.explorer.bindings import Binding
+from paminsa_viz.explorer import actions, session
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Slider
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Timing
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
+from tests.support.desk import SilentPage, stop
 from tests.support.raw_page import TIMEOUT, eventually
-
-
-@dataclass
-class Page:
-    """Stands in for a tab."""
-
-    told: list[tuple[str, str]] = field(default_factory=list)
-    flushes: int = 0
-    camera: SimpleNamespace = field(
-        default_factory=lambda: SimpleNamespace(image_width=1280, image_height=720)
-    )
-
-    def atomic(self) -> contextlib.AbstractContextManager[None]:
-        return contextlib.nullcontext()
-
-    def flush(self) -> None:
-        self.flushes += 1
-
-    def add_notification(self, title: str, body: str, **options: Any) -> None:
-        self.told.append((title, body))
 
 
 class Watch:
@@ -49,17 +27,16 @@ class Watch:
 
     def __init__(self) -> None:
         self.drawn: list[tuple[State, bool]] = []
-        self.gate = threading.Event()
+        self.gate, self.inside = threading.Event(), threading.Event()
         self.gate.set()
-        self.inside = threading.Event()
-        self.trouble: Exception | None = None
+        self.error: Exception | None = None
 
-    def draw(self, frame: Frame, moving: bool) -> None:
-        self.drawn.append((frame.state, moving))
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        self.drawn.append((frame.state, dragging))
         self.inside.set()
         assert self.gate.wait(TIMEOUT)
-        if self.trouble is not None:
-            raise self.trouble
+        if self.error is not None:
+            raise self.error
 
     def hold(self) -> None:
         """Stop the worker in its next drawing."""
@@ -67,158 +44,140 @@ class Watch:
         self.gate.clear()
 
 
-@dataclass
-class Desk:
-    """A started session with what stands around it."""
+class Bench:
+    """A started session on a page that only listens, with two views."""
 
-    session: Session
-    page: Page
-    immediate: Watch
-    deferred: Watch
+    def __init__(self) -> None:
+        self.page: Any = SilentPage()
+        self.session = Session(self.page, initial_state())
+        self.immediate, self.deferred = Watch(), Watch()
+        self.session.immediate.append(self.immediate)
+        self.session.deferred.append(self.deferred)
+        self.session.start()
+        self.idle()
 
     @property
     def x(self) -> float:
         return self.session.state.document.pose[0]
 
-    def rest(self) -> None:
-        """Wait until the newest state has been drawn at rest by every view."""
-        newest = self.session.state
+    def idle(self) -> None:
+        """Wait until every view has drawn the newest state when idle."""
+        last = (self.session.state, False)
+        eventually(
+            lambda: all(w.drawn and w.drawn[-1] == last for w in (self.immediate, self.deferred))
+        )
 
-        def drawn() -> bool:
-            return all(
-                w.drawn and w.drawn[-1] == (newest, False) for w in (self.immediate, self.deferred)
-            )
-
-        eventually(drawn)
+    def hold(self) -> None:
+        """Stop the worker while it draws another x."""
+        self.immediate.hold()
+        self.session.dispatch("start", to(0.01))
+        assert self.immediate.inside.wait(TIMEOUT)
 
 
 @pytest.fixture
-def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
+def bench(monkeypatch: pytest.MonkeyPatch) -> Iterator[Bench]:
     monkeypatch.setattr(session, "IDLE_DELAY", 0.03)
-    page = Page()
-    started = Session(cast(viser.ClientHandle, page), initial_state())
-    desk = Desk(started, page, Watch(), Watch())
-    started.immediate.append(desk.immediate)
-    started.deferred.append(desk.deferred)
-    started.start()
-    yield desk
-    for watch in (desk.immediate, desk.deferred):
+    bench = Bench()
+    yield bench
+    for watch in (bench.immediate, bench.deferred):
         watch.gate.set()
-    started.close()
-    started._thread.join(TIMEOUT)
-    assert not started._thread.is_alive()
+    stop(bench.session)
 
 
 def to(x: float) -> Callable[[State], State]:
     return lambda state: actions.move(state, x=x)
 
 
-def test_the_first_frame_is_drawn_without_being_asked_for(desk: Desk) -> None:
-    desk.rest()
-    assert desk.immediate.drawn[0] == (initial_state(), True)
-    assert desk.page.flushes
+def fail(error: Exception) -> Callable[..., Any]:
+    """Return an action or job that raises."""
+
+    def run(*_: Any) -> Any:
+        raise error
+
+    return run
 
 
-def test_five_hundred_requests_end_at_the_last_one(desk: Desk) -> None:
+def test_first_frame_is_drawn_at_once(bench: Bench) -> None:
+    assert bench.immediate.drawn[0] == (initial_state(), True)
+    assert bench.page.flushes
+
+
+def test_last_of_500_requests_wins_and_is_one_step(bench: Bench) -> None:
     for i in range(1, 501):
-        desk.session.dispatch("slider", to(i / 5000))
-    eventually(lambda: desk.x == 0.1)
-    desk.rest()
-    for watch in (desk.immediate, desk.deferred):
-        assert watch.drawn[-1][0].document.pose[0] == 0.1
+        bench.session.dispatch("slider", to(i / 5000))
+    eventually(lambda: bench.x == 0.1)
+    bench.idle()
+    for watch in (bench.immediate, bench.deferred):
         places = [state.document.pose[0] for state, _ in watch.drawn]
         assert places == sorted(places)  # never back to an older one
         assert len(places) < 500
-    desk.session.undo()
-    eventually(lambda: desk.x == 0.0)  # one drag, one step
+    bench.session.undo()
+    eventually(lambda: bench.x == 0.0)
 
 
-def test_of_what_came_while_drawing_only_the_newest_of_each_control_runs(desk: Desk) -> None:
-    desk.rest()
+def test_latest_request_per_source_wins(bench: Bench) -> None:
     ran: list[str] = []
 
-    def counted(name: str, intent: Callable[[State], State]) -> Callable[[State], State]:
+    def counted(name: str, **pose: float) -> Callable[[State], State]:
         def run(state: State) -> State:
             ran.append(name)
-            return intent(state)
+            return actions.move(state, **pose)
 
         return run
 
-    desk.immediate.hold()
-    desk.session.dispatch("x", to(0.01))
-    assert desk.immediate.inside.wait(TIMEOUT)
+    bench.hold()
     for i in range(100):
-        desk.session.dispatch("x", counted(f"x{i}", to(i / 1000)))
-        desk.session.dispatch("y", counted(f"y{i}", lambda s, i=i: actions.move(s, y=i / 1000)))
-    desk.immediate.gate.set()
-    eventually(lambda: desk.session.state.document.pose[:2] == (0.099, 0.099))
-    desk.rest()
+        bench.session.dispatch("x", counted(f"x{i}", x=i / 1000))
+        bench.session.dispatch("y", counted(f"y{i}", y=i / 1000))
+    bench.immediate.gate.set()
+    eventually(lambda: bench.session.state.document.pose[:2] == (0.099, 0.099))
     assert ran == ["x99", "y99"]
 
 
 @pytest.mark.parametrize("error", [InvalidInput("x", "it is not liked"), RuntimeError("broken")])
-def test_a_request_that_raises_changes_nothing_is_told_and_is_set_back(
-    desk: Desk, error: Exception
+def test_failed_request_is_notified_and_set_back_and_stops_no_other(
+    bench: Bench, error: Exception
 ) -> None:
-    def wrong(state: State) -> State:
-        raise error
-
-    desk.rest()
-    before, drawn = desk.session.state, len(desk.immediate.drawn)
-    desk.session.dispatch("wrong", wrong)
-    eventually(lambda: desk.page.told)
-    eventually(lambda: len(desk.immediate.drawn) > drawn)  # so that the input is set back
-    assert desk.session.state == before
-    assert not desk.session.can_undo
-    (told,) = desk.page.told
-    assert told[1] == str(error) if isinstance(error, InvalidInput) else "broken" not in told[1]
-
-
-def test_a_request_that_raises_takes_no_other_one_with_it(desk: Desk) -> None:
-    def wrong(state: State) -> State:
-        raise RuntimeError("broken")
-
-    def wrong_job() -> None:
-        raise InvalidInput("file", "it is not liked")
-
+    before, drawn = bench.session.state, len(bench.immediate.drawn)
+    bench.session.dispatch("wrong", fail(error))
+    ((_, text),) = eventually(lambda: bench.page.notices)
+    assert (text == str(error)) == isinstance(error, InvalidInput)
+    assert "broken" not in text
+    eventually(lambda: len(bench.immediate.drawn) > drawn)  # so that the input is set back
+    assert bench.session.state == before
+    assert not bench.session.can_undo
     done = threading.Event()
-    desk.rest()
-    desk.immediate.hold()
-    desk.session.dispatch("start", to(0.01))
-    assert desk.immediate.inside.wait(TIMEOUT)
-    desk.session.dispatch("wrong", wrong)
-    desk.session.dispatch("x", to(0.02))
-    desk.session.submit(wrong_job)
-    desk.session.submit(done.set)
-    desk.immediate.gate.set()
+    bench.hold()
+    bench.session.dispatch("wrong", fail(error))
+    bench.session.dispatch("x", to(0.02))
+    bench.session.submit(fail(error))
+    bench.session.submit(done.set)
+    bench.immediate.gate.set()
     assert done.wait(TIMEOUT)
-    desk.rest()
-    assert desk.x == 0.02
-    assert len(desk.page.told) == 2
+    assert bench.x == 0.02
+    assert len(bench.page.notices) == 3
 
 
-def test_a_view_that_fails_does_not_end_the_session(desk: Desk) -> None:
-    desk.rest()
-    desk.immediate.trouble = RuntimeError("broken")
-    desk.session.dispatch("x", to(0.01))
-    eventually(lambda: desk.page.told)
-    desk.immediate.trouble = None
-    desk.session.dispatch("x", to(0.02))
-    eventually(lambda: desk.x == 0.02)
-    desk.rest()
+def test_failing_view_does_not_end_the_session(bench: Bench) -> None:
+    bench.immediate.error = RuntimeError("broken")
+    bench.session.dispatch("x", to(0.01))
+    eventually(lambda: bench.page.notices)
+    bench.immediate.error = None
+    bench.session.dispatch("x", to(0.02))
+    eventually(lambda: bench.x == 0.02)
+    bench.idle()
 
 
-def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> None:
+def test_deferred_views_skip_states_while_dragging_but_draw_the_last(bench: Bench) -> None:
     second = Watch()
-    desk.session.deferred.append(second)
-    desk.rest()
-    views = (desk.deferred, second)  # they take turns, so that either may be the first
+    bench.session.deferred.append(second)
+    views = (bench.deferred, second)  # they take turns, so that either may be the first
     for view in views:
         view.hold()
-    desk.session.dispatch("x", to(0.01))
+    bench.session.dispatch("x", to(0.01))
     eventually(lambda: any(view.inside.is_set() for view in views))
     waiting = next(view for view in views if not view.inside.is_set())
-    desk.session.dispatch("x", to(0.02))  # while the first of the slow views draws,
+    bench.session.dispatch("x", to(0.02))  # while the first of the deferred views draws,
     time.sleep(2 * session.DEFERRED_TIMEOUT)  # and draws
     for view in views:
         view.gate.set()
@@ -226,118 +185,92 @@ def test_slow_views_wait_while_the_hand_is_ahead_but_see_the_end(desk: Desk) -> 
     assert 0.01 not in [state.document.pose[0] for state, _ in waiting.drawn]
 
 
-def test_the_scene_goes_first_then_the_numbers_then_what_is_slow(desk: Desk) -> None:
-    desk.rest()
+def test_views_are_drawn_in_the_order_of_their_urgency(bench: Bench) -> None:
     order: list[str] = []
-    for name, views in (
-        ("deferred", desk.session.deferred),
-        ("fast", desk.session.fast),
-        ("immediate", desk.session.immediate),
-    ):
-        view = SimpleNamespace(draw=lambda frame, moving, name=name: order.append(name))
-        views.append(cast(session.View, view))
-    desk.session.dispatch("x", to(0.03))
+    for name in ("deferred", "fast", "immediate"):
+        view: Any = SimpleNamespace(draw=lambda frame, dragging, name=name: order.append(name))
+        getattr(bench.session, name).append(view)
+    bench.session.dispatch("x", to(0.03))
     eventually(lambda: len(order) == 6)  # while dragging, and once more when idle
     assert order == 2 * ["immediate", "fast", "deferred"]
 
 
-def test_undo_and_redo_go_step_by_step(desk: Desk) -> None:
-    assert not desk.session.can_undo
-    for name, x in (("a", 0.01), ("b", 0.02), ("c", 0.03)):
-        desk.session.dispatch(name, to(x))
-        eventually(lambda x=x: desk.x == x)
+def test_undo_and_redo_go_step_by_step(bench: Bench) -> None:
+    steps = (0.01, 0.02, 0.03)
+    for x in steps:
+        bench.session.dispatch(f"to {x}", to(x))
+        eventually(lambda x=x: bench.x == x)
     for x in (0.02, 0.01, 0.0):
-        desk.session.undo()
-        eventually(lambda x=x: desk.x == x)
-    assert not desk.session.can_undo
-    desk.session.undo()
-    for x in (0.01, 0.02, 0.03):
-        desk.session.redo()
-        eventually(lambda x=x: desk.x == x)
-    assert not desk.session.can_redo
-    desk.rest()
+        bench.session.undo()
+        eventually(lambda x=x: bench.x == x)
+    assert not bench.session.can_undo
+    bench.session.undo()
+    for x in steps:
+        bench.session.redo()
+        eventually(lambda x=x: bench.x == x)
+    assert not bench.session.can_redo
 
 
-def test_a_closed_session_does_nothing_more(desk: Desk) -> None:
-    desk.rest()
-    desk.session.close()
-    desk.session._thread.join(TIMEOUT)
-    assert not desk.session._thread.is_alive()
-    drawn = len(desk.immediate.drawn)
-    desk.session.dispatch("x", to(0.05))
-    desk.session.submit(lambda: desk.page.told.append(("", "")))
-    assert desk.x == 0.0
-    assert len(desk.immediate.drawn) == drawn
-    assert not desk.page.told
+def test_closed_session_does_nothing_more(bench: Bench) -> None:
+    stop(bench.session)
+    drawn = len(bench.immediate.drawn)
+    bench.session.dispatch("x", to(0.05))
+    bench.session.submit(lambda: bench.page.notices.append(("", "")))
+    assert bench.x == 0.0
+    assert len(bench.immediate.drawn) == drawn
+    assert not bench.page.notices
 
 
-def test_a_tab_that_goes_while_it_is_drawn_leaves_quietly(
-    desk: Desk, caplog: pytest.LogCaptureFixture
+def test_tab_that_closes_while_it_is_drawn_is_no_error(
+    bench: Bench, caplog: pytest.LogCaptureFixture
 ) -> None:
-    desk.rest()
-    desk.immediate.hold()
-    desk.immediate.trouble = RuntimeError("the socket is gone")
-    desk.session.dispatch("x", to(0.01))
-    assert desk.immediate.inside.wait(TIMEOUT)
-    desk.session.close()
-    desk.immediate.gate.set()
-    desk.session._thread.join(TIMEOUT)
-    assert not desk.session._thread.is_alive()
+    bench.immediate.error = RuntimeError("the socket is gone")
+    bench.hold()
+    bench.session.close()
+    bench.immediate.gate.set()
+    stop(bench.session)
     assert not caplog.records
-    assert not desk.page.told
+    assert not bench.page.notices
 
 
-class Input:
-    """Stands in for an input of the page: its value is set at once, its callback comes later."""
+def play_short_motion(bench: Bench, *, loop: bool) -> list[tuple[float, tuple[float, ...]]]:
+    """Play a motion of 0.3 s; return the instants and poses that are drawn, as they come."""
+    found: list[tuple[float, tuple[float, ...]]] = []
 
-    def __init__(self, value: float) -> None:
-        self.value = value
-        self.callback: Callable[[Any], None] = lambda event: None
+    def draw(frame: Frame, dragging: bool) -> None:
+        found.append((frame.state.playback.time, tuple(frame.configuration.pose)))
 
-    def on_update(self, callback: Callable[[Any], None]) -> None:
-        self.callback = callback
+    def play(state: State) -> State:
+        short = motions.change(state, timing=Timing.GIVEN, duration=0.3)
+        return motions.play(short.updated("playback", loop=loop))
 
-    def told(self) -> None:
-        """Run the callback of a value that the page has set."""
-        self.callback(SimpleNamespace(client=self))
-
-
-def bound(desk: Desk, handle: Input, apply: Callable[[State, float], State]) -> Binding:
-    """Bind a stand-in of an input to x, as a view of the session."""
-    entry = Slider(
-        "x", range=(-1.0, 1.0), step=0.001, read=lambda state: state.document.pose[0], apply=apply
-    )
-    binding = Binding(desk.session, entry, handle)
-    view = SimpleNamespace(draw=lambda frame, dragging: binding.draw(frame.state))
-    desk.session.immediate.append(cast(session.View, view))
-    return binding
+    view: Any = SimpleNamespace(draw=draw)
+    bench.session.immediate.append(view)
+    bench.session.dispatch("play", play, step=False)
+    eventually(lambda: found)
+    return found
 
 
-def test_value_set_while_another_frame_is_drawn_is_kept(desk: Desk) -> None:
-    handle = Input(0.0)
-    bound(desk, handle, lambda state, value: actions.move(state, x=value))
-    handle.value = 0.07  # the callback is still on its way
-    desk.session.dispatch("y", lambda state: actions.move(state, y=0.02))
-    eventually(lambda: desk.session.state.document.pose[1] == 0.02)
-    desk.rest()
-    assert handle.value == 0.07
-    handle.told()
-    eventually(lambda: desk.x == 0.07)
-    desk.session.undo()
-    eventually(lambda: handle.value == 0.0)
+def test_motion_is_played_to_its_end_and_is_no_step(bench: Bench) -> None:
+    drawn = play_short_motion(bench, loop=False)
+    eventually(lambda: drawn[-1][0] == 0.3)
+    eventually(lambda: not bench.session.state.playback.playing)
+    times = [t for t, _ in drawn]
+    assert times == sorted(times)
+    assert any(0.0 < t < 0.3 for t in times)
+    motion = motions.planned(bench.session.state).trajectory
+    assert motion is not None
+    for t, pose in drawn[-3:]:
+        np.testing.assert_allclose(pose, motion.at(t).pose, atol=1e-12)
+    assert not bench.session.can_undo
 
 
-@pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
-def test_input_is_set_back_after_a_refused_value(
-    desk: Desk, wrong: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def refuse(state: State, value: float) -> State:
-        raise InvalidInput("x", "it is not liked")
-
-    monkeypatch.setattr(bindings, "TYPING_TIMEOUT", 0.05)
-    handle = Input(0.0)
-    bound(desk, handle, refuse)
-    handle.value = wrong
-    handle.told()
-    eventually(lambda: handle.value == 0.0)
-    assert len(desk.page.told) == 1
+def test_motion_repeats_until_it_is_paused(bench: Bench) -> None:
+    drawn = play_short_motion(bench, loop=True)
+    eventually(lambda: (np.diff([t for t, _ in drawn]) < 0).sum() >= 2)
+    bench.session.dispatch("pause", motions.pause, step=False)
+    eventually(lambda: not bench.session.state.playback.playing)
+    stopped = bench.session.state.playback.time
+    assert 0 <= stopped < 0.3
+    bench.session.dispatch("play", motions.play, step=False)
+    eventually(lambda: bench.session.state.playback.time != stopped)

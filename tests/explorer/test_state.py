@@ -1,44 +1,217 @@
-"""What stands: the newest pose and geometry that the robot can take."""
+"""States: what actions change, the last reachable pose, undo and redo."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
-from paminsa_viz.explorer.state import initial_state
-from paminsa_viz.model import check_reach
-from tests.support.documents import COORDINATE, standing_state
+from paminsa_viz.explorer.panels.file_panel import uploaded_design
+from paminsa_viz.explorer.session import DEPTH, PAUSE, History
+from paminsa_viz.explorer.state import Document, initial_state
+from paminsa_viz.files.design_file import write_design
+from paminsa_viz.model import (
+    APPENDIX_4,
+    PARAMETER,
+    InvalidDesign,
+    InvalidInput,
+    KneeBranch,
+    check_reach,
+)
+from tests.support.documents import COORDINATE, DOCUMENTS, assert_same, state_at_random_pose
+from tests.support.samples import random_design
 
-FAR = {"x": 5.0}
-"""A move that no leg can follow."""
+PATHS = st.sampled_from(sorted(PARAMETER))
 
 
-def test_a_pose_out_of_reach_leaves_the_last_good_one_standing() -> None:
-    good = actions.move(initial_state(), x=0.05, theta=0.3)
-    asked = actions.move(actions.move(good, **FAR), y=0.01)
-    assert asked.document.pose[:2] == (5.0, 0.01)
-    assert asked.standing is good.standing
-    assert compute(asked).health is Health.UNREACHABLE
-    assert np.isfinite(compute(asked).torques).all()
-    back = actions.move(asked, x=0.02)
-    assert back.standing.pose == back.document.pose == (0.02, 0.01, 0.3, good.document.pose[3])
+@given(seed=st.integers(0, 10**6))
+def test_other_knee_mirrors_the_torques_and_twice_changes_nothing(seed: int) -> None:
+    state = state_at_random_pose(seed)
+    once = actions.set_knee(state, KneeBranch.UPPER)
+    twice = actions.set_knee(once, KneeBranch.LOWER)
+    assert twice.document.design == state.document.design
+    assert twice.document.pose == pytest.approx(state.document.pose, abs=1e-15)
+    assert once.standing.pose == once.document.pose  # the mirrored pose is within reach as well
+    np.testing.assert_allclose(
+        compute(once).torques[:3], -compute(state).torques[:3], rtol=1e-9, atol=1e-9
+    )
+    assert actions.set_knee(state, KneeBranch.LOWER) is state
 
 
-def test_a_geometry_that_can_not_stand_leaves_the_last_good_one_standing() -> None:
-    good = initial_state()
-    asked = actions.vary(good, {"geometry.guide_stroke": 0.01})
-    assert asked.standing is good.standing
-    heavier = actions.vary(asked, {"links.b4": 3.0})
-    assert heavier.standing is good.standing
-    assert compute(heavier).torques[3] > compute(good).torques[3]  # the masses still count
+@pytest.mark.parametrize("before", KneeBranch, ids=lambda knee: f"from {knee.name}")
+@pytest.mark.parametrize("knee", KneeBranch, ids=lambda knee: f"to {knee.name}")
+def test_opened_design_decides_on_the_knee(before: KneeBranch, knee: KneeBranch) -> None:
+    state = actions.set_knee(actions.move(initial_state(), x=0.03), before)
+    state = actions.pin_reference(state)
+    wanted = APPENDIX_4.vary({"links.b3": 0.5}).with_knee(knee)
+    text = write_design(wanted)
+    assert ("knee =" in text) == (knee is KneeBranch.UPPER)  # the lower knee is not written
+    opened = actions.load_design(state, uploaded_design("robot.toml", text.encode()))
+    assert opened.document.design == wanted
+    assert opened.document.pose == actions.set_knee(state, knee).document.pose
+    assert opened.document.reference == APPENDIX_4.with_knee(knee)
+    assert opened.standing.geometry.knee is knee
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_home_is_within_reach(knee: KneeBranch) -> None:
+    home = actions.go_home(actions.set_knee(initial_state(), knee))
+    assert home.standing.pose == home.document.pose
+    assert compute(home).health is Health.OK
+
+
+def test_opened_design_keeps_the_pose_or_goes_home_where_it_cannot() -> None:
+    state = actions.move(initial_state(), x=0.1)
+    heavier = APPENDIX_4.vary({"payload.mass": 2.0})
+    assert actions.load_design(state, heavier).document.pose == state.document.pose
+    small = random_design(np.random.default_rng(4))
+    small = small.vary({"geometry.guide_stroke": 0.09, "geometry.base_radius": 0.2})
+    moved = actions.load_design(actions.move(state, x=0.15, y=0.1), small)
+    assert moved.document.pose[:3] == (0, 0, 0)
+    assert moved.standing.geometry == small.geometry
+
+
+def test_values_are_reset_to_appendix_4() -> None:
+    state = actions.vary(initial_state(), {"links.b3": 2.0, "geometry.guide_stroke": 0.3})
+    partly = actions.reset_values(state, ("geometry.guide_stroke",))
+    assert partly.document.design.geometry.guide_stroke is None
+    assert partly.document.design.links.b3 == 2.0
+    assert actions.reset_values(partly, ("links.b3",)).document.design == APPENDIX_4
+
+
+def test_changed_design_is_renamed_unless_it_has_a_name_of_its_own() -> None:
+    def name_after(name: str, **changes: float) -> str:
+        state = actions.vary(actions.rename(initial_state(), name), dict(changes))
+        return state.document.design.name
+
+    change = {"links.b3": 2.0}
+    assert name_after(APPENDIX_4.name, **change) == actions.CHANGED_NAME != APPENDIX_4.name
+    assert name_after(actions.CHANGED_NAME, **change) == actions.CHANGED_NAME
+    assert name_after("mine", **change) == "mine"
+    back = actions.reset_values(actions.vary(initial_state(), dict(change)), ("links.b3",))
+    assert back.document.design.name == APPENDIX_4.name
+
+
+@pytest.mark.parametrize("name", ["two\nlines", "bell\a", "x" * 201], ids=len)
+def test_name_that_no_file_can_hold_is_refused(name: str) -> None:
+    with pytest.raises(InvalidInput) as error:
+        actions.rename(initial_state(), name)
+    assert "name" in error.value.argument
+
+
+@given(path=PATHS, factor=st.floats(1.0001, 1e300))
+def test_number_beyond_any_machine_is_refused(path: str, factor: float) -> None:
+    with pytest.raises(InvalidDesign):
+        actions.vary(initial_state(), {path: min(PARAMETER[path].largest * factor, 1e308)})
+
+
+@given(
+    changes=st.dictionaries(PATHS, st.floats(0, 1e4), max_size=8),
+    pose=st.tuples(*[st.floats(-1e6, 1e6)] * 4),
+)
+def test_every_accepted_design_has_finite_torques_at_any_pose(
+    changes: dict[str, float | None], pose: tuple[float, float, float, float]
+) -> None:
+    try:
+        state = actions.vary(initial_state(), changes)
+    except InvalidDesign:
+        return
+    x, y, theta, z = pose
+    for each in (state, actions.go_home(state), actions.move(state, x=x, y=y, theta=theta, z=z)):
+        frame = compute(each)
+        assert np.isfinite(frame.torques).all()
+        assert frame.explanation
+
+
+def test_swapping_with_the_reference_twice_changes_nothing() -> None:
+    state = actions.vary(actions.pin_reference(initial_state()), {"links.b3": 2.0})
+    once = actions.swap_reference(state)
+    assert once.document.design == APPENDIX_4
+    assert once.document.reference == state.document.design
+    assert_same(actions.swap_reference(once).document, state.document)
+    plain = initial_state()
+    assert actions.swap_reference(plain) is plain
+
+
+def test_without_a_reference_maps_show_no_difference() -> None:
+    state = actions.pin_reference(initial_state()).updated("map_view", difference=True)
+    assert not actions.unpin_reference(state).map_view.difference
+    assert not actions.restore(state, Document()).map_view.difference
+    assert actions.restore(state, Document(reference=APPENDIX_4)).map_view.difference
 
 
 @given(seed=st.integers(0, 10**6), x=COORDINATE, theta=COORDINATE)
-def test_what_stands_can_always_stand(seed: int, x: float, theta: float) -> None:
-    state = actions.move(actions.move(standing_state(seed), x=x), theta=theta)
+def test_last_reachable_pose_is_the_pose_wherever_it_is_reachable(
+    seed: int, x: float, theta: float
+) -> None:
+    state = actions.move(actions.move(state_at_random_pose(seed), x=x), theta=theta)
     assert check_reach(state.standing.geometry, state.standing.pose).ok.all()
-    followed = check_reach(state.document.design.geometry, state.document.pose).ok.all()
-    assert (state.standing.pose == state.document.pose) == bool(followed)
+    reachable = check_reach(state.document.design.geometry, state.document.pose).ok.all()
+    assert (state.standing.pose == state.document.pose) == bool(reachable)
+
+
+def test_unreachable_pose_keeps_the_last_reachable_one_until_it_is_left() -> None:
+    good = actions.move(initial_state(), x=0.05, theta=0.3)
+    far = actions.move(actions.move(good, x=5.0), y=0.01)
+    assert far.document.pose[:2] == (5.0, 0.01)
+    assert far.standing is good.standing
+    assert compute(far).health is Health.UNREACHABLE
+    back = actions.move(far, x=0.02)
+    assert back.standing.pose == back.document.pose == (0.02, 0.01, 0.3, good.document.pose[3])
+
+
+def test_impossible_geometry_keeps_the_last_possible_one_and_takes_the_masses() -> None:
+    good = initial_state()
+    stuck = actions.vary(good, {"geometry.guide_stroke": 0.01})
+    heavier = actions.vary(stuck, {"links.b4": 3.0})
+    assert stuck.standing is heavier.standing is good.standing
+    assert compute(heavier).torques[3] > compute(good).torques[3]
+
+
+@given(documents=st.lists(DOCUMENTS, min_size=2, max_size=8, unique_by=lambda d: d.pose))
+def test_undo_and_redo_go_through_every_step(documents: list[Document]) -> None:
+    history, current = History(), documents[-1]
+    for number, (before, after) in enumerate(pairwise(documents)):
+        history.record(before, after, f"control {number}", float(number))
+    for step, others in ((history.undo, documents[-2::-1]), (history.redo, documents[1:])):
+        for expected in others:
+            found = step(current)
+            assert found is expected
+            current = found
+        assert step(current) is None
+
+
+def test_drag_is_one_step_and_a_pause_or_another_control_starts_a_new_one() -> None:
+    history, start = History(), Document()
+    at = [replace(start, pose=(0.0, 0.0, 0.0, float(i))) for i in range(6)]
+    history.record(start, at[0], "z", 0.0)
+    history.record(at[0], at[1], "z", 0.9 * PAUSE)
+    history.record(at[1], at[2], "z", 1.8 * PAUSE)
+    assert history.past == [start]
+    history.record(at[2], at[3], "z", 3 * PAUSE)
+    history.record(at[3], at[4], "x", 3 * PAUSE)
+    assert history.past == [start, at[2], at[3]]
+    assert history.undo(at[4]) is at[3]
+    history.record(at[3], at[5], "x", 3.1 * PAUSE)  # after undo, a new step
+    assert history.past[-1] is at[3]
+    assert history.redo(at[5]) is None
+
+
+def test_history_is_bounded_and_has_no_step_without_a_change() -> None:
+    history = History()
+    history.record(Document(), Document(), "nothing", 0.0)
+    assert history.past == []
+    renamed = replace(Document(), design=replace(APPENDIX_4, name="mine"))
+    history.record(Document(), renamed, "name", 0.0)
+    assert len(history.past) == 1  # a name is a change, though equality leaves it out
+    for i in range(DEPTH + 10):
+        a, b = (Document(pose=(float(i + j), 0.0, 0.0, 0.0)) for j in (0, 1))
+        history.record(a, b, str(i), 0.0)
+    assert len(history.past) == DEPTH
+    assert history.past[-1].pose[0] == DEPTH + 9

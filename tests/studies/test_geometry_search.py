@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+from itertools import count
 
 import numpy as np
 import pytest
@@ -138,6 +139,7 @@ def test_bars_grow_with_their_length() -> None:
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={"links.b3": (0, 1)}),
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={"geometry.base_radius": (1, 1)}),
     ],
+    ids=count(),
 )
 def test_impossible_requests_are_rejected(make) -> None:
     with pytest.raises(InvalidInput):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from itertools import count
 
 import numpy as np
 import pytest
@@ -360,7 +361,8 @@ def test_the_last_bit_of_any_sample_makes_another_motion(row, column) -> None:
         (lambda: Region(0.1, (0.0,), (0.0,), max_condition=0.5), "max_condition"),
         (lambda: processes(0).__enter__(), "jobs"),
     ],
+    ids=count(),
 )
-def test_what_can_not_be_is_refused(make, place) -> None:
+def test_impossible_requests_are_rejected(make, place) -> None:
     with pytest.raises(InvalidInput, match=place):
         make()

@@ -54,8 +54,8 @@ DOCUMENTS = st.builds(
 ).flatmap(lambda document: st.sampled_from(KneeBranch).map(lambda k: _document(k, document)))
 
 
-def standing_state(seed: int) -> State:
-    """Return a state in which a random robot stands at a random pose."""
+def state_at_random_pose(seed: int) -> State:
+    """Return a state with a random robot at a random pose."""
     rng = np.random.default_rng(seed)
     design = random_design(rng)
     x, y, theta, z = (float(v) for v in random_poses(rng, design)[0])

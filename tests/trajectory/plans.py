@@ -54,7 +54,7 @@ def all_plans() -> list[Plan]:
         ]
     plans += [
         via_points([A, B, C, A], 3.0),
-        via_points([A, C, B], times=[1.0, 1.5, 3.0]),
+        via_points([A, C, B], times=[1.0, 1.5, 3.0], name="timed waypoints"),
         chain(
             point_to_point(A, B, 0.8), point_to_point(B, C, 0.5, LAWS[2]), via_points([C, A], 1.0)
         ),
@@ -62,7 +62,9 @@ def all_plans() -> list[Plan]:
     return plans
 
 
-PLANS = pytest.mark.parametrize("plan", [pytest.param(p, id=p.kind) for p in all_plans()])
+PLANS = pytest.mark.parametrize(
+    "plan", [pytest.param(p, id=f"{p.name}: {p.kind}") for p in all_plans()]
+)
 """Runs a test with every planner."""
 
 ALL_PRESETS = pytest.mark.parametrize("preset", [pytest.param(p, id=p.key) for p in PRESETS])

@@ -21,6 +21,8 @@ from paminsa_viz.trajectory import (
 
 GEOMETRY = APPENDIX_4.geometry
 HOME = np.array([0.0, 0.0, 0.0, -0.5])
+TURN = singular_rotation(GEOMETRY)
+RADIUS = float(singular_radius(GEOMETRY, 0.0))
 SHORT_GUIDE = APPENDIX_4.vary({"geometry.guide_stroke": 0.16}).geometry
 NARROW = APPENDIX_4.vary({"geometry.platform_radius": 0.4, "geometry.base_radius": 0.3}).geometry
 
@@ -29,26 +31,37 @@ def to(x: float, y: float, theta: float, z: float, duration: float = 2.0):
     return point_to_point(HOME, [x, y, theta, z], duration)
 
 
+LIMITS = {
+    "circle": ((0.3, 0, 0, -0.5), Limit.SINGULAR, lambda p: RADIUS - SINGULAR_CLEARANCE - p[0]),
+    "turn": (
+        (0, 0, -1.6, -0.5),
+        Limit.SINGULAR,
+        lambda p: (
+            singular_rotation(GEOMETRY) - SINGULAR_CLEARANCE / GEOMETRY.platform_radius + p[2]
+        ),
+    ),
+    "stretched": (
+        (0.01, 0.02, 0, -1.2),
+        Limit.STRETCHED,
+        lambda p: check_reach(GEOMETRY, p).margins[:, 0].min(),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LIMITS)
 @pytest.mark.parametrize("rate", [3.0, 40.0, 1000.0])
-def test_a_singular_circle_is_found_to_the_instant(rate: float) -> None:
-    plan = to(0.3, 0.0, 0.0, -0.5)
-    radius = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
-    exact = brentq(lambda t: float(plan.at(t).pose[0]) - radius, 0, 2, xtol=1e-14)
+def test_a_limit_is_found_to_the_instant(name: str, rate: float) -> None:
+    goal, limit, margin = LIMITS[name]
+    plan = to(*goal)
+    exact = brentq(
+        lambda t: float(np.nan_to_num(margin(plan.at(t).pose), nan=-1)), 0, 2, xtol=1e-14
+    )
     check = check_path(GEOMETRY, plan.sample(rate))
     assert check.first is not None
     assert check.first.t == pytest.approx(exact, abs=1e-9)
-    assert (check.first.limit, check.first.leg) == (Limit.SINGULAR, -1)
+    assert check.first.limit is limit
+    assert (check.first.leg == -1) == (limit is Limit.SINGULAR)
     assert check.until == np.searchsorted(plan.sample(rate).t, exact)
-
-
-def test_a_singular_turn_is_found_to_the_instant() -> None:
-    plan = to(0.0, 0.0, -1.6, -0.5)
-    angle = singular_rotation(GEOMETRY) - SINGULAR_CLEARANCE / GEOMETRY.platform_radius
-    exact = brentq(lambda t: -float(plan.at(t).pose[2]) - angle, 0, 2, xtol=1e-14)
-    first = check_path(GEOMETRY, plan.sample()).first
-    assert first is not None
-    assert first.t == pytest.approx(exact, abs=1e-9)
-    assert first.limit is Limit.SINGULAR
 
 
 def test_a_guide_may_be_used_to_its_end_and_no_further() -> None:
@@ -66,16 +79,6 @@ def test_a_guide_may_be_used_to_its_end_and_no_further() -> None:
     assert inside.ok
 
 
-def test_a_stretched_pantograph() -> None:
-    plan = to(0.01, 0.02, 0.0, -1.2)
-    first = check_path(GEOMETRY, plan.sample()).first
-    assert first is not None
-    assert first.limit is Limit.STRETCHED
-    margins = check_reach(GEOMETRY, plan.at(first.t).pose).margins
-    assert margins[first.leg, 0] == pytest.approx(0.0, abs=1e-12)
-    assert margins.min() == margins[first.leg, 0]
-
-
 @pytest.mark.parametrize("goal", [(0.3, 0, 0, -0.5), (0, 0, 1.6, -0.5), (0, 0, 0, -1.3)])
 def test_a_failure_between_two_good_samples_is_found(goal) -> None:
     """There and back between two samples: both of them, and every sample, can be taken."""
@@ -91,7 +94,7 @@ def test_a_failure_between_two_good_samples_is_found(goal) -> None:
 
 def test_a_short_dip_between_many_samples_is_found() -> None:
     """A turning point a little beyond the limit, between two of a thousand samples."""
-    limit = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
+    limit = RADIUS - SINGULAR_CLEARANCE
     for beyond, fails in ((1e-9, True), (-1e-9, False)):
         plan = round_trip(point_to_point(HOME, [limit + beyond, 0, 0, -0.5]))
         t = np.linspace(0, 2, 1000)  # the turning point at 1 s is none of them
@@ -103,7 +106,7 @@ def test_a_short_dip_between_many_samples_is_found() -> None:
 @pytest.mark.parametrize("after", [True, False])
 def test_steps_on_both_sides_of_a_sample_near_a_limit_are_checked(after: bool) -> None:
     """Of 401 samples one is near: the motion leaves it, or comes to it, by way of the limit."""
-    limit = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE
+    limit = RADIUS - SINGULAR_CLEARANCE
     margin = np.full(401, 0.003)
     margin[200], margin[201:] = 0.001, 0.0011
     samples = np.zeros((3, 401, 4))
@@ -178,16 +181,10 @@ def test_closest_approach() -> None:
     check = check_path(GEOMETRY, to(0.2, 0.0, 0.0, -0.5).sample())
     assert check.ok
     assert check.closest.t == 2.0
-    expected = float(singular_radius(GEOMETRY, 0.0)) - SINGULAR_CLEARANCE - 0.2
+    expected = RADIUS - SINGULAR_CLEARANCE - 0.2
     assert check.closest.margin == pytest.approx(expected, abs=1e-12)
     wide = check_path(GEOMETRY, to(0.2, 0.0, 0.0, -0.5).sample(), clearance=0.0)
     assert wide.closest.margin == pytest.approx(expected + SINGULAR_CLEARANCE, abs=1e-12)
-
-
-def test_a_start_out_of_reach_fails_at_once() -> None:
-    check = check_path(GEOMETRY, point_to_point([1.0, 0, 0, -0.5], HOME).sample(50))
-    assert check.first is not None
-    assert (check.first.t, check.until) == (0.0, 0)
 
 
 def test_a_platform_larger_than_the_base_has_no_singular_turn() -> None:

@@ -120,14 +120,6 @@ def test_energy_balances_also_with_mismatch_and_friction(control: ControlMode) -
     assert (np.diff(found.loss) >= -1e-9).all()
 
 
-def test_drift_falls_with_the_tolerance() -> None:
-    drift = [
-        np.abs(run(control=ControlMode.FEED_FORWARD, tolerance=tolerance).energy_drift).max()
-        for tolerance in (1e-3, 1e-9)
-    ]
-    assert drift[1] < 0.1 * drift[0] or drift[1] < 1e-9
-
-
 def test_payload_mismatch_settles_where_the_gains_predict() -> None:
     """At rest the PD torques make up for the unknown weight: error = weight's torque / gain."""
     samples = point_to_point(ASIDE, near(ASIDE), 2.0).sample(50)

@@ -143,25 +143,6 @@ def test_a_straight_move_uses_all_its_limits(profile: Profile) -> None:
     assert kept.plan.duration > found.plan.duration
 
 
-def test_torques_are_a_quadratic_of_the_rate() -> None:
-    """The structure that durations rest on: gravity + viscous/T + dynamic/T^2."""
-    design = DESIGNS["viscous"]
-    plan = point_to_point(A, B)
-    u = np.linspace(0, 1, 50)
-
-    def torque(w: float):
-        slowed = plan.lasting(1 / w)
-        return inverse_dynamics(design, *slowed.at(u * slowed.duration)).torque
-
-    rates = np.array([0.25, 0.5, 1.0])
-    parts = np.linalg.solve(
-        np.vander(rates, 3), np.stack([torque(w) for w in rates]).reshape(3, -1)
-    )
-    for w in (0.1, 1.7):
-        predicted = (np.array([w**2, w, 1.0]) @ parts).reshape(-1, 4)
-        np.testing.assert_allclose(predicted, torque(w), atol=1e-10 * np.abs(torque(w)).max())
-
-
 def test_actuator_too_weak_for_gravity_is_reported() -> None:
     with pytest.raises(InfeasibleMotion) as caught:
         minimum_time(point_to_point(A, B), MotionLimits(force=200.0), APPENDIX_4)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import json
 import logging
 import threading
+import weakref
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -64,7 +65,8 @@ class Bridge:
         if self._run is None:
             self._go_on_without()
             return
-        timer = threading.Timer(HELLO_TIMEOUT, self._give_up_waiting)
+        give_up = weakref.WeakMethod(self._give_up_waiting)  # a closed page is not kept for it
+        timer = threading.Timer(HELLO_TIMEOUT, lambda: (call := give_up()) and call())
         timer.daemon = True
         self.on("hello", lambda _: timer.cancel())
         timer.start()

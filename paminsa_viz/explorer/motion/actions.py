@@ -13,10 +13,6 @@ from paminsa_viz.explorer.motion.engine_check import Answer
 from paminsa_viz.explorer.motion.planning import Planned
 from paminsa_viz.explorer.motion.playback import SIMULATED, advanced, started
 from paminsa_viz.explorer.motion.simulation import (
-    BANDWIDTHS,
-    DAMPINGS,
-    INITIAL_ERRORS,
-    PAYLOAD_MISMATCHES,
     SimulationJob,
     SimulationOutcome,
     make_job,
@@ -133,11 +129,6 @@ def remove_waypoint(state: State) -> State:
     return change(state, waypoints=state.document.motion.waypoints[:-1])
 
 
-def clear_waypoints(state: State) -> State:
-    """Forget all waypoints."""
-    return change(state, waypoints=())
-
-
 def use_table(state: State, table: Trajectory) -> State:
     """Run the samples of a file."""
     return from_start(change(state, kind=Kind.TABLE, table=table))
@@ -191,25 +182,6 @@ def advance_time(state: State, passed: float) -> State:
         return state
     playback = advanced(state.playback, passed, duration(state))
     return show_time(replace(state, playback=playback), playback.time)
-
-
-def set_simulation(state: State, **changes: Any) -> State:
-    """Change robot or controller of the simulation.
-
-    Raises:
-        InvalidInput: If a number is out of its range.
-    """
-    settings = replace(state.simulating.settings, **changes)
-    for name, (low, high) in (
-        ("bandwidth", BANDWIDTHS),
-        ("damping", DAMPINGS),
-        ("payload_mismatch", PAYLOAD_MISMATCHES),
-        ("initial_error", INITIAL_ERRORS),
-    ):
-        value = getattr(settings, name)
-        if not low <= value <= high:
-            raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
-    return state.updated("simulating", settings=settings)
 
 
 def wanted_job(state: State) -> SimulationJob:

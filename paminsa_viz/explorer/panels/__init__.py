@@ -21,6 +21,7 @@ _ENVIRONMENT.filters |= {
     "fixed": units.fixed,
     "number": units.number,
     "symbol": lambda text: Markup(units.symbol_html(text)),
+    "symbols": lambda text: Markup(units.symbols_html(text)),
     "unit": units.unit_text,
 }
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -28,7 +27,6 @@ from paminsa_viz.explorer.entries import (
     ButtonGroup,
     Condition,
     Custom,
-    Effect,
     Folder,
     Html,
     Progress,
@@ -49,20 +47,12 @@ from paminsa_viz.explorer.maps import hold_range, toggle_difference
 from paminsa_viz.explorer.panels import balance_charts as charts
 from paminsa_viz.explorer.panels import balance_text as text
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.counterweights_panel import COUNTERWEIGHTS
 from paminsa_viz.explorer.panels.design_panel import gauge_html
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
-from paminsa_viz.model.parameters import BAR_ENDS, MOST_COUNTERWEIGHTS
 from paminsa_viz.units import DisplayUnit
-
-PLACES = {
-    f"{bar.upper()} past {joint}": (bar, joint) for bar, ends in BAR_ENDS.items() for joint in ends
-}
-"""Where a counterweight can be attached."""
-
-ALL = "all"
-"""What the button says that removes all of them."""
 
 
 def _setting(name: str) -> dict[str, Any]:
@@ -107,7 +97,7 @@ def _slot(name: str, bar: str, joint: int) -> Pair:
 
     return Pair(
         f"balance.{name}", f"{bar.upper()} past {joint}", read=read, apply=apply,
-        range=((0.0, 1e3), (0.0, 100.0)), units=(MILLIMETERS, PLAIN),
+        range=((0.0, 1.0), (0.0, 100.0)), units=(MILLIMETERS, PLAIN),
         hint=f"Counterweight on each leg, on {bar.upper()} beyond joint {joint}: longest lever, "
         "largest mass (0 for none)",
     )  # fmt: skip
@@ -153,7 +143,7 @@ SETTINGS = (
         hint="By how much each of them may grow; a link's inertia grows in proportion",
     ),
     _number(
-        "max_decrease", "Max decrease [%]", 100.0, step=0.1, unit=PERCENT, visible=_frees_masses,
+        "max_decrease", "Max decrease [%]", 1.0, step=0.1, unit=PERCENT, visible=_frees_masses,
         hint="By what part each of them may shrink",
     ),
     _number(
@@ -167,67 +157,6 @@ SETTINGS = (
         effect=partial(balancing.start, task=Task.OPTIMUM),
     ),
     Button("balance.stop", "Stop", color="gray", visible=_busy, effect=balancing.stop),
-)  # fmt: skip
-
-
-def _weight(number: int) -> Pair:
-    """Return the row of a counterweight: its lever and its mass."""
-
-    def there(state: State) -> bool:
-        return number < len(state.document.design.counterweights)
-
-    def label(state: State) -> str:
-        if not there(state):
-            return str(number + 1)
-        weight = state.document.design.counterweights[number]
-        return f"{number + 1}: {weight.bar.upper()} past {weight.joint}"
-
-    def read(state: State) -> tuple[float, float]:
-        if not there(state):
-            return 0.0, 0.0
-        weight = state.document.design.counterweights[number]
-        return weight.beyond, weight.mass
-
-    def apply(state: State, value: tuple[float, float]) -> State:
-        beyond, mass = value
-        return balancing.change_counterweight(state, number, mass, beyond)
-
-    return Pair(
-        f"weights.{number}", label, visible=there, units=(MILLIMETERS, PLAIN), read=read,
-        apply=apply,
-        hint="Distance beyond the joint [mm]; before it, on the bar itself, where negative. Mass "
-        "on each leg [kg]",
-    )  # fmt: skip
-
-
-def _attach(state: State, place: tuple[str, int] | None) -> State:
-    return state if place is None else balancing.add_counterweight(state, *place)
-
-
-def removals(state: State) -> Mapping[str, Effect]:
-    """Return a button for each counterweight if there are several, and one for all."""
-    count = len(state.document.design.counterweights)
-    found: dict[str, Effect] = {
-        str(number + 1): partial(balancing.remove_counterweight, number=number)
-        for number in range(count if count > 1 else 0)
-    }
-    if count:
-        found[ALL] = partial(balancing.set_counterweights, weights=())
-    return found
-
-
-COUNTERWEIGHTS = (
-    Html("weights.text", content=text.counterweights_html, idle=True),
-    Folder(
-        "weights.rows", entries=tuple(_weight(number) for number in range(MOST_COUNTERWEIGHTS)),
-        visible=lambda state: bool(state.document.design.counterweights),
-    ),
-    Dropdown(
-        "weights.add", "Attach to", options={"choose …": None, **PLACES},
-        hint="1 kg on each leg, 100 mm beyond that joint; then change it as you like",
-        read=lambda state: None, apply=_attach,
-    ),
-    ButtonGroup("weights.remove", "Remove", choices=removals, hint="One of them, or all"),
 )  # fmt: skip
 
 
@@ -267,7 +196,7 @@ FRONT = (
 SENSITIVITY = (
     Html("tornado.text", content=text.sensitivity_html),
     _number(
-        "variation", "Variation ± [%]", 50.0, low=0.1, step=0.1, unit=PERCENT,
+        "variation", "Variation ± [%]", 0.5, low=0.001, step=0.1, unit=PERCENT,
         hint="Of every mass and length, one at a time",
     ),
     Button(

@@ -7,17 +7,15 @@ import re
 from functools import lru_cache
 from html import escape
 
-import numpy as np
 from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
 from paminsa_viz.explorer.balancing.jobs import Goal, Outcome, Task
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.units import NONE, number, symbol_html, symbols_html, unit_text
+from paminsa_viz.units import number, symbol_html, symbols_html, unit_text
 
 BALANCED = 1e-9
 """Largest |M_p2| that counts as balanced [N]."""
@@ -102,14 +100,11 @@ def details_html(outcome: Outcome | None) -> str:
     optimum, goal = outcome.optimum, _goal(outcome)
     unit = "" if goal is Goal.BOTH else unit_text(optimum.values[-1 if goal.static else 0].unit)
     near = goal.static and abs(static_imbalance(outcome.after)) > BALANCED
-    worth = "N" if near else unit
-    active = [item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS]
     return render(
-        "balance_result.j2",
-        effects=[_effect(e.label, e.unit, e.before, e.after) for e in outcome.effects],
-        theta=math.degrees(outcome.job.theta), z=1e3 * outcome.job.z,
-        changes=_changes(outcome.job.design, outcome.after), goal=_goal_text(goal), unit=unit,
-        optimum=optimum, bounds=[_bound(item, worth) for item in active],
+        "balance_result.j2", outcome=outcome, optimum=optimum, degrees=math.degrees, unit=unit,
+        goal=_goal_text(goal), changes=_changes(outcome.job.design, outcome.after),
+        bounds=[item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS],
+        worth="N" if near else unit, variable=variable_html, sides=_SIDES,
     )  # fmt: skip
 
 
@@ -122,44 +117,17 @@ def _goal_text(goal: Goal) -> str:
     return known.get(goal, goal.value.partition(",")[0])
 
 
-def _effect(label: str, unit: str, before: float, after: float) -> list[str | Markup]:
-    shown = [_rounded(value) for value in (before, after, after - before)]
-    name = Markup(f"{symbols_html(label)} [{unit_text(unit)}]")
-    return [name, shown[0], _bold(shown[1]), shown[2]]
-
-
-def _bold(text: str) -> Markup:
-    return Markup("<b>{}</b>").format(text)
-
-
-def _rounded(value: float) -> str:
-    if not np.isfinite(value):
-        return NONE
-    return "0" if abs(value) < 1e-9 else number(value)
-
-
-def _changes(before: Design, after: Design) -> list[list[str | Markup]]:
-    """Return rows of the masses that differ, those of counterweights by their places."""
-    rows: list[list[str | Markup]] = []
+def _changes(before: Design, after: Design) -> list[tuple[str | Markup, float, float]]:
+    """Return the masses that differ, those of counterweights by their places: name, old, new."""
+    rows: list[tuple[str | Markup, float, float]] = []
     for path in MASS_PATHS:
-        old, new = before.value(path), after.value(path)
-        if differs(old, new):
-            known = PARAMETER[path]
-            symbol = f'<span title="{escape(known.label)}">{symbol_html(known.symbol)}</span>'
-            rows.append([Markup(f"{symbol} [{unit_text(known.unit)}]"), *_row(old, new)])
-    for place, (old, new) in weights_by_place(before, after).items():
-        if differs(old, new):
-            rows.append([f"on {place} [kg]", *_row(old, new)])
-    return rows
-
-
-def _row(old: float, new: float) -> list[str | Markup]:
-    return [number(old), _bold(number(new)), number(new - old, sign=True)]
-
-
-def differs(old: float, new: float) -> bool:
-    """Whether two masses or inertias differ by more than rounding."""
-    return not math.isclose(old, new, rel_tol=1e-9, abs_tol=1e-12)
+        known = PARAMETER[path]
+        symbol = f'<span title="{escape(known.label)}">{symbol_html(known.symbol)}</span>'
+        name = Markup(f"{symbol} [{unit_text(known.unit)}]")
+        rows.append((name, before.value(path), after.value(path)))
+    places = weights_by_place(before, after).items()
+    rows += [(f"on {place} [kg]", old, new) for place, (old, new) in places]
+    return [row for row in rows if not math.isclose(*row[1:], rel_tol=1e-9, abs_tol=1e-12)]
 
 
 def weights_by_place(*designs: Design) -> dict[str, tuple[float, ...]]:
@@ -174,16 +142,6 @@ def weights_by_place(*designs: Design) -> dict[str, tuple[float, ...]]:
 def _relaxable(item: ActiveConstraint) -> bool:
     """Whether a bound costs something, and is not that masses and levers are at least zero."""
     return item.price > 1e-9 and not (item.side in ("low", "nearest") and item.bound == 0)
-
-
-def _bound(item: ActiveConstraint, worth: str) -> list[str | Markup]:
-    """Return a bound, and what its relaxation saves."""
-    name = variable_html(item.name) + " " + _SIDES[item.side]
-    if item.unit == "m":
-        saves = f"{number(item.price / 100, 3)} {worth} / 10 mm"
-        return [name, f"{number(1e3 * item.bound)} mm", saves]
-    unit = unit_text(item.unit)
-    return [name, f"{number(item.bound)} {unit}", f"{number(item.price, 3)} {worth} / {unit}"]
 
 
 def front_html(frame: Frame) -> str:
@@ -206,10 +164,3 @@ def sensitivity_html(frame: Frame) -> str:
         "sensitivity.j2", outcome=outcome, output=balancing.output,
         current=frame.state.document.design,
     )  # fmt: skip
-
-
-def counterweights_html(frame: Frame) -> str:
-    """Return what the rows of the counterweights hold, and the clearance that the discs need."""
-    design = frame.state.document.design
-    needs = [clearance_text(design.geometry, weight) for weight in design.counterweights]
-    return render("counterweights.j2", needs=needs)

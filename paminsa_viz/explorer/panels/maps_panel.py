@@ -2,24 +2,202 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import viser
 
+from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots
 from paminsa_viz.explorer.browser.style import MARGIN
+from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import finite
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
 from paminsa_viz.explorer.maps import MapStore, go_to
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
-from paminsa_viz.explorer.panels.map_controls import single_entries, torque_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.quantities import TORQUES
+from paminsa_viz.explorer.state import RangeMode, State
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.plots import ticks
+from paminsa_viz.plots.ranges import LARGEST_END
+from paminsa_viz.quantities import QUANTITIES, TORQUES
+from paminsa_viz.units import display_unit
+
+FIG_3_ANGLE = np.pi / 3
+"""Angle of the platform in the paper's Fig. 3 [rad]; it does not say the height."""
+
+Ends = tuple[float, float]
+
+
+def choose_quantity(state: State, quantity: str) -> State:
+    """Show another quantity; a manual range in another unit is given up."""
+    view = state.map_view
+    mode = view.range_mode
+    if mode is RangeMode.MANUAL and QUANTITIES[quantity].unit != QUANTITIES[view.quantity].unit:
+        mode = RangeMode.AUTO
+    return state.updated("map_view", quantity=quantity, range_mode=mode)
+
+
+def show_figure_3(state: State) -> State:
+    """Turn the platform to the angle of Fig. 3 and show the torques as it does.
+
+    The position stays if the robot can take it at that angle, else the platform goes to the
+    middle.
+    """
+    shown = state.updated("map_view", range_mode=RangeMode.AUTO, shared=True, difference=False)
+    turned = actions.move(shown, theta=FIG_3_ANGLE)
+    if turned.standing.pose != turned.document.pose:
+        turned = actions.move(shown, x=0.0, y=0.0, theta=FIG_3_ANGLE)
+    return turned
+
+
+def set_difference(state: State, value: bool) -> State:
+    """Show the difference from the reference or not.
+
+    Raises:
+        InvalidInput: If no reference is pinned.
+    """
+    if value and state.document.reference is None:
+        raise InvalidInput("difference", "pin a reference design first")
+    return state.updated("map_view", difference=value)
+
+
+def quantity_entry(name: str) -> Entry:
+    """Return the choice of what the single map and the floor show."""
+    return Dropdown(
+        f"{name}.quantity", "show",
+        options={quantity.label: key for key, quantity in QUANTITIES.items()},
+        hint="What this map and the floor map below the robot show",
+        read=lambda state: state.map_view.quantity, apply=choose_quantity,
+    )  # fmt: skip
+
+
+def range_entries(
+    name: str, picture: MapPicture, unit: Callable[[State], str], *, brief: bool
+) -> tuple[Entry, Entry]:
+    """Return the color range of a picture: how it is found, and its ends.
+
+    Args:
+        name: Name of the picture, for the entries' keys.
+        picture: The picture; the ends show the range that it shows.
+        unit: SI unit of what it shows.
+        brief: Whether labels have to be short.
+    """
+
+    def another_unit(state: State) -> bool:
+        return QUANTITIES[state.map_view.quantity].unit != unit(state)
+
+    def mode(state: State) -> RangeMode:
+        """Return how the range is found; a manual one may be in another unit."""
+        chosen = state.map_view.range_mode
+        return RangeMode.AUTO if chosen is RangeMode.MANUAL and another_unit(state) else chosen
+
+    def shown_range(state: State) -> Ends:
+        """Return the range of the first panel as drawn last, in SI."""
+        if mode(state) is RangeMode.MANUAL:
+            return state.map_view.low, state.map_view.high
+        scale = picture.scales[0] if picture.scales else None
+        return (scale.low, scale.high) if scale else (0.0, 1.0)
+
+    def set_manual(state: State, ends: Ends) -> State:
+        """Use these ends; the state's range is in the unit of its quantity."""
+        quantity = "max_torque" if another_unit(state) else state.map_view.quantity
+        return state.updated(
+            "map_view", range_mode=RangeMode.MANUAL, low=ends[0], high=ends[1], quantity=quantity
+        )
+
+    def choose_mode(state: State, chosen: RangeMode) -> State:
+        if chosen is RangeMode.MANUAL:
+            return set_manual(state, shown_range(state))
+        return state.updated("map_view", range_mode=chosen)
+
+    def displayed(state: State) -> Ends:
+        factor = display_unit(unit(state)).factor
+        low, high = (float(f"{end * factor:.9g}") for end in shown_range(state))
+        return low, high
+
+    def set_displayed(state: State, ends: Ends) -> State:
+        factor = display_unit(unit(state)).factor
+        low, high = (end / factor for end in ends)
+        if max(abs(low), abs(high)) > LARGEST_END:
+            raise InvalidInput("color range", f"numbers up to {LARGEST_END:.0e} are possible")
+        return set_manual(state, (low, high))
+
+    def step(state: State) -> float:
+        low, high = displayed(state)
+        return ticks.nice_step(abs(high - low), 100) if low != high else 0.001
+
+    return (
+        Dropdown(
+            f"{name}.range", "colors" if brief else "color range",
+            options={
+                "robust": RangeMode.AUTO, "full": RangeMode.FULL, "manual": RangeMode.MANUAL
+            },
+            hint="robust: shows the ordinary values, what explodes near a singularity is darker; "
+            "full: from the smallest to the largest value; manual: as given",
+            read=mode, apply=choose_mode,
+        ),
+        Pair(
+            f"{name}.ends", "from–to" if brief else "ends",
+            hint="Ends of the color range, in the unit of the color bar; editing them makes the "
+            "range manual",
+            step=step,
+            precision=lambda state: int(np.clip(1 - np.floor(np.log10(step(state))), 0, 9)),
+            read=displayed, apply=set_displayed,
+        ),
+    )  # fmt: skip
+
+
+def switch_entries(name: str, *, brief: bool) -> tuple[Entry, Entry]:
+    """Return the switches for a logarithmic scale and for the difference."""
+    return (
+        Checkbox(
+            f"{name}.log", "log" if brief else "log scale",
+            hint="Symmetric logarithm: linear around zero, logarithmic beyond, on both sides",
+            **attribute("map_view.logarithmic"),
+        ),
+        Checkbox(
+            f"{name}.difference", "Δ ref." if brief else "Δ reference",
+            hint="Show the difference from the pinned reference (pin one to use this)",
+            disabled=lambda state: state.document.reference is None,
+            read=lambda state: state.map_view.difference, apply=set_difference,
+        ),
+    )  # fmt: skip
+
+
+def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
+    """Return the entries below the three torque maps."""
+    return (
+        *range_entries(name, picture, lambda _: QUANTITIES["tau_1"].unit, brief=True),
+        Checkbox(
+            f"{name}.shared", "shared",
+            hint="One color range for all three maps, or one for each",
+            **attribute("map_view.shared"),
+        ),
+        *switch_entries(name, brief=True),
+        Button(
+            f"{name}.figure_3", "Fig. 3", effect=show_figure_3,
+            hint="As the paper's Fig. 3: θ = 60°, three torques on one range",
+        ),
+    )  # fmt: skip
+
+
+def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
+    """Return the entries next to the map of one quantity."""
+    return (
+        quantity_entry(name),
+        *range_entries(
+            name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit, brief=False
+        ),
+        *switch_entries(name, brief=False),
+    )
+
 
 TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 

@@ -1,16 +1,16 @@
-"""The tab in which a motion is chosen or built, played, and simulated."""
+"""The tab of the motion: its status, playback, description, path in the scene, and simulation."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
+import numpy as np
 from viser import Icon
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
-from paminsa_viz.explorer.entries import Button, ButtonGroup, Condition, Custom, Entry, Folder, Html
+from paminsa_viz.explorer.entries import Button, Condition, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
     MILLIMETERS,
@@ -18,61 +18,59 @@ from paminsa_viz.explorer.inputs import (
     Checkbox,
     Dropdown,
     Number,
+    Range,
     Slider,
     attribute,
 )
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import (
-    DURATIONS,
-    LARGEST_LIMIT,
-    LENGTHS,
-    RATES,
-    Kind,
-    Timing,
-)
 from paminsa_viz.explorer.motion.playback import SPEEDS
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.motion.simulation import (
+    BANDWIDTHS,
+    DAMPINGS,
+    INITIAL_ERRORS,
+    PAYLOAD_MISMATCHES,
     SimulationJob,
     SimulationOutcome,
     run,
 )
-from paminsa_viz.explorer.panels import motion_text as text
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.motion_file import MotionFile
-from paminsa_viz.explorer.panels.motion_simulation import SIMULATION
+from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
+from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.trajectory import PRESETS, Profile
-from paminsa_viz.units import DisplayUnit, display_unit
+from paminsa_viz.trajectory import ControlMode, TrajectoryAnalysis
+from paminsa_viz.units import DisplayUnit, number
 
 TIME = "t  [s]"
 ACTUATORS = {f"M{j + 1}": j for j in range(4)}
 
-MOTIONS: dict[str, str | Kind] = {
-    **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
-    "Build: move from pose to pose": Kind.MOVE,
-    "Build: straight line, θ held": Kind.LINE,
-    "Build: pick-and-place arch": Kind.ARCH,
-    "Build: through waypoints": Kind.WAYPOINTS,
-    "Build: circle": Kind.CIRCLE,
-    "From a CSV file": Kind.TABLE,
-}
-"""The key of a preset or the kind of a motion that is built, by its text."""
 
-TIMINGS = {
-    "the preset's": Timing.OWN,
-    "given": Timing.GIVEN,
-    "shortest within limits": Timing.SHORTEST,
-}
-
-
-def _kind(*kinds: Kind) -> Condition:
-    return lambda state: state.document.motion.kind in kinds
+def status_line(state: State, analysis: TrajectoryAnalysis | None) -> tuple[bool, str]:
+    """Return whether a motion can be run, and the line that says so or says why not."""
+    found = motions.planned(state)
+    if analysis is None or found.trajectory is None or found.problem:
+        return False, found.problem
+    check = analysis.check
+    if check.first is not None:
+        return False, f"fails {check.first.explanation}"
+    near = check.closest
+    leg = f" of leg {near.leg + 1}" if near.leg >= 0 else ""
+    return True, (
+        f"{number(found.trajectory.duration, 4)} s, {found.trajectory.size} samples; nearest "
+        f"limit: {near.limit.noun}{leg}, {1e3 * near.margin:.0f} mm away at {number(near.t, 3)} s"
+    )
 
 
-def _planned(state: State) -> bool:
-    return state.document.motion.kind is not Kind.TABLE
+def status_html(state: State, analysis: TrajectoryAnalysis | None) -> str:
+    """Return whether the motion can be run."""
+    reachable, line = status_line(state, analysis)
+    found = motions.planned(state)
+    level, title = ("ok", "Reachable") if reachable else ("bad", "Not possible")
+    if found.trajectory is None:
+        level, title = "plain", "No motion yet"
+    lines = [line, f"shortest: {found.bound}"] if found.bound else [line]
+    return render("status.j2", testid="motion-status", level=level, title=title, lines=lines)
 
 
 def playback_end(state: State) -> float:
@@ -91,8 +89,7 @@ PLAYBACK = (
         hint="1 × is true time", **attribute("playback.speed"),
     ),
     Checkbox(
-        "playback.loop", "repeat", hint="Start again at the end",
-        **attribute("playback.loop"),
+        "playback.loop", "repeat", hint="Start again at the end", **attribute("playback.loop")
     ),
     Slider(
         "playback.time", TIME, range=lambda state: (0.0, playback_end(state)), step=0.001,
@@ -102,152 +99,104 @@ PLAYBACK = (
 )  # fmt: skip
 
 
-def _chosen(state: State) -> str | Kind:
-    motion = state.document.motion
-    return motion.preset if motion.kind is Kind.PRESET else motion.kind
+def _legend_html(actuator: int, analysis: TrajectoryAnalysis | None) -> str:
+    """Return the color bar of the path; empty without a motion."""
+    if analysis is None:
+        return ""
+    scale = path_scale(analysis, actuator)
+    name = ("|τ₁| [N·m]", "|τ₂| [N·m]", "|τ₃| [N·m]", "|F₄| [N]")[actuator]
+    return render("motion_path.j2", hues=hue_gradient(scale), name=name, scale=scale)
 
 
-def _choose(state: State, choice: str | Kind) -> State:
-    if isinstance(choice, Kind):
-        return motions.choose_kind(state, choice)
-    return motions.choose_preset(state, choice)
-
-
-def _number(
-    name: str, label: str, limits: tuple[float, float], step: float, hint: str,
-    visible: Condition | None = None, unit: DisplayUnit = PLAIN,
+def _setting(
+    name: str, label: str, limits: Range, step: float, hint: str,
+    unit: DisplayUnit = PLAIN, visible: Condition | None = None,
 ) -> Number:  # fmt: skip
-    """Return the input of one number of the motion, with limits in SI."""
-    low, high = (unit.from_si(limit) for limit in limits)
+    """Return the input of one number of the simulation."""
     return Number(
-        f"motion.{name}", label, range=(low, high), step=step, unit=unit, hint=hint,
-        visible=visible, read=lambda state: getattr(state.document.motion, name),
-        apply=lambda state, value: motions.change(state, **{name: value}),
+        f"simulation.{name}", label, range=limits, step=step, unit=unit, hint=hint,
+        visible=visible, **attribute(f"simulating.settings.{name}"),
     )  # fmt: skip
 
 
-DESCRIPTION: tuple[Entry, ...] = (
+def _has_feedback(state: State) -> bool:
+    return state.simulating.settings.control is not ControlMode.FEED_FORWARD
+
+
+def simulation_html(frame: Frame) -> str:
+    """Return what came of the last simulation."""
+    simulating = frame.state.simulating
+    level, title, lines = "plain", "Simulating …", []
+    outcome = simulating.outcome
+    if simulating.running is None and outcome is None:
+        text = "Errors and torques are plotted in “Motion plots”."
+        return render("note.j2", testid="simulation", muted=True, text=text)
+    if simulating.running is None and outcome is not None:
+        level, title, lines = "bad", "Not simulated", [outcome.problem]
+        simulation = outcome.simulation
+        if simulation is not None:
+            drift = float(np.abs(simulation.energy_drift).max())
+            lines = [
+                f"largest distance {number(1e3 * float(simulation.distance.max()), 3)} mm, "
+                f"at the end {number(1e3 * float(simulation.distance[-1]), 3)} mm",
+                f"energy drift of the solution {number(drift, 2)} J",
+            ]
+            level, title = "ok", f"Ran to the end, {simulation.t[-1]:.3f} s"
+            if simulation.stopped is not None:
+                level, title = "bad", f"Stopped {simulation.stopped.explanation}"
+            if not motions.simulation_is_current(frame.state):
+                level = "warn" if simulation.stopped is None else level
+                lines.append("of an earlier design, motion or setting: simulate again")
+    return render("status.j2", testid="simulation", level=level, title=title, lines=lines)
+
+
+SIMULATION: tuple[Entry, ...] = (
     Dropdown(
-        "motion.kind", "Motion", options=MOTIONS, hint="A ready-made motion, or one of your own",
-        read=_chosen, apply=_choose,
-    ),
-    Html(
-        "motion.poses", content=lambda frame: text.poses_html(frame.state),
-        visible=lambda state: state.document.motion.kind is not Kind.PRESET,
-    ),
-    ButtonGroup(
-        "motion.ends", "Ends",
-        choices={
-            "From here": motions.start_here,
-            "To here": motions.goal_here,
-            "Swap": motions.swap_ends,
-        },
-        visible=lambda state: state.document.motion.kind.has_ends,
-        hint="Let the motion start or end at the current pose of the robot",
-    ),
-    ButtonGroup(
-        "motion.waypoints", "Waypoints",
-        choices={
-            "Add current": motions.add_waypoint,
-            "Remove last": motions.remove_waypoint,
-            "Clear": motions.clear_waypoints,
-        },
-        visible=_kind(Kind.WAYPOINTS), hint="Move the robot, add its pose, move it on",
-    ),
-    Button(
-        "motion.center", "Center here", effect=motions.center_here, color="gray",
-        visible=_kind(Kind.CIRCLE), hint="Put the center at the current pose of the robot",
-    ),
-    _number(
-        "radius", "Radius [mm]", LENGTHS, 1.0, "In the plane of x and y", _kind(Kind.CIRCLE),
-        MILLIMETERS,
-    ),
-    _number(
-        "height", "Height [mm]", (0.0, LENGTHS[1]), 1.0,
-        "How far the platform rises above the higher end", _kind(Kind.ARCH), MILLIMETERS,
-    ),
-    Custom("motion.file", make=MotionFile),
-    Dropdown(
-        "motion.profile", "Time law",
+        "simulation.control", "Control",
         options={
-            "quintic": Profile.QUINTIC,
-            "trapezoid": Profile.TRAPEZOID,
-            "S-curve": Profile.S_CURVE,
+            "computed torque": ControlMode.COMPUTED_TORQUE,
+            "feed-forward + PD": ControlMode.PD,
+            "feed-forward alone": ControlMode.FEED_FORWARD,
         },
-        hint="How the motion runs in time",
-        visible=lambda state: state.document.motion.kind.has_law,
-        **attribute("document.motion.profile", motions.change),
+        hint="Feed-forward alone has no feedback: the robot is unstable without it",
+        **attribute("simulating.settings.control"),
+    ),
+    _setting(
+        "bandwidth", "Bandwidth [Hz]", BANDWIDTHS, 0.5,
+        "Of the error's own motion; the gains follow from it", visible=_has_feedback,
+    ),
+    _setting("damping", "Damping ratio", DAMPINGS, 0.1, "", visible=_has_feedback),
+    _setting(
+        "payload_mismatch", "Payload mismatch [kg]", PAYLOAD_MISMATCHES, 0.1,
+        "Payload of the robot beyond what the controller assumes",
+    ),
+    _setting(
+        "initial_error", "Initial error [mm]", INITIAL_ERRORS, 1.0, "Error of x at the start",
+        unit=MILLIMETERS,
     ),
     Checkbox(
-        "motion.back", "Return to start", visible=_planned, hint="A closed motion",
-        **attribute("document.motion.back", motions.change),
+        "simulation.friction", "Controller knows the friction",
+        hint="The friction itself is a number of the design, zero in the paper",
+        **attribute("simulating.settings.knows_friction"),
     ),
-)  # fmt: skip
-
-
-def current_timing(state: State) -> Timing:
-    """Return what decides on the duration; only a preset has one of its own."""
-    motion = state.document.motion
-    own = motion.timing is Timing.OWN and motion.kind is not Kind.PRESET
-    return Timing.GIVEN if own else motion.timing
-
-
-def timing_options(state: State) -> Mapping[str, Timing]:
-    """Return what can decide on the duration."""
-    preset = state.document.motion.kind is Kind.PRESET
-    return {label: t for label, t in TIMINGS.items() if preset or t is not Timing.OWN}
-
-
-def _limit(name: str, label: str, unit: str, step: float) -> Number:
-    """Return the input of a limit of the shortest duration; 0 is none."""
-    return Number(
-        f"motion.limits.{name}", label, unit=display_unit(unit), step=step,
-        range=(0.0, display_unit(unit).from_si(LARGEST_LIMIT)),
-        read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
-        apply=lambda state, value: motions.limit(state, name, value),
-    )  # fmt: skip
-
-
-TIMING: tuple[Entry, ...] = (
-    Dropdown(
-        "motion.timing", "Duration", options=timing_options, visible=_planned,
-        hint="Given, or the shortest in which the robot keeps its limits", read=current_timing,
-        apply=lambda state, timing: motions.change(state, timing=timing),
+    Button(
+        "simulation", "Simulate", icon=Icon.PLAYER_TRACK_NEXT, effect=motions.simulate,
+        disabled=lambda state: state.simulating.running is not None,
     ),
-    _number(
-        "duration", "T [s]", DURATIONS, 0.05, "One way, if the motion returns to its start",
-        lambda state: _planned(state) and current_timing(state) is Timing.GIVEN,
-    ),
-    Folder(
-        "motion.limits", "Limits",
-        visible=lambda state: _planned(state) and state.document.motion.timing is Timing.SHORTEST,
-        entries=(
-            Html("motion.limits.note", content=render("motion_limits.j2")),
-            _limit("speed", "m/s", "m/s", 0.1),
-            _limit("turn_speed", "°/s", "rad/s", 10.0),
-            _limit("acceleration", "m/s²", "m/s^2", 0.5),
-            _limit("turn_acceleration", "°/s²", "rad/s^2", 100.0),
-            _limit("jerk", "m/s³", "m/s^3", 10.0),
-            _limit("turn_jerk", "°/s³", "rad/s^3", 1000.0),
-            _limit("torque", "M1–3 N·m", "N m", 0.5),
-            _limit("force", "F₄ N", "N", 10.0),
-        ),
-    ),
-    _number("rate", "Samples [1/s]", RATES, 50.0, "A motion has at most 20,000 samples here"),
+    Html("simulation.outcome", content=simulation_html),
 )  # fmt: skip
 
 
 def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
     """Return status and playback, the motion, its duration, its path, and its simulation."""
     return (
-        Html("playback.mark", content=lambda _: render("mark.j2", name="paminsa-playback")),
+        Html("playback.mark", content=render("mark.j2", name="paminsa-playback")),
         Html(
             "motion.status",
-            content=lambda frame: text.status_html(frame.state, store.analysis(frame.state)),
+            content=lambda frame: status_html(frame.state, store.analysis(frame.state)),
         ),
         *PLAYBACK,
         *DESCRIPTION,
-        *TIMING,
         Folder(
             "motion.path", "Path in the scene", open=False,
             entries=(
@@ -263,7 +212,7 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
                 ),
                 Html(
                     "motion.legend",
-                    content=lambda frame: text.path_legend_html(
+                    content=lambda frame: _legend_html(
                         frame.state.plots.color, store.analysis(frame.state)
                     ),
                 ),
@@ -273,15 +222,11 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
     )  # fmt: skip
 
 
-class MotionPanel:
-    """The entries of the tab, in the current container of the page, and what simulates.
-
-    Attributes:
-        entries: The entries on the page.
-    """
+class MotionPanel(Panel):
+    """The entries of the tab, and the job that simulates."""
 
     def __init__(self, session: Session, store: MotionStore) -> None:
-        self.entries = Panel(session, motion_entries(store))
+        super().__init__(session, motion_entries(store))
         self._job: BackgroundJob[SimulationJob, SimulationOutcome] = BackgroundJob(
             session, "simulation", lambda job, _: run(job), motions.receive_simulation,
             failed=lambda job, problem: SimulationOutcome(job, None, problem),
@@ -290,4 +235,4 @@ class MotionPanel:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the state, and simulate what is requested."""
         self._job.request(frame.state.simulating.running)
-        self.entries.draw(frame, dragging)
+        super().draw(frame, dragging)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any
+
+import numpy as np
 
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
@@ -14,15 +17,16 @@ from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.engine_check import Answer, ask_engine
 from paminsa_viz.explorer.motion.playback import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
-from paminsa_viz.explorer.panels import motion_text as text
+from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
-from paminsa_viz.explorer.panels.motion_panel import ACTUATORS
+from paminsa_viz.explorer.panels.motion_panel import ACTUATORS, status_line
 from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_uplot import Chart, charts
+from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
 from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.units import NONE, number
 
 INPUTS = (
     Dropdown(
@@ -87,9 +91,9 @@ class MotionPlots:
         time = state.playback.time
         self._cursor.show(time)
         if found is not None and state.plots.plot == "differences":
-            self._numbers.content = text.difference_html(self._drawn, found, time)
+            self._numbers.content = difference_html(self._drawn, found, time)
         else:
-            self._numbers.content = text.numbers_html(self._drawn, self._read, time)
+            self._numbers.content = numbers_html(self._drawn, self._read, time)
 
     def _draw_curves(self, state: State, found: MotionResults | None) -> None:
         key = (found, state.plots)
@@ -104,7 +108,7 @@ class MotionPlots:
         }
         for index, chart in enumerate(self.charts):
             chart.draw(self._drawn[index] if index < len(self._drawn) else None)
-        self._caption.content = text.caption_html(state, found, self._drawn)
+        self._caption.content = caption_html(state, found, self._drawn)
 
 
 def _scrub(session: Session, time: float) -> None:
@@ -116,6 +120,104 @@ def drawn_charts(state: State, found: MotionResults) -> tuple[Chart, ...]:
     if state.plots.plot in SIMULATED and found.sources.simulation is None:
         return ()
     return charts(build_series(state.plots.plot, found.sources), state.plots.actuator)
+
+
+_ROUNDING = 1e-12
+"""Values up to this are rounding errors [N m, N, ...]."""
+
+
+def caption_html(state: State, found: MotionResults | None, drawn: tuple[Chart, ...]) -> str:
+    """Return the line below the charts: which motion, what strokes mean, and whether it fails."""
+    if found is None:
+        return render("motion_empty.j2", text=status_line(state, None)[1])
+    if not drawn:
+        text = "nothing has been simulated yet: press Simulate in the tab “Motion”"
+        return render("motion_empty.j2", text=text)
+    sources, first = found.sources, found.analysis.check.first
+    compared = state.plots.plot in COMPARED
+    return render(
+        "motion_caption.j2",
+        trajectory=found.analysis.trajectory,
+        reference=sources.reference.design.name if compared and sources.reference else "",
+        published=compared and sources.published is not None,
+        failure="" if first is None else first.explanation,
+        engine=_engine(state, found) if state.plots.needs_engine else None,
+    )
+
+
+def _engine(state: State, found: MotionResults) -> dict[str, object]:
+    """Return what the caption says of an engine's torques."""
+    context: dict[str, object] = {
+        "marked": state.plots.plot == "torques", "answer": found.answer, "own": None
+    }  # fmt: skip
+    check = found.answer.found if found.answer else None
+    if check is not None:
+        published = found.sources.published
+        context |= {
+            "name": check.engine.name,
+            "tolerance": check.tolerance,
+            "own": check.comparison(found.analysis),
+            "published": None if published is None else check.comparison(published),
+        }
+    return context
+
+
+def numbers_html(drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float) -> str:
+    """Return the table of the curves: the value at the cursor, the largest one, the RMS.
+
+    Args:
+        drawn: The charts.
+        read: Peak and RMS of every curve.
+        time: Of the cursor [s].
+    """
+    rows = []
+    for chart, trace in _rows(drawn):
+        peak, peak_t, mean = read[trace]
+        at = f"{peak_t:.3f} s" if math.isfinite(peak_t) else NONE
+        values = (_value(chart.value_at(trace, time)), _value(peak), at, _value(mean))
+        rows.append((trace, (*values, chart.unit), None))
+    heads = (f"at {time:.3f} s", "largest", "at", "RMS", "")
+    return render("motion_numbers.j2", heads=heads, rows=rows)
+
+
+def difference_html(drawn: tuple[Chart, ...], found: MotionResults, time: float) -> str:
+    """Return the table of differences to an engine, over the largest torque, with a verdict."""
+    check = found.answer.found if found.answer else None
+    shares: dict[str, list[float]] = {}
+    if check is not None:
+        for suffix, analysis in (("", found.analysis), ("as published", found.sources.published)):
+            if analysis is not None:
+                shares[suffix] = check.comparison(analysis).relative.tolist()
+    rows = []
+    for chart, trace in _rows(drawn):
+        if check is None:
+            rows.append((trace, (NONE, NONE, NONE, "", NONE, ""), None))
+            continue
+        values = trace.values[np.isfinite(trace.values)]
+        share = shares[trace.suffix or ""].pop(0)
+        cells = (
+            _value(chart.value_at(trace, time)),
+            _value(float(np.abs(values).max())),
+            _value(float(np.sqrt((values**2).mean()))),
+            chart.unit,
+            number(share, 2),
+        )
+        rows.append((trace, cells, share <= check.tolerance))
+    heads = (f"at {time:.3f} s", "largest", "RMS", "", "relative", "")
+    return render("motion_numbers.j2", heads=heads, rows=rows)
+
+
+def _rows(drawn: tuple[Chart, ...]) -> list[tuple[Chart, Trace]]:
+    """Return the curves in the order of their rows: the design's of all charts before others."""
+    rows = [(chart, trace) for chart in drawn for trace in chart.traces if not trace.marks]
+    return sorted(rows, key=lambda row: trace_order(row[1]))
+
+
+def _value(value: float) -> str:
+    """Return a value of a curve; a rounding error as 0."""
+    if not math.isfinite(value):
+        return NONE
+    return number(value if abs(value) > _ROUNDING else 0.0, 4)
 
 
 class EngineChecker:

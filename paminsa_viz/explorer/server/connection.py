@@ -13,6 +13,7 @@ from websockets.asyncio.server import ServerConnection
 from websockets.frames import Frame, Opcode
 from websockets.http11 import Request, Response
 
+from .access import AccessToken, text_response
 from .limits import Limits, RateLimit, logger
 from .message_filter import Decode, MessageFilter
 from .names import NameRules
@@ -31,6 +32,15 @@ _PAGE_HEADERS = {
 _FOREIGN_SOURCES = ("websocket", "playbackpath")
 """Parameters of viser's page that fetch the scene, and script with it, from another server."""
 
+_FULL = """\
+<!doctype html><html lang="en"><head><meta charset="utf-8"><meta http-equiv="refresh" content="3">
+<title>PAMINSA explorer: waiting</title></head>
+<body style="font: 16px system-ui, sans-serif; margin: 15vh auto; max-width: 32em">
+<h1 style="font-size: 20px">All {count} places are taken</h1>
+<p>This page tries again every three seconds and opens as soon as another one is closed. More places
+are an option of the program: <code>--pages</code>.</p></body></html>
+"""
+
 HttpHandler = Callable[[ServerConnection, Request], Response | None]
 
 
@@ -41,6 +51,7 @@ class ConnectionGuard:
         rules: Names that are served.
         limits: How much is served.
         decode: Reads one message of a page.
+        token: What a request has to show, or None if it is served without.
 
     Attributes:
         open: Requests are answered with 503 until the server is ready.
@@ -49,15 +60,18 @@ class ConnectionGuard:
         held: Connections that sent too much and have to wait. They share what one may send.
     """
 
-    def __init__(self, rules: NameRules, limits: Limits, decode: Decode) -> None:
+    def __init__(
+        self, rules: NameRules, limits: Limits, decode: Decode, token: AccessToken | None = None
+    ) -> None:
         self.open = False
         self.limits = limits
         self.decode = decode
         self.held: set[GuardedConnection] = set()
         self._rules = rules
+        self._token = token
         self._starts = RateLimit(limits.sessions_per_second, limits.sessions)
         self._waiting: dict[GuardedConnection, None] = {}
-        self._sessions: set[GuardedConnection] = set()
+        self._sessions: dict[GuardedConnection, float] = {}
 
     def arrived(self, connection: GuardedConnection) -> None:
         """Note a new connection. Of too many that say nothing, the oldest gives way."""
@@ -70,7 +84,7 @@ class ConnectionGuard:
     def left(self, connection: GuardedConnection) -> None:
         """Note that a connection is gone."""
         self._waiting.pop(connection, None)
-        self._sessions.discard(connection)
+        self._sessions.pop(connection, None)
         self.held.discard(connection)
 
     def answering(self, serve_page: HttpHandler) -> HttpHandler:
@@ -78,10 +92,12 @@ class ConnectionGuard:
 
         def process_request(connection: ServerConnection, request: Request) -> Response | None:
             refusal = self._refusal(connection, request)
-            if refusal is None:
-                return serve_page(connection, request)
-            status, reason = refusal
-            return connection.respond(status, f"{reason}\n")
+            if refusal is not None:
+                status, reason = refusal
+                return connection.respond(status, f"{reason}\n")
+            if self._token is not None and (answer := self._token.respond(request)) is not None:
+                return answer
+            return self._without_place(connection, request) or serve_page(connection, request)
 
         return process_request
 
@@ -99,11 +115,34 @@ class ConnectionGuard:
             return 403, "this page shows only what this server sends"
         if not self.open:
             return 503, "the server is starting"
-        if "Upgrade" in headers:
-            if len(self._sessions) >= self.limits.sessions:
-                return 503, "too many pages are open; close one"
-            if self._starts.delay(1.0, time.monotonic()) > 0.0:
-                return 503, "too many pages were opened at once; try again in a second"
+        return None
+
+    def _without_place(self, connection: ServerConnection, request: Request) -> Response | None:
+        """Return what to answer if all places are taken: a page that waits for one."""
+        now = time.monotonic()
+        full = len(self._sessions) >= self.limits.sessions
+        if "Upgrade" not in request.headers:
+            if not full or request.path.partition("?")[0] != "/" or self._silent(now):
+                return None
+            page = _FULL.format(count=self.limits.sessions)
+            headers = {"Retry-After": "3"}
+            return text_response(503, "Service Unavailable", page, "text/html", **headers)
+        if full and (silent := self._silent(now)) is not None:
+            self.left(silent)
+            silent.transport.abort()
+        elif full:
+            return connection.respond(503, "too many pages are open; close one\n")
+        if self._starts.delay(1.0, now) > 0.0:
+            return connection.respond(
+                503, "too many pages were opened at once; try again in a second\n"
+            )
+        return None
+
+    def _silent(self, now: float) -> GuardedConnection | None:
+        """Return the oldest session that has a place and has said nothing, or None."""
+        for session, since in self._sessions.items():
+            if session.silent and now - since > self.limits.silent:
+                return session
         return None
 
     def process_response(
@@ -113,8 +152,10 @@ class ConnectionGuard:
         if response.status_code == 101:
             guarded = cast(GuardedConnection, connection)
             self._waiting.pop(guarded, None)
-            self._sessions.add(guarded)
-            self._starts.take(1.0, time.monotonic())
+            now = time.monotonic()
+            self._sessions[guarded] = now
+            self._starts.take(1.0, now)
+            guarded.expect_message()
         else:
             for name, value in _PAGE_HEADERS.items():
                 response.headers[name] = value
@@ -135,6 +176,7 @@ class GuardedConnection(ServerConnection):
 
     Attributes:
         filter: What is passed on.
+        silent: Whether it has not sent a message yet that a page would send.
     """
 
     def __init__(
@@ -149,7 +191,9 @@ class GuardedConnection(ServerConnection):
         self._guard = guard
         self._frame_limit = RateLimit(limits.frames_per_second, limits.frame_burst)
         self._byte_limit = RateLimit(limits.bytes_per_second, limits.byte_burst)
+        self.silent = True
         self._resume: asyncio.TimerHandle | None = None
+        self._deadline: asyncio.TimerHandle | None = None
         self._held_since = self._held_until = -math.inf
         self._frames = 0
         self._fragments = 0
@@ -164,9 +208,18 @@ class GuardedConnection(ServerConnection):
     def connection_lost(self, exc: Exception | None) -> None:
         """Give the place free."""
         self._guard.left(self)
-        if self._resume is not None:
-            self._resume.cancel()
+        for timer in (self._resume, self._deadline):
+            if timer is not None:
+                timer.cancel()
         super().connection_lost(exc)
+
+    def expect_message(self) -> None:
+        """Close the connection unless a page's first message comes in time."""
+        self._deadline = self.loop.call_later(self._guard.limits.first_message, self._end_silence)
+
+    def _end_silence(self) -> None:
+        if self.silent:
+            self.transport.abort()
 
     def data_received(self, data: bytes) -> None:
         """Take in bytes; where they come faster than allowed, wait before reading more."""
@@ -211,4 +264,5 @@ class GuardedConnection(ServerConnection):
         while True:
             passed = self.filter.passed(await super().recv(decode))
             if passed is not None:
+                self.silent = False
                 return passed

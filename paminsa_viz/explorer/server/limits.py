@@ -17,6 +17,9 @@ class Limits:
 
     Attributes:
         sessions: Open pages at a time.
+        first_message: A WebSocket on which nothing was said for this long is closed [s]; a page
+            says where its camera is as soon as it is drawn.
+        silent: When all places are taken, one that has said nothing for this long gives way [s].
         sessions_per_second: New pages, in the long run [1/s]; as many as ``sessions`` at once.
         waiting: Connections at a time that have not become a session yet.
         message_bytes: Largest message [bytes]; a picture for ``get_render`` is one message.
@@ -32,6 +35,8 @@ class Limits:
     """
 
     sessions: int = 24
+    first_message: float = 30.0
+    silent: float = 5.0
     sessions_per_second: float = 4.0
     waiting: int = 64
     message_bytes: int = 16 * 2**20
@@ -101,4 +106,5 @@ logger.addFilter(RepeatFilter())
 
 socket_logger = logging.getLogger(f"{__package__}.sockets")
 """What websockets reports, without what any broken client can cause."""
+socket_logger.setLevel(logging.WARNING)  # below INFO it writes whole requests, tokens included
 socket_logger.addFilter(_not_a_clients_fault)

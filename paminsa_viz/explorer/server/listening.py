@@ -25,6 +25,7 @@ import viser
 from paminsa_viz.errors import PaminsaError
 
 from . import viser_patch
+from .access import AccessToken
 from .connection import ConnectionGuard
 from .limits import Limits
 from .names import NameRules, exposure_notice
@@ -70,6 +71,7 @@ def open_server(
     *,
     allowed_hosts: Iterable[str] = (),
     limits: Limits | None = None,
+    token: AccessToken | None = None,
 ) -> viser.ViserServer:
     """Start a guarded viser server.
 
@@ -80,6 +82,7 @@ def open_server(
         allowed_hosts: Further names under which the server may be asked for, ``"name"`` or
             ``"name:port"``: needed behind a proxy, or when a forwarded port has another number.
         limits: How much is served; the defaults suit a person at a desk.
+        token: What requests have to show, or None if they are served without.
 
     Returns:
         The running server, without anything on its page.
@@ -94,7 +97,7 @@ def open_server(
     bound = _bind(host, port)
     try:
         rules = NameRules.for_server(host, bound.getsockname()[1], allowed_hosts)
-        guard = ConnectionGuard(rules, limits or Limits(), decode)
+        guard = ConnectionGuard(rules, limits or Limits(), decode, token)
         server = viser_patch.start_viser(bound, host, guard)
     except BaseException:
         bound.close()
@@ -105,10 +108,11 @@ def open_server(
     return server
 
 
-def server_url(server: viser.ViserServer) -> str:
-    """Return the address to open in a browser on this machine."""
+def server_url(server: viser.ViserServer, token: AccessToken | None = None) -> str:
+    """Return the address to open in a browser on this machine, with the access token if needed."""
     host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(server.get_host(), server.get_host())
-    return f"http://{f'[{host}]' if ':' in host else host}:{server.get_port()}"
+    query = "" if token is None else f"/?token={token.value}"
+    return f"http://{f'[{host}]' if ':' in host else host}:{server.get_port()}{query}"
 
 
 def _bind(host: str, port: int) -> socket.socket:

@@ -52,10 +52,10 @@ def exposure_notice(host: str) -> str | None:
     everywhere = address is not None and address.is_unspecified
     where = "every network this machine is on" if everywhere else f"the network, at {host}"
     return (
-        f"The explorer is open to {where}. There is no password and no encryption: anyone who can "
-        "reach this machine there can open the page, each in a session of their own, use this "
-        "machine's processor, and read what passes on the way. Use 127.0.0.1 (the default) or an "
-        "SSH tunnel unless you trust everyone on that network."
+        f"The explorer is open to {where}. Whoever has the address with its token can open the "
+        "page, in a session of their own. There is no encryption: the token, too, can be read on "
+        "the way. Use 127.0.0.1 (the default) with an SSH tunnel, or a TLS proxy, unless you trust "
+        "everyone on that network."
     )
 
 

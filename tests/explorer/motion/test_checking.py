@@ -17,8 +17,12 @@ from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_plots
-from paminsa_viz.explorer.panels.motion_plots import EngineChecker, drawn_charts
-from paminsa_viz.explorer.panels.motion_text import caption_html, difference_html
+from paminsa_viz.explorer.panels.motion_plots import (
+    EngineChecker,
+    caption_html,
+    difference_html,
+    drawn_charts,
+)
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch, Misprint
 from paminsa_viz.plots.series_uplot import chart_shape, shown_curve, uplot_data

@@ -139,7 +139,7 @@ def test_waypoints_are_passed() -> None:
     with pytest.raises(InvalidInput, match="stands at the last"):
         motions.add_waypoint(state)
     assert len(motions.remove_waypoint(state).document.motion.waypoints) == 2
-    assert motions.clear_waypoints(state).document.motion.waypoints == ()
+    assert motions.change(state, waypoints=()).document.motion.waypoints == ()
     with pytest.raises(InvalidInput, match="at most"):
         motions.change(state, waypoints=((0.0,) * 4,) * (MOST_WAYPOINTS + 1))
 

@@ -9,11 +9,12 @@ from contextlib import suppress
 
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import ClientConnection
 
 from paminsa_viz.explorer.server.connection import GuardedConnection
 from paminsa_viz.explorer.server.listening import Limits
 from tests.support.guarded import GuardedServer
-from tests.support.raw_page import TIMEOUT, dial, eventually, update
+from tests.support.raw_page import TIMEOUT, dial, eventually, get, update
 
 pytestmark = pytest.mark.slow
 
@@ -155,6 +156,64 @@ def test_pages_are_counted_and_a_closed_one_makes_room(
     first.socket.close()
     eventually(lambda: len(guarded.server.get_clients()) == 1)
     guarded.page()
+
+
+def _wait_until_closed(connection: ClientConnection) -> None:
+    with suppress(ConnectionClosed):
+        while True:
+            connection.recv(timeout=TIMEOUT)  # what was sent before
+
+
+def test_a_page_without_a_place_waits_for_one(
+    start_guarded: Callable[[Limits], GuardedServer],
+) -> None:
+    guarded = start_guarded(Limits(sessions=1))
+    (first, _) = guarded.page()
+    waiting = get(guarded.port)
+    assert waiting.status == 503
+    assert waiting.headers["Retry-After"] == "3"
+    assert waiting.headers["Content-Type"].startswith("text/html")
+    first.socket.close()
+    eventually(lambda: get(guarded.port).status == 200)
+
+
+def test_web_sockets_that_say_nothing_give_way(
+    start_guarded: Callable[[Limits], GuardedServer],
+) -> None:
+    guarded = start_guarded(Limits(sessions=5, silent=0.1, sessions_per_second=1000.0))
+    page, inputs = guarded.page()
+    silent = [dial(guarded.port) for _ in range(4)]
+    eventually(lambda: get(guarded.port).status == 200)  # a page would find a place
+    other, theirs = guarded.page()
+    _wait_until_closed(silent[0])
+    guarded.still_answers(page, inputs)  # who has spoken keeps the place
+    guarded.still_answers(other, theirs)
+    for each in silent:
+        each.close()
+
+
+def test_a_web_socket_that_says_nothing_is_closed(
+    start_guarded: Callable[[Limits], GuardedServer],
+) -> None:
+    guarded = start_guarded(Limits(first_message=0.2))
+    page, inputs = guarded.page()
+    silent = dial(guarded.port)
+    silent.send(b"not a message of a page")
+    _wait_until_closed(silent)
+    guarded.still_answers(page, inputs)
+
+
+def test_an_upload_ends_with_its_page(guarded: GuardedServer) -> None:
+    page, inputs = guarded.page()
+    content = bytes(1000)
+    upload = {"source_component_uuid": inputs.upload._impl.uuid, "transfer_uuid": "half"}
+    start = {"filename": "f", "mime_type": "", "part_count": 2, "size_bytes": 2000}
+    page.send({"type": "FileTransferStartUpload", **start, **upload})
+    page.send({"type": "FileTransferPart", "part_index": 0, "content": content, **upload})
+    states = page.client.gui._current_file_upload_states
+    eventually(lambda: states and states["half"]["transferred_bytes"])
+    page.socket.close()
+    eventually(lambda: not states)
 
 
 def test_pages_cannot_be_opened_faster_than_they_can_be_built(

@@ -1,0 +1,149 @@
+"""Flags that several commands have, and what they stand for: a design, a pose, a motion, files."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.files.design_file import load_design
+from paminsa_viz.files.tables import table_endings
+from paminsa_viz.files.trajectory_table import read_trajectory
+from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
+from paminsa_viz.plots.formats import figure_endings
+from paminsa_viz.trajectory import PRESET, Trajectory
+from paminsa_viz.units import MM
+
+if TYPE_CHECKING:
+    PresetName: TypeAlias = str
+else:
+    PresetName = Literal[tuple(PRESET)]
+
+Pose: TypeAlias = tuple[float, float, float, float]
+
+
+def check_ending(flag: str, path: Path | None, endings: Iterable[str]) -> None:
+    """Check that a file's ending, if there is a file, says what is written into it.
+
+    Raises:
+        UsageError: Which flag, and what endings there are.
+    """
+    endings = tuple(endings)
+    if path is not None and path.suffix.lower() not in endings:
+        needed = "one of " if len(endings) > 1 else ""
+        raise UsageError(f"{flag} {path}: its ending has to be {needed}{', '.join(endings)}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignFlags:
+    """The robot."""
+
+    design: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Design file (TOML), instead of the paper's Appendix 4."""
+    assembly: Literal["printed", "mirror"] | None = None
+    """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
+    design's own."""
+
+    def given_design(self) -> Design:
+        """Return the design.
+
+        Raises:
+            DesignFileError: If the file cannot be read or is refused.
+        """
+        design = APPENDIX_4 if self.design is None else load_design(self.design)
+        return design if self.assembly is None else design.with_knee(KneeBranch(self.assembly))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ComparedDesignFlags(DesignFlags):
+    """The robot and another one."""
+
+    reference: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Another design file, to compare with on the same motion; maps show the design minus this
+    one."""
+
+    def given_reference(self, design: Design) -> Design | None:
+        """Return the design to compare with, if one is given, with the same branch of the knee."""
+        if self.reference is None:
+            return None
+        return load_design(self.reference).with_knee(design.geometry.knee)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PoseFlags:
+    """A pose of the platform."""
+
+    pose: Annotated[Pose | None, tyro.conf.arg(metavar="X Y THETA Z")] = None
+    """Pose in mm, mm, degrees, mm; in the middle of the workspace if left out."""
+
+    @property
+    def given_pose(self) -> Pose | None:
+        """The pose [m, m, rad, m]."""
+        if self.pose is None:
+            return None
+        x, y, theta, z = self.pose
+        return x / MM, y / MM, math.radians(theta), z / MM
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionFlags:
+    """A motion."""
+
+    preset: PresetName | None = None
+    """A ready-made motion, sized for the robot; paper-like by default. None of them is the paper's
+    own."""
+    file: Annotated[Path | None, tyro.conf.arg(metavar="FILE.csv")] = None
+    """A motion as a table with t_s,x_m,y_m,theta_rad,z_m, instead of a preset."""
+
+    def given_motion(self, geometry: Geometry) -> Trajectory:
+        """Return the trajectory of the file, or else of the preset, sized for a robot.
+
+        Raises:
+            TableFileError: If the file cannot be read.
+        """
+        if self.file is not None:
+            return read_trajectory(self.file)
+        return PRESET[self.preset or "paper-like"].build(geometry).sample()
+
+    def exclude_both(self) -> None:
+        """Refuse a preset together with a file.
+
+        Raises:
+            UsageError: If both are given.
+        """
+        if self.preset is not None and self.file is not None:
+            raise UsageError("--preset and --file exclude each other")
+
+
+@dataclass(frozen=True, kw_only=True)
+class JsonFlags:
+    """Output for other programs."""
+
+    json: bool = False
+    """Print JSON for other programs, in SI units."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FilesFlags(JsonFlags):
+    """Figures and tables."""
+
+    out: Annotated[tuple[Path, ...], tyro.conf.arg(metavar="FILE")] = ()
+    """File to write; may be given several times."""
+    width: Annotated[float, tyro.conf.arg(metavar="MM")] = 170.0
+    """Width of figures [mm]; 85 is a column, 170 a page."""
+    dpi: float = 300.0
+    """Pixels per inch of figures made of pixels."""
+
+    def check_files(self, *others: str) -> None:
+        """Refuse files of other formats than tables, figures and ``others``.
+
+        Raises:
+            UsageError: Which file, and what endings there are.
+        """
+        for path in self.out:
+            check_ending("--out", path, (*table_endings(), *figure_endings(), *others))

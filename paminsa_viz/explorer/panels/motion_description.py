@@ -1,0 +1,249 @@
+"""What the motion is: a preset, one that is built, or a file; its time law, duration and limits."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping
+
+from viser import Icon
+
+from paminsa_viz.explorer.entries import Button, ButtonGroup, Condition, Entry, Folder, Html, Upload
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import (
+    MILLIMETERS,
+    PLAIN,
+    Checkbox,
+    Dropdown,
+    Number,
+    Range,
+    attribute,
+)
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion import planning
+from paminsa_viz.explorer.motion.description import (
+    DURATIONS,
+    LARGEST_LIMIT,
+    LENGTHS,
+    RATES,
+    Kind,
+    Timing,
+)
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import Pose, State
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.trajectory_table import parse_trajectory
+from paminsa_viz.trajectory import PRESETS, Profile
+from paminsa_viz.units import DisplayUnit, display_unit, number
+
+MOTIONS: dict[str, str | Kind] = {
+    **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
+    "Build: move from pose to pose": Kind.MOVE,
+    "Build: straight line, θ held": Kind.LINE,
+    "Build: pick-and-place arch": Kind.ARCH,
+    "Build: through waypoints": Kind.WAYPOINTS,
+    "Build: circle": Kind.CIRCLE,
+    "From a CSV file": Kind.TABLE,
+}
+"""The key of a preset or the kind of a motion that is built, by its text."""
+
+TIMINGS = {
+    "the preset's": Timing.OWN,
+    "given": Timing.GIVEN,
+    "shortest within limits": Timing.SHORTEST,
+}
+
+
+def _kind(*kinds: Kind) -> Condition:
+    return lambda state: state.document.motion.kind in kinds
+
+
+def _planned(state: State) -> bool:
+    return state.document.motion.kind is not Kind.TABLE
+
+
+def _chosen(state: State) -> str | Kind:
+    motion = state.document.motion
+    return motion.preset if motion.kind is Kind.PRESET else motion.kind
+
+
+def _choose(state: State, choice: str | Kind) -> State:
+    if isinstance(choice, Kind):
+        return motions.choose_kind(state, choice)
+    return motions.choose_preset(state, choice)
+
+
+def poses_html(frame: Frame) -> str:
+    """Return the poses of a motion that is built, or what is known of a file's."""
+    document = frame.state.document
+    motion, geometry = document.motion, document.design.geometry
+    lines: list[tuple[str, str]] = []
+    if motion.kind.has_ends:
+        start, goal = planning.ends(motion, geometry)
+        if motion.kind is Kind.LINE:
+            goal = (goal[0], goal[1], start[2], goal[3])
+        lines = [("from", f" {_pose_text(start)}"), ("to", f" {_pose_text(goal)}")]
+    elif motion.kind is Kind.CIRCLE:
+        lines = [("center", f" {_pose_text(planning.center(motion, geometry))}")]
+    elif motion.kind is Kind.WAYPOINTS:
+        lines = [(f"{i}", f" {_pose_text(pose)}") for i, pose in enumerate(motion.waypoints, 1)]
+        lines = lines or [("", "none yet: move the robot, then add its pose")]
+    elif motion.kind is Kind.TABLE and motion.table is not None:
+        lines = [(motion.table.name, f", {motion.table.size} rows")]
+        lines += [("", note) for note in motion.table.notes]
+        lines.append(("", "A file's motion is not kept over a reload, nor in a share code."))
+    return render("motion_poses.j2", lines=lines)
+
+
+def _pose_text(pose: Pose) -> str:
+    x, y, theta, z = pose
+    mm = [number(round(1e3 * value, 1), 6) for value in (x, y, z)]
+    return f"x {mm[0]}, y {mm[1]}, z {mm[2]} mm, θ {number(round(math.degrees(theta), 1))}°"
+
+
+def _open(session: Session, name: str, content: bytes) -> None:
+    """Run the trajectory in an uploaded CSV file.
+
+    Raises:
+        TableFileError: If there is none in it; row and column say where. The server hands on a
+            file that is too large as an empty one.
+    """
+    if not content:
+        raise TableFileError(name, "is empty, or larger than 10 MB")
+    text = content.decode("utf-8-sig", errors="surrogateescape")
+    rest = session.state.table_at_rest
+    table = parse_trajectory(io.StringIO(text, newline=""), name, rest=rest)
+    session.dispatch("motion.table", lambda state: motions.use_table(state, table))
+    session.notify("Motion opened", f"{table.name}, {table.size} rows")
+
+
+def _number(
+    name: str, label: str, limits: Range, step: float, hint: str,
+    visible: Condition | None = None, unit: DisplayUnit = PLAIN,
+) -> Number:  # fmt: skip
+    """Return the input of one number of the motion."""
+    return Number(
+        f"motion.{name}", label, range=limits, step=step, unit=unit, hint=hint,
+        visible=visible, **attribute(f"document.motion.{name}", motions.change),
+    )  # fmt: skip
+
+
+def _limit(name: str, label: str, unit: str, step: float) -> Number:
+    """Return the input of a limit of the shortest duration; 0 is none."""
+    return Number(
+        f"motion.limits.{name}", label, unit=display_unit(unit), step=step,
+        range=(0.0, LARGEST_LIMIT),
+        read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
+        apply=lambda state, value: motions.limit(state, name, value),
+    )  # fmt: skip
+
+
+def current_timing(state: State) -> Timing:
+    """Return what decides on the duration; only a preset has one of its own."""
+    motion = state.document.motion
+    own = motion.timing is Timing.OWN and motion.kind is not Kind.PRESET
+    return Timing.GIVEN if own else motion.timing
+
+
+def timing_options(state: State) -> Mapping[str, Timing]:
+    """Return what can decide on the duration."""
+    preset = state.document.motion.kind is Kind.PRESET
+    return {label: t for label, t in TIMINGS.items() if preset or t is not Timing.OWN}
+
+
+DESCRIPTION: tuple[Entry, ...] = (
+    Dropdown(
+        "motion.kind", "Motion", options=MOTIONS, hint="A ready-made motion, or one of your own",
+        read=_chosen, apply=_choose,
+    ),
+    Html(
+        "motion.poses", content=poses_html,
+        visible=lambda state: state.document.motion.kind is not Kind.PRESET,
+    ),
+    ButtonGroup(
+        "motion.ends", "Ends",
+        choices={
+            "From here": motions.start_here,
+            "To here": motions.goal_here,
+            "Swap": motions.swap_ends,
+        },
+        visible=lambda state: state.document.motion.kind.has_ends,
+        hint="Let the motion start or end at the current pose of the robot",
+    ),
+    ButtonGroup(
+        "motion.waypoints", "Waypoints",
+        choices={
+            "Add current": motions.add_waypoint,
+            "Remove last": motions.remove_waypoint,
+            "Clear": lambda state: motions.change(state, waypoints=()),
+        },
+        visible=_kind(Kind.WAYPOINTS), hint="Move the robot, add its pose, move it on",
+    ),
+    Button(
+        "motion.center", "Center here", effect=motions.center_here, color="gray",
+        visible=_kind(Kind.CIRCLE), hint="Put the center at the current pose of the robot",
+    ),
+    _number(
+        "radius", "Radius [mm]", LENGTHS, 1.0, "In the plane of x and y", _kind(Kind.CIRCLE),
+        MILLIMETERS,
+    ),
+    _number(
+        "height", "Height [mm]", (0.0, LENGTHS[1]), 1.0,
+        "How far the platform rises above the higher end", _kind(Kind.ARCH), MILLIMETERS,
+    ),
+    Folder(
+        "motion.file", "CSV file", visible=_kind(Kind.TABLE),
+        entries=(
+            Checkbox(
+                "motion.file.rest", "Starts and ends at rest", **attribute("table_at_rest"),
+                hint="For a few rows; without it, velocities at the ends are what the samples say",
+            ),
+            Upload(
+                "motion.file.upload", "Open a CSV file…", receive=_open, icon=Icon.UPLOAD,
+                mime_type=".csv,.txt",
+                hint="Columns t_s, x_m, y_m, theta_rad, z_m (or _ms, _mm, _deg)",
+            ),
+        ),
+    ),
+    Dropdown(
+        "motion.profile", "Time law",
+        options={
+            "quintic": Profile.QUINTIC,
+            "trapezoid": Profile.TRAPEZOID,
+            "S-curve": Profile.S_CURVE,
+        },
+        hint="How the motion runs in time",
+        visible=lambda state: state.document.motion.kind.has_law,
+        **attribute("document.motion.profile", motions.change),
+    ),
+    Checkbox(
+        "motion.back", "Return to start", visible=_planned, hint="A closed motion",
+        **attribute("document.motion.back", motions.change),
+    ),
+    Dropdown(
+        "motion.timing", "Duration", options=timing_options, visible=_planned,
+        hint="Given, or the shortest in which the robot keeps its limits", read=current_timing,
+        apply=lambda state, timing: motions.change(state, timing=timing),
+    ),
+    _number(
+        "duration", "T [s]", DURATIONS, 0.05, "One way, if the motion returns to its start",
+        lambda state: _planned(state) and current_timing(state) is Timing.GIVEN,
+    ),
+    Folder(
+        "motion.limits", "Limits",
+        visible=lambda state: _planned(state) and state.document.motion.timing is Timing.SHORTEST,
+        entries=(
+            Html("motion.limits.note", content=render("motion_limits.j2")),
+            _limit("speed", "m/s", "m/s", 0.1),
+            _limit("turn_speed", "°/s", "rad/s", 10.0),
+            _limit("acceleration", "m/s²", "m/s^2", 0.5),
+            _limit("turn_acceleration", "°/s²", "rad/s^2", 100.0),
+            _limit("jerk", "m/s³", "m/s^3", 10.0),
+            _limit("turn_jerk", "°/s³", "rad/s^3", 1000.0),
+            _limit("torque", "M1–3 N·m", "N m", 0.5),
+            _limit("force", "F₄ N", "N", 10.0),
+        ),
+    ),
+    _number("rate", "Samples [1/s]", RATES, 50.0, "A motion has at most 20,000 samples here"),
+)  # fmt: skip

@@ -1,0 +1,99 @@
+"""Ctrl-C: ends the program from wherever it is, and leaves no half-written file.
+
+A `KeyboardInterrupt` reaches only the code that is running, and only when that returns to Python: a
+library's callback may swallow it, an import or a native solver is torn or not stopped at all.
+Therefore the program takes no exception. The system's signal wakes a thread, and that ends the
+process.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+
+EXIT_CODE = 130
+"""Exit code of a program stopped with Ctrl-C, as shells have it."""
+
+TIMEOUT = 1.0
+"""How long an interrupt waits at most for steps and actions [s]."""
+
+_step = threading.RLock()
+_actions: list[Callable[[], str | None]] = []
+
+
+@contextmanager
+def indivisible() -> Iterator[None]:
+    """Keep an interrupt from ending the program within a short step, such as replacing a file."""
+    with _step:
+        yield
+
+
+@contextmanager
+def on_interrupt(action: Callable[[], str | None]) -> Iterator[None]:
+    """Call ``action`` if the program is interrupted within the block.
+
+    Args:
+        action: Removes or restores what must not stay as it is. A text that it returns is the
+            line that the program ends with. It must not wait for other threads.
+    """
+    with _step:
+        _actions.append(action)
+    try:
+        yield
+    finally:
+        with _step:
+            _actions.remove(action)
+
+
+def exit_on_interrupt(program: str) -> None:
+    """From now on let Ctrl-C end the process with `EXIT_CODE` and one line on stderr.
+
+    To be called from the main thread.
+
+    Args:
+        program: Name that begins the line.
+    """
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    threading.Thread(target=_watch, args=(reading, program), daemon=True).start()
+    signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
+    signal.signal(signal.SIGINT, lambda *_: None)
+
+
+def _watch(reading: int, program: str) -> None:
+    while os.read(reading, 1)[0] != signal.SIGINT:
+        pass  # another signal that has a handler
+    deadline = threading.Timer(TIMEOUT, os._exit, [EXIT_CODE])
+    deadline.daemon = True
+    deadline.start()
+    _step.acquire()  # never released: nothing begins from here on
+    line = "stopped"
+    for action in reversed(_actions):
+        with suppress(Exception):
+            line = action() or line
+    with suppress(OSError):
+        os.write(2, f"{program}: {line}\n".encode())
+    os._exit(EXIT_CODE)
+
+
+def ignore_interrupts() -> None:
+    """Let Ctrl-C do nothing from now on: the work is done, and only Python has to end."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+@contextmanager
+def hidden_from_children() -> Iterator[None]:
+    """Start processes that Ctrl-C does not reach: their first process ends them."""
+    masks = getattr(signal, "pthread_sigmask", None)
+    if masks is None:  # Windows
+        yield
+        return
+    with _step:
+        before = masks(signal.SIG_BLOCK, {signal.SIGINT})
+        try:
+            yield
+        finally:
+            masks(signal.SIG_SETMASK, before)

@@ -1,0 +1,70 @@
+"""Ctrl-C at any moment of any command: exit code 130, one line, at once, no half-written file."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(os.name != "posix", reason="sends a signal"),
+]
+
+BEGIN = (
+    "import sys; from paminsa_viz.cli import main; sys.stdout.write('.'); sys.stdout.flush();"
+    "sys.exit(main())"
+)
+"""The program as its start script runs it; the dot comes right before its first line."""
+
+COMMANDS = {
+    "help": "--help",
+    "balance": "balance --goal energy --preset arch --rail b8 8 0 150 4 --out new.toml",
+    "report": "report --out new.html --no-verify",
+    "sweep": "sweep --random 4000 --vary links.b3 --vary joints.j7 --jobs 2 --out new.csv",
+    "start": "start --no-browser --port 0",
+}
+PATIENCE = 2.0
+"""How long a stop may take [s]; measured on a busy machine it is a tenth of that."""
+
+
+def begin(words: str, folder: Path) -> subprocess.Popen[bytes]:
+    """Start the program, and return when its first line is about to run."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", BEGIN, *words.split()],
+        cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+    )  # fmt: skip
+    assert process.stdout
+    assert process.stdout.read(1) == b"."
+    return process
+
+
+@pytest.mark.parametrize("delay", [0.02, 0.1, 0.25, 0.6, 1.2, 2.0])
+@pytest.mark.parametrize("command", COMMANDS)
+def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> None:
+    process = begin(COMMANDS[command], tmp_path)
+    time.sleep(delay)
+    sent = time.monotonic()
+    if process.poll() is not None:
+        process.communicate()
+        return  # it was faster
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does, to workers too
+    _, err = process.communicate(timeout=60)
+    assert time.monotonic() - sent < PATIENCE
+    left = [path.name for path in tmp_path.iterdir()]
+    if process.returncode == 0 and command not in ("start", "sweep"):
+        return  # its work was done
+    assert process.returncode == 130, err
+    last = err.decode().splitlines()[-1]
+    assert last.startswith("paminsa-viz: stopped")
+    assert b"Traceback" not in err
+    assert b"Error" not in err
+    # A sweep's table holds whole rows; any other file is there completely or not at all.
+    for name in left:
+        assert name.startswith("new."), left
+        assert (tmp_path / name).read_bytes().endswith(b"\n")
