@@ -99,7 +99,7 @@ def robot_view(
     Raises:
         UnreachablePose: If the robot cannot take the pose.
     """
-    from paminsa_viz.explorer.robot_page import robot_html  # late: the page's libraries
+    from paminsa_viz.explorer.html_pages import robot_html  # late: the page's libraries
 
     return InlinePage(robot_html(design, _pose(design, pose)), height)
 
@@ -120,7 +120,7 @@ def motion_view(
     Raises:
         ImpossibleTrajectory: If the motion fails at its very start.
     """
-    from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
+    from paminsa_viz.explorer.html_pages import motion_html  # late: the page's libraries
 
     return InlinePage(motion_html(design, trajectory), height)
 
@@ -179,5 +179,5 @@ def curve_view(
 
 
 def _pose(design: Design, pose: ArrayLike | None) -> Array:
-    """Return the pose asked for, or the one in the middle of the workspace."""
+    """Return the given pose, or the one in the middle of the workspace."""
     return home(design.geometry) if pose is None else as_vectors(pose, "pose")

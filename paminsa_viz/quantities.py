@@ -1,4 +1,4 @@
-"""The registry of what can be mapped, swept and required: one entry a quantity.
+"""The registry of quantities that can be mapped, swept and required: one entry each.
 
 An entry names the formula that is solved over a grid once for a geometry, and how a design's
 masses, load and drives turn its results into values, so that a slider rescales a map and solves
@@ -40,7 +40,7 @@ class Quantity:
         label: Name in choices.
         title: What it is, for captions and help texts.
         unit: SI unit.
-        formula: What is solved over a grid, once for a geometry.
+        formula: Solved over a grid, once for a geometry.
         value: ``value(field, design)`` of a solved grid and a design (...) [SI]; by default the
             first result of the formula, for what the geometry alone decides. What it solves stays
             in the field, so that masses, loads and limits rescale it.
@@ -62,7 +62,7 @@ class Quantity:
 
     @property
     def display(self) -> DisplayUnit:
-        """The unit that people read the values in."""
+        """The unit for display."""
         return display_unit(self.unit)
 
     def over(self, field: Field, design: Design) -> Array:
@@ -240,7 +240,7 @@ def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
     """Return quantities by their keys.
 
     Raises:
-        InvalidInput: If there is none of a key; says which there are.
+        InvalidInput: If a key is unknown; names the known ones.
     """
     for key in keys:
         if key not in QUANTITIES:
@@ -250,7 +250,7 @@ def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
 
 
 def selections() -> dict[str, tuple[str, ...]]:
-    """Return what a map can show by name: the three torques side by side, or one quantity."""
+    """Return the selections of a map by name: the three torques side by side, or one quantity."""
     found: dict[str, tuple[str, ...]] = {"torques": TORQUES}
     return found | {key: (key,) for key in QUANTITIES}
 

@@ -91,7 +91,7 @@ def test_every_field_says_what_it_is(value) -> None:
     What a term of an optimization is called is said where terms are, see `Term`.
     """
     text = inspect.getdoc(value) or ""
-    below = _below(value) | ({"label", "unit"} if hasattr(value, "piece") else set())
+    below = _below(value) | ({"label", "unit"} if hasattr(value, "convex_term") else set())
     for item in fields(value):
         if item.name.startswith("_") or "label" in item.metadata or item.name in below:
             continue

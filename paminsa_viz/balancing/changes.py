@@ -61,7 +61,7 @@ class MassRange:
 
 @dataclass(frozen=True)
 class CounterweightRange:
-    """Where counterweights may be put: a piece of a bar or of its extension, on every leg.
+    """Where counterweights may be put: a part of a bar or of its extension, on every leg.
 
     Attributes:
         bar, joint: As in `Counterweight`.

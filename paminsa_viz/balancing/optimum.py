@@ -69,7 +69,7 @@ class Optimum:
         values: Goals, then limits, before and after.
         objective: Weighted sum of the goals after the change.
         lower_bound: No distribution within the bounds has a smaller objective: the value of the
-            dual problem, worked out apart from the solver.
+            dual problem, computed independently of the solver.
         active: Bounds that are reached, those that cost most first.
         rounds: Linear or conic programs solved.
         seconds: Time it took.
@@ -179,18 +179,18 @@ def optimize(
         if not (np.isfinite(weight) and weight >= 0):
             raise InvalidInput(term.label, f"a weight of at least 0 is needed, not {weight!r}")
     space = mass_space(design, changes)
-    pieces = [(weight, term.piece(space)) for weight, term in weighted]
-    bounded = [(float(limit), term.piece(space)) for term, limit in limits]
-    now = sum(w * abs(piece.value(space.before)) for w, piece in pieces)
-    program = Program(space.start, space.variables, tuple(pieces), tuple(bounded), scale=now)
+    functions = [(weight, term.convex_term(space)) for weight, term in weighted]
+    bounded = [(float(limit), term.convex_term(space)) for term, limit in limits]
+    now = sum(w * abs(function.value(space.before)) for w, function in functions)
+    program = Program(space.start, space.variables, tuple(functions), tuple(bounded), scale=now)
     try:
         found = solve(program, tolerance=tolerance)
     except Infeasible:
         raise infeasible(space, program, [term for term, _ in limits]) from None
     named = [(term, None) for _, term in weighted] + list(limits)
     values = tuple(
-        TermValue(term.label, term.unit, piece.value(space.before), piece.value(found.state), limit)
-        for (term, limit), (_, piece) in zip(named, pieces + bounded, strict=True)
+        TermValue(term.label, term.unit, f.value(space.before), f.value(found.state), limit)
+        for (term, limit), (_, f) in zip(named, functions + bounded, strict=True)
     )
     return Optimum(
         before=design,
@@ -237,9 +237,9 @@ def active_bounds(
 def infeasible(space: MassSpace, program: Program, limits: Sequence[Term]) -> InfeasibleBounds:
     """Return the error for a program whose limits cannot be met, with what would help."""
     short = []
-    for number, (term, (limit, piece)) in enumerate(zip(limits, program.limits, strict=True)):
+    for number, (term, (limit, function)) in enumerate(zip(limits, program.limits, strict=True)):
         others = tuple(item for i, item in enumerate(program.limits) if i != number)
-        alone = replace(program, goals=((1.0, piece),), limits=())
+        alone = replace(program, goals=((1.0, function),), limits=())
         try:
             least = solve(replace(alone, limits=others)).value
         except Infeasible:

@@ -82,9 +82,9 @@ def balance(
     row = np.eye(1, len(space.start), MP2)[0]
     free = Program(space.start, space.variables, ())
     target = min(max(0.0, free.least(row)), -free.least(-row))
-    piece = chosen.piece(space)
+    function = chosen.convex_term(space)
     equal = MaxAbs(row[None], np.array([-target]))
-    program = replace(free, goals=((1.0, piece),), limits=((0.0, equal),), scale=1.0)
+    program = replace(free, goals=((1.0, function),), limits=((0.0, equal),), scale=1.0)
     if target != 0.0 and exact:
         wanted = replace(program, limits=((0.0, MaxAbs(row[None], np.zeros(1))),))
         short = Shortfall("|M_p2|", "N", 0.0, abs(target))
@@ -99,7 +99,7 @@ def balance(
             TermValue("M_p2", "N", static_imbalance(design), static_imbalance(after)),
             TermValue(
                 chosen.label, chosen.unit,
-                piece.value(space.before), piece.value(found.state),
+                function.value(space.before), function.value(found.state),
             ),
         ),
         objective=found.value,

@@ -176,4 +176,4 @@ class SolverFailed(PaminsaError):
 
     def __init__(self, reason: str) -> None:
         self.reason = reason
-        super().__init__(f"the best masses could not be worked out: {reason}")
+        super().__init__(f"no optimal masses could be computed: {reason}")

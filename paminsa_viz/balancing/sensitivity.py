@@ -147,10 +147,10 @@ def _outputs(
     if trajectory is not None:
         solved = solve_trajectory(design.geometry, trajectory, gravity=design.gravity)
         terms += [TrajectoryPeak(solved), TrajectoryRms(solved)]
-    pieces = [term.piece(space) for term in terms]
+    functions = [term.convex_term(space) for term in terms]
 
     def outputs(state: Array) -> Array:
-        found = [state[MP2]] + [piece.value(state) for piece in pieces]
+        found = [state[MP2]] + [function.value(state) for function in functions]
         return np.array(found + [np.nan] * (len(OUTPUTS) - len(found)))
 
     return outputs, space.before

@@ -268,10 +268,10 @@ def fit_springs(
     offset = gravity[good].ravel()
     rows = np.ascontiguousarray(matrix[:, good].reshape(-1, offset.size).T)
     if measure == "peak":
-        piece = MaxAbs(rows, offset)
+        function = MaxAbs(rows, offset)
     else:
         triangle = np.linalg.qr(np.column_stack([rows, offset]), mode="r") / np.sqrt(len(offset))
-        piece = Norm(triangle[:, :-1], triangle[:, -1])
+        function = Norm(triangle[:, :-1], triangle[:, -1])
     size = 2 * len(places)
     variables = []
     for number, place in enumerate(places):  # K and K L of each spring: its lever is L
@@ -281,7 +281,7 @@ def fit_springs(
         name = f"{place.first.name} to {place.second.name}"
         variables.append(Variable(name, 0.0, place.max_stiffness, effect, span))
     scale = float(np.abs(offset).max())
-    found = solve(Program(np.zeros(size), tuple(variables), ((1.0, piece),), scale=scale))
+    found = solve(Program(np.zeros(size), tuple(variables), ((1.0, function),), scale=scale))
     springs = []
     for number, place in enumerate(places):
         stiffness, product = found.state[2 * number : 2 * number + 2]
@@ -290,7 +290,7 @@ def fit_springs(
     lengths = [spring_lengths(design.geometry, place, pose[good]) for place in places]
     return SpringFit(
         springs=tuple(springs),
-        before=piece.value(np.zeros(2 * len(places))),
+        before=function.value(np.zeros(2 * len(places))),
         after=found.value,
         lower_bound=found.bound,
         reach=tuple((float(d.min()), float(d.max())) for d in lengths),

@@ -1,7 +1,7 @@
 """Terms of an optimization: torques, energy, added mass, change of masses.
 
 Each term is convex in the masses. Torques are linear in the state (c, mass) of a `MassSpace`; their
-peak is a maximum of linear functions, their RMS a norm, the energy that drives a sum of hinges.
+peak is a maximum of linear functions, their RMS a norm, the driving energy a sum of positive parts.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Term(Protocol):
     @property
     def unit(self) -> str: ...
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """Return it as a function of the space's states.
 
         Raises:
@@ -88,7 +88,7 @@ class Imbalance:
     label: str = "|M_p2|"
     unit: str = "N"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         return _imbalance(space, 1.0)
 
@@ -104,7 +104,7 @@ class StaticPeak:
     label: str = "peak static torque"
     unit: str = "N m"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         return _imbalance(space, float(np.abs(_reached(space, self.field)[:3]).max()))
 
@@ -117,7 +117,7 @@ class StaticRms:
     label: str = "RMS static torque"
     unit: str = "N m"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         return _imbalance(space, float(np.sqrt(np.mean(_reached(space, self.field)[:3] ** 2))))
 
@@ -130,7 +130,7 @@ class StaticLift:
     label: str = "peak static force of M4"
     unit: str = "N"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         lift = _reached(space, self.field)[3]
         k, g = space.design.geometry.magnification, space.design.gravity
@@ -204,7 +204,7 @@ class TrajectoryPeak(_Effort):
 
     measure = "peak"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         # samples of one actuator stay neighbors, so that a part of the list is a part of time
@@ -222,7 +222,7 @@ class TrajectoryRms(_Effort):
 
     measure = "RMS"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         t = self.solved.trajectory.t
@@ -249,7 +249,7 @@ class TrajectoryEnergy:
     label: str = "driving energy on the trajectory"
     unit: str = "J"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         matrix, offset = trajectory_rows(space, self.solved, (0, 1, 2, 3))
         weight = (time_weights(self.solved.trajectory.t)[:, None] * self.solved.speed).T
@@ -269,7 +269,7 @@ class AddedMass:
     label: str = "added mass"
     unit: str = "kg"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         row = np.eye(1, len(space.start), MASS)
         return MaxAbs(row, -space.before[[MASS]], absolute=False)
@@ -282,7 +282,7 @@ class MassChange:
     label: str = "mass moved"
     unit: str = "kg"
 
-    def piece(self, space: MassSpace) -> ConvexTerm:
+    def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
         held = space.before[AMOUNTS:]
         return deviations(space, held, held)

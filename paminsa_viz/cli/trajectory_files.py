@@ -59,7 +59,7 @@ def write_files(
             table = simulation_table(simulation) if simulation else analysis_table(analysis)
             return table_bytes(table, ending[1:])
         if ending == PAGE:
-            from paminsa_viz.explorer.motion_page import motion_html  # late: the page's libraries
+            from paminsa_viz.explorer.html_pages import motion_html  # late: the page's libraries
 
             return motion_html(analysis.design, analysis.trajectory)
         from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib

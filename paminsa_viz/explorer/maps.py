@@ -6,21 +6,15 @@ mass, a position, a reference or a choice of colors only rescales what is there.
 
 from __future__ import annotations
 
-import threading
-from collections import OrderedDict
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.state import MapView, RangeMode, State
-from paminsa_viz.model import (
-    APPENDIX_4,
-    Design,
-    Field,
-    Geometry,
-)
+from paminsa_viz.model import APPENDIX_4, Design
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
@@ -37,48 +31,16 @@ from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
 
-_Key = tuple[Geometry, float, float, float, int]
-
 
 class MapStore:
-    """Makes the maps of one session and keeps the fields behind them. Safe to use from threads."""
+    """Makes the maps of one session and keeps the fields behind them. Safe to use from threads.
+
+    Args:
+        kept: Fields that are kept.
+    """
 
     def __init__(self, kept: int = KEPT) -> None:
-        self._kept = kept
-        self._fields: OrderedDict[_Key, Field] = OrderedDict()
-        self._lock = threading.Lock()
-
-    def field(
-        self,
-        geometry: Geometry,
-        theta: float,
-        z: float,
-        cells: int,
-        half: float,
-    ) -> Field:
-        """Return a field over the square of side ``2 * half`` [m], solved or kept.
-
-        Args:
-            geometry: What to solve.
-            theta: Angle of the platform [rad].
-            z: Its height [m].
-            cells: Cells along each side.
-            half: Half the side [m].
-        """
-        key = (geometry, theta, z, half, cells)
-        with self._lock:
-            found = self._fields.get(key)
-            if found is not None:
-                self._fields.move_to_end(key)
-        if found is not None:
-            return found
-        made = workspace_field(geometry, theta, z, cells, half)
-        with self._lock:
-            self._fields[key] = made
-            self._fields.move_to_end(key)
-            while len(self._fields) > self._kept:
-                self._fields.popitem(last=False)
-        return made
+        self._field = lru_cache(kept)(workspace_field)
 
     def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
         """Return the maps of a state, at the theta and z asked for.
@@ -106,7 +68,7 @@ class MapStore:
     def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
         document = state.document
         theta, z = document.pose[2:]
-        field = self.field(
+        field = self._field(
             design.geometry,
             theta,
             z,

@@ -15,6 +15,8 @@ import zlib
 from dataclasses import fields, replace
 from typing import Any
 
+import msgspec
+
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -115,7 +117,10 @@ def load(text: str) -> Document:
         )
     except PaminsaError:
         raise
-    except (ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError):
+    except (
+        ValueError, LookupError, TypeError, AttributeError, ArithmeticError, RecursionError,
+        msgspec.ValidationError,
+    ):  # fmt: skip
         raise InvalidInput("saved state", "it cannot be read") from None
 
 

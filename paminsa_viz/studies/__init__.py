@@ -1,7 +1,7 @@
 """Studies: many designs, each measured over the workspace, and on a motion if one is given.
 
-`Study` says which designs and what is measured; `run_study` streams its rows to a resumable table,
-and goes on where an earlier run was stopped; `processes` and `cluster` are where
+`Study` defines the designs and what is measured; `run_study` streams its rows to a resumable table,
+and resumes where an earlier run was stopped; `processes` and `cluster` are where
 the work is done. `search_geometry` looks for better lengths.
 """
 

@@ -1,4 +1,4 @@
-"""Where a study's rows are worked out: in this process, in several, or on a Dask cluster."""
+"""Where a study's rows are computed: in this process, in several, or on a Dask cluster."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 AHEAD = 3
-"""Pieces of work that each worker has before it or is at."""
+"""Tasks in hand for each worker, the current one included."""
 
 CONNECT_TIMEOUT = 15
 """How long to look for a cluster's scheduler [s]."""
@@ -31,11 +31,11 @@ CONNECT_TIMEOUT = 15
 
 @dataclass(frozen=True)
 class Workers:
-    """Something that works on several pieces at a time.
+    """Where tasks run, several at a time.
 
     Attributes:
         executor: An executor of `concurrent.futures`, or None to work in this process.
-        count: How many pieces it works on at a time.
+        count: How many tasks run at a time.
     """
 
     executor: Executor | None = None

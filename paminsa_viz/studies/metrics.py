@@ -243,7 +243,7 @@ def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, 
 
 
 def samples_hash(trajectory: Trajectory) -> str:
-    """Return what tells a motion's samples from any others, whatever the motion is called."""
+    """Return a hash of a motion's samples; its name does not count."""
     found = hashlib.sha256()
     for array in (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration):
         found.update(array.astype("<f8").tobytes())

@@ -1,4 +1,4 @@
-"""Runs a study into a file, row by row, and goes on where an earlier run was stopped."""
+"""Runs a study into a file, row by row, and resumes where an earlier run was stopped."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Extremes:
 
 @dataclass
 class StudySummary:
-    """What a study's table holds.
+    """Contents of a study's table.
 
     Attributes:
         study: The study.
@@ -100,28 +100,31 @@ def run_study(
     command: str = "",
     progress: Callable[[StudySummary], None] | None = None,
 ) -> StudySummary:
-    """Work out every row of a study and append it to a CSV table as it comes.
+    """Compute every row of a study and append it to a resumable CSV table.
 
-    A run that is stopped, by Ctrl-C, a kill or a power cut, is gone on with by the same call: no
+    A run that is stopped, by Ctrl-C, a kill or a power cut, is resumed by the same call: no
     row is lost or written twice, and the finished file is the same to the last byte.
 
     Args:
-        study: What to work out.
-        path: The table; one that holds a part of this very study is gone on with.
+        study: The study.
+        path: The table; a part of this very study is resumed.
         workers: Where the work is done; the file does not depend on it.
         restart: Begin again, whatever the file holds.
-        command: How the study was asked for, for the head of a new table.
+        command: The command line, for the head of a new table.
         progress: Called with the summary so far, after the rows that are there and after each part.
 
     Raises:
         TableFileError: If the file cannot be written or holds something else.
-        WorkersLost: If worker processes died; what is written can be gone on with.
+        WorkersLost: If worker processes died; what is written can be resumed.
     """
     head = study.provenance(command)
     summary = StudySummary(study)
     with ResumableCsv(path, head, study.columns, identity="study", restart=restart) as table:
         for cells in table.read():
-            summary.take_in(cells)
+            try:
+                summary.take_in(cells)
+            except ValueError:  # in a table of an earlier version, whose rows have no checksum
+                raise table.row_error("has a word where a number belongs") from None
         summary.found = summary.rows
         if progress is not None:
             progress(summary)
@@ -137,7 +140,7 @@ def run_study(
         except BrokenExecutor as error:
             problem = (
                 f"a worker process died, perhaps of lack of memory; {summary.rows} of {study.size} "
-                "rows are written, and the same command goes on from there"
+                "rows are written, and the same command resumes there"
             )
             raise WorkersLost(problem) from error
     return summary

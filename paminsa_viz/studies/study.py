@@ -100,7 +100,7 @@ class Study:
         """Return the cells of one row: its number, the values, the status, the metrics.
 
         The status is ``ok``, ``not-reached`` or ``not-usable`` if no pose of the region is, or
-        ``impossible`` with the design value that stands in the way. The motion has a word of its
+        ``impossible`` with the design value that is impossible. The motion has a word of its
         own and a time, see `measure_motion`. A number is written so that it reads back as the same
         one; where there is none the cell is empty.
         """
@@ -127,7 +127,7 @@ class Study:
 
     @cached_property
     def fingerprint(self) -> str:
-        """What tells this study's table from any other: a hash of all that decides its rows."""
+        """Hash of all that the rows follow from."""
         facts = {
             "format": FORMAT,
             "version": __version__,
@@ -146,9 +146,9 @@ class Study:
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
     def provenance(self, command: str = "") -> dict[str, str]:
-        """Return what the head of the table says: key and value, both on one line.
+        """Return the head of the table: keys and values, each on one line.
 
-        What stands below the fingerprint is what the rows follow from.
+        The rows follow from what is below the fingerprint.
         """
         region, variation = self.region, self.variation
         if isinstance(variation, RandomDesigns):

@@ -1,4 +1,4 @@
-"""Sweeps over grids of any size, piece by piece, in bounded memory."""
+"""Sweeps over grids of any size, block by block, in bounded memory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from paminsa_viz.quantities import find
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """What a sweep found, by the key of each quantity; only poses that can be taken count.
+    """Result of a sweep, by the key of each quantity; only poses that can be taken count.
 
     Attributes:
         poses: Number of poses.
@@ -43,17 +43,17 @@ def sweep_blocks(
     block: int = 2**20,
     threads: int | None = None,
 ) -> Iterator[tuple[tuple[slice, ...], Field, dict[str, Array]]]:
-    """Go through a grid of any size in pieces of at most ``block`` poses.
+    """Go through a grid of any size in blocks of at most ``block`` poses.
 
     Yields:
-        The piece's index in the whole grid, its field, and the values by quantity.
+        The block's index in the whole grid, its field, and the values by quantity.
 
     Raises:
         InvalidInput: If there is no such quantity.
     """
     found = find(quantities)
-    for part, piece in grid.split(block):
-        field = solve_field(design.geometry, piece, threads=threads)
+    for part, each in grid.split(block):
+        field = solve_field(design.geometry, each, threads=threads)
         yield part, field, {q.key: q.over(field, design) for q in found}
 
 
@@ -108,7 +108,7 @@ class _Figures:
         return float(np.sqrt(self.squares / self.count)) if self.count else np.nan
 
     def add(self, values: Array, usable: NDArray[np.bool_], grid: Grid) -> None:
-        """Count the usable values of a piece."""
+        """Count the usable values of a block."""
         chosen = values[usable]
         if chosen.size == 0:
             return

@@ -155,7 +155,7 @@ def analyze(
 ) -> TrajectoryAnalysis:
     """Return the required actuator torques and what follows from them.
 
-    A path that the robot cannot run raises nothing: the result says where it fails and why, and
+    A path that the robot cannot run raises nothing: the result has where it fails and why, and
     is NaN there.
 
     Args:

@@ -1,8 +1,8 @@
 """Whether the robot can run a trajectory: every sample, and what lies between samples.
 
-The pose is followed by the polynomials of `Trajectory.at`. Besides the limits of `reach`, a motion
-must not cross a type-2 singularity, nor come closer to one than a clearance: torques grow there
-without bound.
+The pose is followed by the polynomials of `Trajectory.at`. In addition to the limits of `reach`, a
+motion must not cross a type-2 singularity, nor come closer to one than a clearance: torques grow
+there without bound.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.trajectory.sampled import Trajectory
 
 SINGULAR_CLEARANCE = 0.005
-"""Least distance from a singular position [m]; a turn counts as the way of the joints 5.
+"""Least distance from a singular position [m]; a turn counts as the path of the joints 5.
 
 At 5 mm the static torques of Appendix 4's robot are some fifty times what they are at the center.
 """
@@ -76,7 +76,7 @@ class PathCheck:
     Attributes:
         status: (n,) values of `Limit`. Beyond a type-2 singularity that the motion would have to
             cross, and closer to one than the clearance, it is ``SINGULAR``.
-        leg: (n,) index of the leg in the way, -1 for none.
+        leg: (n,) index of the leg that fails, -1 for none.
         first: The first failure, also between samples; None if the robot can run it all.
         closest: The least distance to any limit, before the first failure.
         until: Number of samples before the first failure.
@@ -155,7 +155,7 @@ def check_path(
 
 
 def _singular_distances(geometry: Geometry, pose: Array) -> Array:
-    """Return signed distances (n, 2) to both type-2 loci [m], turns as the way of the joints 5.
+    """Return signed distances (n, 2) to both type-2 loci [m], turns as the path of the joints 5.
 
     Each of them changes sign where its factor of the determinant does.
     """

@@ -83,7 +83,7 @@ def circle(
         law: How the angle grows in time; a quintic by default.
         plane: ``"xy"``, ``"xz"`` or ``"yz"``.
         begin: Where on the circle it starts, from the plane's first axis toward its second [rad].
-        angle: How far it goes, negative for the other way round [rad].
+        angle: How far it goes, negative for the other direction [rad].
         name: Its name.
 
     Raises:
@@ -178,21 +178,21 @@ def via_points(
     """
     from scipy.interpolate import make_interp_spline  # slow to load
 
-    way = as_vectors(poses, "poses")
-    if way.ndim != 2 or len(way) < 2:
-        raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {way.shape}")
-    way = _finite(way, "poses", way.shape)
+    waypoints = as_vectors(poses, "poses")
+    if waypoints.ndim != 2 or len(waypoints) < 2:
+        raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {waypoints.shape}")
+    waypoints = _finite(waypoints, "poses", waypoints.shape)
     if times is None:
-        ends = _shared_time(way)
+        ends = _shared_time(waypoints)
     else:
-        given = _finite(as_numbers(times, "times"), "times", (len(way),))
+        given = _finite(as_numbers(times, "times"), "times", (len(waypoints),))
         if not (np.diff(given) > 0).all():
             raise InvalidInput("times", "the times have to increase")
         duration = float(given[-1] - given[0]) if duration is None else duration
         ends = (given - given[0]) / (given[-1] - given[0])
     still = np.zeros(4)
     rest = [(1, still), (2, still)]
-    spline = make_interp_spline(ends, way, k=5, bc_type=(rest, rest))
+    spline = make_interp_spline(ends, waypoints, k=5, bc_type=(rest, rest))
     curve = Spline(spline, ends)
     return Plan(curve, 1.0 if duration is None else duration, name, "waypoints, quintic spline")
 
@@ -227,9 +227,9 @@ def round_trip(plan: Plan) -> Plan:
     return Plan(curve, 2 * plan.duration, f"{plan.name}, there and back", plan.kind, plan.notes)
 
 
-def _shared_time(way: Array) -> Array:
+def _shared_time(waypoints: Array) -> Array:
     """Return instants in [0, 1] for waypoints (n, 4)."""
-    steps = np.diff(way, axis=0)
+    steps = np.diff(waypoints, axis=0)
     length = np.hypot(np.linalg.norm(steps[:, PLACE], axis=1), TURN_LENGTH * steps[:, 2])
     if not length.all():
         number = int(np.argmin(length)) + 1

@@ -1,7 +1,7 @@
 """The robot and its controller as plain formulas of one state, for simulation in time.
 
 The same source runs in Python and compiled (`equations`). Unlike `robot.inverse_dynamics_kernel`
-the motion is worked out in the platform's coordinates, without the closure's determinant, so that
+the motion is computed in the platform's coordinates, without the closure's determinant, so that
 it stays exact close to a type-2 singularity. Vectors (4,) are (x, y, theta, z) of the platform or
 M1..M4 of the actuators.
 """

@@ -137,7 +137,7 @@ def simulate(
 ) -> Simulation:
     """Let a controller drive a robot along a trajectory.
 
-    It stops, and says why, where the robot comes to a limit of its workspace or too close to a
+    It stops, with the reason, where the robot comes to a limit of its workspace or too close to a
     singular pose. Without feedback the robot is unstable: held by constant torques at Appendix 4's
     home pose, an error of theta grows by a factor e in 0.18 s.
 

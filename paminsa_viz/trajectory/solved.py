@@ -204,7 +204,7 @@ def solve_trajectory(
 def _with_unsolved(
     check: PathCheck, trajectory: Trajectory, unsolved: NDArray[np.bool_]
 ) -> PathCheck:
-    """Mark samples that lie within rounding of a limit, where no torque can be worked out."""
+    """Mark samples that lie within rounding of a limit, where no torque can be computed."""
     status = np.where(unsolved, np.uint8(Limit.SINGULAR), check.status)
     index = int(np.argmax(unsolved))
     first = check.first

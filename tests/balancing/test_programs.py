@@ -48,9 +48,9 @@ def test_least_squares_within_bounds(seed: int, size: int) -> None:
 def test_free_lever_is_no_worse_than_random_levers(seed: int) -> None:
     rng = np.random.default_rng(seed)
     effect = rng.normal(size=(3, 4))
-    rail = Variable("rail", 0.2, 1.0, effect, (-1.0, 1.0))
+    slot = Variable("slot", 0.2, 1.0, effect, (-1.0, 1.0))
     target = Norm(np.eye(4), rng.normal(size=4))
-    free = solve(Program(np.zeros(4), (rail,), ((1.0, target),)))
+    free = solve(Program(np.zeros(4), (slot,), ((1.0, target),)))
     levers, share = rng.uniform(-1, 1, (20_000, 2, 1)), rng.uniform(0, 1, (20_000, 1))
     effects = effect[0] + levers * effect[1] + levers**2 * effect[2]
     state = share * effects[:, 0] + (1 - share) * effects[:, 1]
@@ -58,7 +58,7 @@ def test_free_lever_is_no_worse_than_random_levers(seed: int) -> None:
     best = np.linalg.norm(state + target.offset, axis=1).min()
     assert free.bound <= free.value <= best + 1e-9
     assert best - free.value < 0.1
-    np.testing.assert_array_equal(Program(np.zeros(4), (rail,), ()).state(free.levers), free.state)
+    np.testing.assert_array_equal(Program(np.zeros(4), (slot,), ()).state(free.levers), free.state)
     assert 0.2 - 1e-9 <= free.amounts[0] <= 1.0 + 1e-9
 
 
@@ -66,31 +66,29 @@ def test_free_lever_is_no_worse_than_random_levers(seed: int) -> None:
 def test_piecewise_linear_optima_beat_random_points(seed: int) -> None:
     rng = np.random.default_rng(seed)
     matrix, offset = rng.normal(size=(40, 3)), rng.normal(size=40)
-    pieces = (MaxAbs(matrix, offset), PositivePartSum(matrix, offset, np.array([0, 10, 20, 30])))
+    terms = (MaxAbs(matrix, offset), PositivePartSum(matrix, offset, np.array([0, 10, 20, 30])))
     variables = plain(np.eye(3), np.zeros(3), np.ones(3))
     x = rng.uniform(size=(4000, 3))
-    for piece in pieces:
-        found = solve(Program(np.zeros(3), variables, ((1.0, piece),)))
+    for term in terms:
+        found = solve(Program(np.zeros(3), variables, ((1.0, term),)))
         values = x @ matrix.T + offset
-        each = (
-            np.abs(values).max(axis=1) if piece is pieces[0] else np.maximum(values, 0).sum(axis=1)
-        )
+        each = np.abs(values).max(axis=1) if term is terms[0] else np.maximum(values, 0).sum(axis=1)
         assert found.gap <= 1e-8 * max(1.0, found.value)
         assert each.min() >= found.bound
-        assert found.value == pytest.approx(piece.value(found.state), rel=1e-12)
+        assert found.value == pytest.approx(term.value(found.state), rel=1e-12)
 
 
 def test_limit_met_by_an_inner_lever_alone() -> None:
     """The first levers tried, the ends and the middle, all break it."""
     effect = np.array([[0.0, 1.0], [0.0, 0.0], [0.0, 0.0]])
     effect[:, 0] = [(0.31) ** 2, -0.62, 1.0]  # (lever - 0.31)^2
-    rail = Variable("rail", 1.0, 1.0, effect, (0.0, 1.0))
+    slot = Variable("slot", 1.0, 1.0, effect, (0.0, 1.0))
     limit = MaxAbs(np.array([[1.0, 0.0]]), np.zeros(1), absolute=False)
     goal = MaxAbs(np.array([[0.0, 1.0]]), np.zeros(1))
-    found = solve(Program(np.zeros(2), (rail,), ((1.0, goal),), limits=((1e-6, limit),)))
+    found = solve(Program(np.zeros(2), (slot,), ((1.0, goal),), limits=((1e-6, limit),)))
     assert found.state[0] <= 1e-6 + 2e-9
     with pytest.raises(Infeasible):
-        solve(Program(np.zeros(2), (rail,), ((1.0, goal),), limits=((-1e-3, limit),)))
+        solve(Program(np.zeros(2), (slot,), ((1.0, goal),), limits=((-1e-3, limit),)))
 
 
 def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
@@ -111,16 +109,16 @@ def test_a_fixed_sum_out_of_reach_is_infeasible() -> None:
 def test_levers_reproduce_their_moments(seed: int, free: bool) -> None:
     rng = np.random.default_rng(seed)
     span = (-0.3, 0.5) if free else (0.2, 0.2)
-    rail = Variable("rail", 0.0, 3.0, rng.normal(size=(3, 5)), span)
+    slot = Variable("slot", 0.0, 3.0, rng.normal(size=(3, 5)), span)
     amounts, levers = rng.uniform(0, 0.7, 4), rng.uniform(*span, 4)
-    state = sum(a * rail.column(v) for a, v in zip(amounts, levers, strict=True))
+    state = sum(a * slot.column(v) for a, v in zip(amounts, levers, strict=True))
     u = (levers - 0.1) / 0.4 if free else np.zeros(4)
     moments = np.array([(amounts * u**k).sum() for k in range(3 if free else 1)])
-    np.testing.assert_allclose(moments @ rail.moment_columns(), state, rtol=1e-12, atol=1e-12)
-    places = rail.levers_of(moments)
+    np.testing.assert_allclose(moments @ slot.moment_columns(), state, rtol=1e-12, atol=1e-12)
+    places = slot.levers_of(moments)
     assert len(places) <= 2
     assert all(span[0] <= lever <= span[1] and amount >= 0 for lever, amount in places)
-    same = sum(amount * rail.column(lever) for lever, amount in places)
+    same = sum(amount * slot.column(lever) for lever, amount in places)
     np.testing.assert_allclose(same, state, rtol=1e-10, atol=1e-10)
 
 
@@ -133,9 +131,9 @@ def test_bound_holds_whatever_the_multipliers_are(seed: int) -> None:
         PositivePartSum(rng.normal(size=(8, 3)), rng.normal(size=8), np.array([0, 4])),
         MaxAbs(rng.normal(size=(6, 3)), rng.normal(size=6)),
     )
-    rail = Variable("rail", 0.1, 1.0, rng.normal(size=(3, 3)), (-1.0, 1.0))
+    slot = Variable("slot", 0.1, 1.0, rng.normal(size=(3, 3)), (-1.0, 1.0))
     program = Program(
-        rng.normal(size=3), (*plain(rng.normal(size=(2, 3)), [0, 0.2], [1, 0.9]), rail),
+        rng.normal(size=3), (*plain(rng.normal(size=(2, 3)), [0, 0.2], [1, 0.9]), slot),
         ((1.0, terms[0]), (0.5, terms[1])), limits=((50.0, terms[2]),),
     )  # fmt: skip
     enclosure = Enclosure(program)

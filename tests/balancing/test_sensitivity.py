@@ -1,4 +1,4 @@
-"""Tornado bars and derivatives against designs that are really changed and analyzed."""
+"""Tornado bars and derivatives against changed and analyzed designs."""
 
 from __future__ import annotations
 
@@ -16,11 +16,9 @@ from paminsa_viz.model import (
     Grid,
     InvalidInput,
     static_imbalance,
-    static_torques,
 )
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.trajectory import analyze
-from tests.balancing.robots import trajectory, workspace
+from tests.balancing.robots import measured, trajectory, workspace
 
 pytestmark = pytest.mark.slow
 
@@ -30,17 +28,10 @@ WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.1, 0.8),
 
 def outputs(design: Design) -> np.ndarray:
     """All outputs of a design, from the functions that analyze designs."""
-    held = static_torques(design, workspace().poses())[..., :3]
-    summary = analyze(design, trajectory()).summary[:3]
-    return np.array(
-        [
-            static_imbalance(design),
-            np.abs(held).max(),
-            np.sqrt(np.mean(held**2)),
-            max(abs(s.peak) for s in summary),
-            np.sqrt(np.mean([s.rms**2 for s in summary])),
-        ]
-    )
+    found = measured(design)
+    names = ("peak static torque", "RMS static torque")
+    names += ("peak torque of M1-M3 on the trajectory", "RMS torque of M1-M3 on the trajectory")
+    return np.array([static_imbalance(design), *(found[name] for name in names)])
 
 
 def changed(design: Design, path: str, factor: float) -> Design:

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer.motion_page import MOST_FRAMES, PAUSE, frame_times, motion_html
+from paminsa_viz.explorer.html_pages import MOST_FRAMES, PAUSE, frame_times, motion_html
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.model import APPENDIX_4, InvalidInput, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics

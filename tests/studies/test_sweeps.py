@@ -21,8 +21,8 @@ from paminsa_viz.model import (
     check_reach,
 )
 from paminsa_viz.quantities import QUANTITIES
-from paminsa_viz.studies.sweeps import sweep, sweep_blocks
-from tests.support.cases import PROTOTYPES, Case, cases
+from paminsa_viz.studies.sweeps import sweep
+from tests.support.cases import Case, cases
 from tests.support.measured import pointwise
 
 pytestmark = pytest.mark.slow
@@ -86,25 +86,6 @@ def test_the_summary_is_that_of_numpy(
         assert (np.abs(pose[ok] - place).max(axis=-1) == 0).sum() == 1
         there = at_poses(design, place[None])[1][quantity][0]
         assert there == pytest.approx(largest, rel=rough, abs=spread)
-
-
-@PROTOTYPES
-@pytest.mark.parametrize("block", [1, 7, 56, 300, 10**6])
-def test_blocks_make_up_the_grid(design: Any, block: int) -> None:
-    grid = Grid.over(FIXED, theta=AXES["theta"], z=AXES["z"], x=AXES["x"])
-    whole = np.full((len(ALL), *grid.shape), -1.0)
-    status = np.full(grid.shape, 99)
-    for index, field, values in sweep_blocks(design, grid, ALL, block=block):
-        assert field.status.size <= block
-        status[index] = field.status
-        for number, quantity in enumerate(ALL):
-            whole[(number, *index)] = values[quantity]
-    expected, quantities = at_poses(design, grid.poses().reshape(-1, 4))
-    np.testing.assert_array_equal(status.ravel(), expected)
-    for number, quantity in enumerate(ALL):
-        np.testing.assert_allclose(
-            whole[number].ravel(), quantities[quantity], rtol=1e-9, atol=1e-11
-        )
 
 
 def test_a_sweep_out_of_reach_finds_nothing() -> None:

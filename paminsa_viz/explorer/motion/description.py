@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from enum import Enum
 from typing import Any
+
+import msgspec
 
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import PRESET, PRESETS, MotionLimits, Profile, Trajectory
@@ -141,9 +143,6 @@ def require_possible(motion: Motion) -> None:
             raise InvalidInput(item.name, f"at most {LARGEST_LIMIT:g} is possible")
 
 
-_POSES = ("start", "goal", "center")
-_NUMBERS = ("height", "radius", "duration", "rate")
-_DEFAULT = Motion()
 _FORMER_NAMES = {"centre": "center"}
 """Names that fields had when older states and share codes were saved."""
 
@@ -152,17 +151,8 @@ def motion_data(motion: Motion) -> dict[str, Any]:
     """Return what differs from the motion at the start; nothing for a motion from a file."""
     if motion.kind is Kind.TABLE:
         return {}
-    found: dict[str, Any] = {}
-    for item in fields(Motion):
-        value = getattr(motion, item.name)
-        if item.name == "table" or value == getattr(_DEFAULT, item.name):
-            continue
-        if isinstance(value, Kind | Profile | Timing):
-            value = value.value
-        elif isinstance(value, MotionLimits):
-            value = {limit.name: getattr(value, limit.name) for limit in fields(value)}
-        found[item.name] = value
-    return found
+    data, start = (msgspec.to_builtins(each) for each in (replace(motion, table=None), Motion()))
+    return {name: value for name, value in data.items() if value != start[name]}
 
 
 def motion_from_data(data: dict[str, Any]) -> Motion:
@@ -170,36 +160,12 @@ def motion_from_data(data: dict[str, Any]) -> Motion:
 
     Raises:
         PaminsaError: If a value is not possible.
-        ValueError, LookupError, TypeError, AttributeError: If it is something else.
+        msgspec.ValidationError, TypeError, AttributeError: If it is something else.
     """
     data = {_FORMER_NAMES.get(name, name): value for name, value in data.items()}
-    known: dict[str, Any] = {name: _number(data[name]) for name in _NUMBERS if name in data}
-    known |= {name: _pose(data[name]) for name in _POSES if data.get(name) is not None}
-    for name, kind in (("kind", Kind), ("profile", Profile), ("timing", Timing)):
-        if name in data:
-            known[name] = kind(data[name])
-    if "preset" in data:
-        known["preset"] = str(data["preset"])
-    if "back" in data:
-        known["back"] = data["back"] is True
-    if "waypoints" in data:
-        known["waypoints"] = tuple(_pose(pose) for pose in data["waypoints"][: MOST_WAYPOINTS + 1])
-    if "limits" in data:
-        limits = data["limits"].items()
-        known["limits"] = MotionLimits(**{k: None if v is None else _number(v) for k, v in limits})
-    motion = Motion(**known)
+    limits = msgspec.convert(data.pop("limits", vars(DEFAULT_LIMITS)), dict[str, float | None])
+    motion = replace(msgspec.convert(data, Motion), limits=MotionLimits(**limits))
     if motion.preset not in PRESET or motion.kind is Kind.TABLE:
         raise InvalidInput("saved state", "there is no such motion")
     require_possible(motion)
     return motion
-
-
-def _pose(values: Any) -> Pose:
-    x, y, theta, z = (_number(value) for value in values)
-    return (x, y, theta, z)
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InvalidInput("saved state", "a number is needed where there is none")
-    return float(value)

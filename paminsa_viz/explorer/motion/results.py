@@ -8,17 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.explorer.motion.engine_check import Answer
+from paminsa_viz.explorer.motion.jobs import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, Misprint
 from paminsa_viz.plots.series import EngineTorques, SeriesSources, runs
-from paminsa_viz.trajectory import (
-    SolvedTrajectory,
-    Trajectory,
-    TrajectoryAnalysis,
-    analyze,
-)
+from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, TrajectoryAnalysis, analyze
 
 MOST_POINTS = 241
 """About how many points of a path are drawn."""
@@ -88,11 +83,7 @@ class MotionStore:
         return self._results[1]
 
     def _analysis(
-        self,
-        role: str,
-        design: Design,
-        trajectory: Trajectory,
-        misprints: Misprint = Misprint.NONE,
+        self, role: str, design: Design, trajectory: Trajectory, misprints: Misprint = Misprint.NONE
     ) -> TrajectoryAnalysis:
         key = (design, trajectory, misprints)
         known = self._last.get(role)

@@ -23,9 +23,7 @@ from paminsa_viz.explorer.inputs import (
     attribute,
 )
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.playback import SPEEDS
-from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.motion.simulation import (
+from paminsa_viz.explorer.motion.jobs import (
     BANDWIDTHS,
     DAMPINGS,
     INITIAL_ERRORS,
@@ -34,6 +32,8 @@ from paminsa_viz.explorer.motion.simulation import (
     SimulationOutcome,
     run,
 )
+from paminsa_viz.explorer.motion.playback import SPEEDS
+from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale

@@ -38,10 +38,7 @@ class CameraView:
 
 
 def preset(
-    name: str,
-    geometry: Geometry,
-    configuration: Configuration | None = None,
-    aspect: float = 1.5,
+    name: str, geometry: Geometry, configuration: Configuration | None = None, aspect: float = 1.5
 ) -> CameraView:
     """Return a preset that fits the picture.
 

@@ -115,13 +115,13 @@ def _factory(view: str | ViewFactory) -> ViewFactory:
 
 
 _FLOOR = "floor:FloorMap"
-_MASSES = "masses:PointMassView"
+_MASSES = "mechanism:PointMassView"
 
 register(
     Layer("mesh", "Robot", "The machine itself", "bodies:Bodies", default=True),
     Layer(
         "skeleton", "Skeleton", "Bars as lines, with the paper's joint numbers",
-        "skeleton:Skeleton", shortcut="K",
+        "mechanism:Skeleton", shortcut="K",
     ),
     Layer(
         "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion", _MASSES,

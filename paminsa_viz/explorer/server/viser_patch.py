@@ -81,11 +81,7 @@ def require_known_viser() -> Decode:
         raise ViserChanged(str(error)) from error
 
 
-def start_viser(
-    bound: socket.socket,
-    host: str,
-    guard: ConnectionGuard,
-) -> viser.ViserServer:
+def start_viser(bound: socket.socket, host: str, guard: ConnectionGuard) -> viser.ViserServer:
     """Start viser on a socket that is already bound, behind a guard, which is still closed after.
 
     Args:

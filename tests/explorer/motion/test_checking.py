@@ -14,7 +14,7 @@ from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.engine_check import MOST_SAMPLES, Answer, ask_engine
+from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_plots
 from paminsa_viz.explorer.panels.motion_plots import (
@@ -156,7 +156,7 @@ def test_the_difference_is_plotted_and_the_misprints_are_told(state: State) -> N
     table = difference_html(drawn, found, 0.1)
     assert (table.count("PASS"), table.count("FAIL")) == (4, 4)
     assert "misprints" in caption(found, state)
-    figure = exports.motion_figure(state, "svg", 120.0, 100.0)
+    figure = exports.motion_figure(state, "svg")
     assert "comparison" in figure.name
     assert b"Formulas as published and MuJoCo" in figure.content
 
@@ -200,7 +200,7 @@ def test_a_missing_engine_is_told_once_for_all_designs(
             drawn_charts(other.updated("plots", plot="differences"), found), found, 0.0
         )
     with pytest.raises(InvalidInput, match="pip install"):
-        exports.motion_figure(state.updated("plots", plot="differences"), "png", 120.0, 100.0)
+        exports.motion_figure(state.updated("plots", plot="differences"), "png")
 
 
 class Asked:

@@ -13,7 +13,7 @@ from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels.view_panel import commands, view_entries
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer, SceneContext, build_views, register
-from paminsa_viz.explorer.scene.skeleton import sticks
+from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model.design import APPENDIX_4
 from tests.support.desk import desk_with

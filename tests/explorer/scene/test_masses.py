@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.explorer.scene.bodies import node_name
-from paminsa_viz.explorer.scene.masses import gravity_arrows, mass_centers
+from paminsa_viz.explorer.scene.mechanism import gravity_arrows, mass_centers
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.leg_points import counterweight_point
 from paminsa_viz.model.lumped import lumped_coefficients

@@ -1,24 +1,56 @@
-"""Floods, crowds, and sessions that reach for each other."""
+"""Floods, crowds, sessions that reach for each other; rates, and repeated lines of the log."""
 
 from __future__ import annotations
 
+import logging
 import socket
 import threading
 from collections.abc import Callable
 from contextlib import suppress
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection
 
 from paminsa_viz.explorer.server.connection import GuardedConnection
-from paminsa_viz.explorer.server.listening import Limits
+from paminsa_viz.explorer.server.limits import Limits, RateLimit, RepeatFilter
 from tests.support.guarded import GuardedServer
 from tests.support.raw_page import TIMEOUT, dial, eventually, get, update
 
-pytestmark = pytest.mark.slow
+
+@given(st.floats(1, 1000), st.floats(0, 1000), st.lists(st.floats(0, 50), max_size=60))
+def test_who_waits_as_requested_never_gets_more_than_rate_and_burst(
+    rate: float, burst: float, amounts: list[float]
+) -> None:
+    limit = RateLimit(rate, burst)
+    now = taken = 0.0
+    for amount in amounts:
+        now += limit.take(amount, now)
+        taken += amount
+        assert taken <= (burst + rate * now) * (1 + 1e-9) + 1e-6
 
 
+def test_burst_is_free_and_comes_back_by_waiting() -> None:
+    limit = RateLimit(rate=2.0, burst=4.0)
+    assert [limit.take(1.0, 100.0) for _ in range(5)] == [0.0, 0.0, 0.0, 0.0, 0.5]
+    assert limit.delay(1.0, 100.0) == 1.0
+    assert limit.delay(4.0, 1000.0) == 0.0
+    assert limit.delay(5.0, 1000.0) == 0.5
+
+
+def test_repeated_lines_of_the_log_are_left_out(caplog: pytest.LogCaptureFixture) -> None:
+    logger = logging.getLogger("tests.repeated_reports")
+    logger.addFilter(RepeatFilter())
+    for i in range(1000):
+        logger.warning("line %d", i, exc_info=ValueError("why"))
+    assert "line 0" in caplog.text
+    assert "left out" in caplog.text
+    assert len(caplog.records) < 20
+
+
+@pytest.mark.slow
 def test_one_session_cannot_write_into_another(guarded: GuardedServer) -> None:
     (page, inputs), (other, theirs) = guarded.page(), guarded.page()
     page.send(update(theirs.slider._impl.uuid, 0.75))
@@ -31,7 +63,8 @@ def test_one_session_cannot_write_into_another(guarded: GuardedServer) -> None:
     assert tuple(theirs.gizmo.position) == (0.0, 0.0, 0.0)
 
 
-def test_what_is_shared_can_be_seen_but_not_touched(guarded: GuardedServer) -> None:
+@pytest.mark.slow
+def test_shared_inputs_can_be_seen_but_not_set(guarded: GuardedServer) -> None:
     slider = guarded.server.gui.add_slider("shared", 0.0, 1.0, 0.1, 0.5)
     gizmo = guarded.server.scene.add_transform_controls("/shared")
     command = guarded.server.gui.add_command("shared")
@@ -54,7 +87,8 @@ def test_what_is_shared_can_be_seen_but_not_touched(guarded: GuardedServer) -> N
         each.remove()
 
 
-def test_a_flood_is_slowed_down_and_loses_nothing(guarded: GuardedServer) -> None:
+@pytest.mark.slow
+def test_flood_is_slowed_down_and_loses_nothing(guarded: GuardedServer) -> None:
     (flooder, flooded), (other, theirs) = guarded.page(), guarded.page()
     values = [round(0.001 * (i % 1000), 3) for i in range(400)]
 
@@ -72,8 +106,9 @@ def test_a_flood_is_slowed_down_and_loses_nothing(guarded: GuardedServer) -> Non
     assert flooded.received == values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("opcode", [0x82, 0x89, 0x8A], ids=["data", "ping", "pong"])
-def test_a_flood_that_goes_on_is_cut_off(
+def test_flood_that_goes_on_is_disconnected(
     start_guarded: Callable[[Limits], GuardedServer], opcode: int
 ) -> None:
     guarded = start_guarded(Limits(flood_timeout=0.5))
@@ -89,7 +124,8 @@ def test_a_flood_that_goes_on_is_cut_off(
     eventually(lambda: flooder.client.client_id not in guarded.server.get_clients())
 
 
-def test_a_message_in_endless_pieces_is_cut_off(
+@pytest.mark.slow
+def test_message_in_endless_pieces_is_disconnected(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
     guarded = start_guarded(Limits(frame_burst=1e6))
@@ -101,7 +137,8 @@ def test_a_message_in_endless_pieces_is_cut_off(
     eventually(lambda: page.client.client_id not in guarded.server.get_clients())
 
 
-def test_no_read_takes_the_event_loop_for_long(
+@pytest.mark.slow
+def test_reads_are_small_enough_for_the_event_loop(
     guarded: GuardedServer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     sizes: list[int] = []
@@ -119,7 +156,8 @@ def test_no_read_takes_the_event_loop_for_long(
     assert max(sizes) <= 4096
 
 
-def test_a_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
+@pytest.mark.slow
+def test_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
     (page, _), (other, theirs) = guarded.page(), guarded.page()
     with suppress(ConnectionClosed):
         page.send(b"\xc6" + (50_000_000).to_bytes(4, "big") + bytes(50_000_000))
@@ -129,6 +167,7 @@ def test_a_message_of_50_megabytes_is_refused(guarded: GuardedServer) -> None:
     guarded.still_answers(other, theirs)
 
 
+@pytest.mark.slow
 def test_silent_connections_do_not_keep_a_page_out(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
@@ -145,6 +184,7 @@ def test_silent_connections_do_not_keep_a_page_out(
         each.close()
 
 
+@pytest.mark.slow
 def test_pages_are_counted_and_a_closed_one_makes_room(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
@@ -164,7 +204,8 @@ def _wait_until_closed(connection: ClientConnection) -> None:
             connection.recv(timeout=TIMEOUT)  # what was sent before
 
 
-def test_a_page_without_a_place_waits_for_one(
+@pytest.mark.slow
+def test_page_without_a_place_waits_for_one(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
     guarded = start_guarded(Limits(sessions=1))
@@ -177,7 +218,8 @@ def test_a_page_without_a_place_waits_for_one(
     eventually(lambda: get(guarded.port).status == 200)
 
 
-def test_web_sockets_that_say_nothing_give_way(
+@pytest.mark.slow
+def test_silent_web_sockets_give_way(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
     guarded = start_guarded(Limits(sessions=5, silent=0.1, sessions_per_second=1000.0))
@@ -192,7 +234,8 @@ def test_web_sockets_that_say_nothing_give_way(
         each.close()
 
 
-def test_a_web_socket_that_says_nothing_is_closed(
+@pytest.mark.slow
+def test_silent_web_socket_is_closed(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:
     guarded = start_guarded(Limits(first_message=0.2))
@@ -203,7 +246,8 @@ def test_a_web_socket_that_says_nothing_is_closed(
     guarded.still_answers(page, inputs)
 
 
-def test_an_upload_ends_with_its_page(guarded: GuardedServer) -> None:
+@pytest.mark.slow
+def test_upload_ends_with_its_page(guarded: GuardedServer) -> None:
     page, inputs = guarded.page()
     content = bytes(1000)
     upload = {"source_component_uuid": inputs.upload._impl.uuid, "transfer_uuid": "half"}
@@ -216,6 +260,7 @@ def test_an_upload_ends_with_its_page(guarded: GuardedServer) -> None:
     eventually(lambda: not states)
 
 
+@pytest.mark.slow
 def test_pages_cannot_be_opened_faster_than_they_can_be_built(
     start_guarded: Callable[[Limits], GuardedServer],
 ) -> None:

@@ -1,4 +1,4 @@
-"""Mass centers as spheres of the mass's volume, and gravity as arrows below them."""
+"""The mechanism as a stick figure with the paper's joint numbers, and its mass centers."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from trimesh.creation import icosphere
-from viser import ArrowsHandle, BatchedMeshHandle
+from viser import ArrowsHandle, BatchedMeshHandle, LabelHandle, LineSegmentsHandle
 
 from paminsa_viz import palette
 from paminsa_viz.explorer.frame import Frame
@@ -21,10 +21,119 @@ from paminsa_viz.model.parameters import Counterweight
 
 Array = NDArray[np.float64]
 
-JOINTS: Final = ("j2", "j3", "j4", "j5", "j7", "j8", "j9")
+JOINTS: Final = (2, 3, 4, 5, 7, 8, 9)
+"""The paper's joint numbers, in the order drawn."""
+
+BARS: Final = {"b4": (9, 5), "b3": (4, 7), "b7": (8, 7), "b8": (8, 9), "b2": (3, 2)}
+"""End joints of the bars, in the order drawn; a bar's mass center is midway between them."""
+
+DOT: Final = 0.0085
+"""Radius of a joint's dot [m]."""
+
+
+def _directions(configuration: Configuration) -> tuple[Array, Array, Array]:
+    """Return the legs' axes, (3, 3) [m], and the directions of their arms and of their planes."""
+    axis = configuration.points[2] * [1.0, 1.0, 0.0]
+    beta = configuration.beta
+    heading = np.stack([np.cos(beta), np.sin(beta), np.zeros(3)], axis=-1)
+    return axis, axis / configuration.geometry.base_radius, heading
+
+
+def sticks(configuration: Configuration) -> Array:
+    """Return the stick figure's lines, (3 legs, 9, 2 ends, 3) [m].
+
+    In this order: B4, B3, B7, B8, B2; arm B1; guide link B10; joint 5 to the platform's plane (B5);
+    an edge of the platform.
+    """
+    points, geometry = configuration.points, configuration.geometry
+    axis, outward, heading = _directions(configuration)
+    arm = points[2] - geometry.arm_length * outward
+    guide = axis - geometry.guide_link_length * heading
+    below = points[5].copy()
+    below[:, 2] = configuration.pose[3]
+    lines = [np.stack([points[a], points[b]], axis=1) for a, b in BARS.values()]
+    lines += [
+        np.stack(pair, axis=1)
+        for pair in (
+            (arm, points[2]), (axis, guide), (points[5], below), (below, np.roll(below, 1, axis=0)),
+        )
+    ]  # fmt: skip
+    return np.stack(lines, axis=1)
+
+
+def stick_colors() -> NDArray[np.uint8]:
+    """Return the colors of `sticks`, (3, 9, 2, 3)."""
+    legs = linear_colors(*palette.LEG_COLORS)
+    out = np.broadcast_to(legs[:, None, None, :], (3, 9, 2, 3)).copy()
+    out[:, 4:6] = linear_colors(palette.LIFT_COLOR)
+    out[:, 6:] = linear_colors(palette.MUTED)
+    return out
+
+
+class Skeleton:
+    """The layer ``skeleton``: stick figure and joint numbers; made when first shown."""
+
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._configuration: Configuration | None = None
+        self._lines: LineSegmentsHandle | None = None
+        self._dots: BatchedMeshHandle | None = None
+        self._numbers: list[LabelHandle] = []
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the configuration; nothing is sent while hidden."""
+        del dragging
+        visible = "skeleton" in frame.state.layers and frame.drawable
+        if visible and frame.configuration is not self._configuration:
+            self._configuration = frame.configuration
+            self._draw_bars(frame.configuration)
+            self._draw_joints(_joints(frame.configuration))
+        for node in (self._lines, self._dots, *self._numbers):
+            if node is not None:
+                node.visible = visible
+
+    def _draw_bars(self, configuration: Configuration) -> None:
+        lines = sticks(configuration).reshape(-1, 2, 3).astype(np.float32)
+        if self._lines is None:
+            self._lines = self._scene.add_line_segments(
+                "/skeleton/lines", lines, stick_colors().reshape(-1, 2, 3),
+                thickness=3.5, thickness_units="screen",
+            )  # fmt: skip
+        self._lines.points = lines
+
+    def _draw_joints(self, joints: NDArray[np.float32]) -> None:
+        if self._dots is None:
+            ball = icosphere(subdivisions=2, radius=DOT)
+            self._dots = self._scene.add_batched_meshes_simple(
+                "/skeleton/dots", ball.vertices, ball.faces,
+                np.tile([1.0, 0.0, 0.0, 0.0], (len(joints), 1)), joints,
+                batched_colors=np.repeat(
+                    linear_colors(*palette.LEG_COLORS), len(JOINTS), axis=0
+                ),
+                lod="off", cast_shadow=False, receive_shadow=False,
+            )  # fmt: skip
+            self._numbers = [
+                self._scene.add_label(
+                    f"/skeleton/numbers/{leg}/{joint}", str(joint),
+                    font_screen_scale=0.95, anchor="bottom-left",
+                )
+                for leg in (1, 2, 3)
+                for joint in JOINTS
+            ]  # fmt: skip
+        self._dots.batched_positions = joints
+        for number, joint in zip(self._numbers, joints, strict=True):
+            number.position = joint
+
+
+def _joints(configuration: Configuration) -> NDArray[np.float32]:
+    """Return the joints of legs 1, 2, 3 in the order of `JOINTS`, (21, 3) [m]."""
+    points = np.stack([configuration.points[joint] for joint in JOINTS], axis=1)
+    return points.reshape(-1, 3).astype(np.float32)
+
+
+Array = NDArray[np.float64]
+
 LINKS: Final = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")
-ENDS: Final = {"b2": (3, 2), "b3": (4, 7), "b4": (9, 5), "b7": (8, 7), "b8": (8, 9)}
-"""End joints of the links whose mass center is midway between two joints."""
 
 BALL: Final = 0.0225
 """Radius of the sphere that stands for 1 kg [m]."""
@@ -50,20 +159,16 @@ def mass_centers(design: Design, configuration: Configuration) -> PointMasses:
     the platform and the payload, then the counterweights of leg 1, of leg 2, of leg 3.
     """
     geometry, points = configuration.geometry, configuration.points
-    axis = points[2] * [1.0, 1.0, 0.0]
-    outward = axis / geometry.base_radius
-    heading = np.stack(
-        [np.cos(configuration.beta), np.sin(configuration.beta), np.zeros(3)], axis=-1
-    )
-    centers = [points[int(joint[1:])] for joint in JOINTS]
-    masses = [getattr(design.joints, joint) for joint in JOINTS]
+    axis, outward, heading = _directions(configuration)
+    centers = [points[joint] for joint in JOINTS]
+    masses = [getattr(design.joints, f"j{joint}") for joint in JOINTS]
     for link in LINKS:
         if link == "b1":
             centers.append(points[2] - geometry.arm_length / 2 * outward)
         elif link == "b10":
             centers.append(axis - geometry.guide_link_length / 2 * heading)
         else:
-            a, b = ENDS[link]
+            a, b = BARS[link]
             centers.append((points[a] + points[b]) / 2)
         masses.append(getattr(design.links, link))
     legs = np.stack(centers, axis=1).reshape(-1, 3)
