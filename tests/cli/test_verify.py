@@ -97,7 +97,7 @@ def test_figures_are_written_where_they_are_wanted(motion, capsys) -> None:
     [
         ("--preset cirle", "invalid choice 'cirle'"),
         ("--file no.csv", "no.csv: cannot be read: no such file"),
-        ("--tolerance 0", "tolerance: a finite number above 0 is needed, not 0.0"),
+        ("--tolerance 0", "tolerance: a number above 0 and at most 0.1 is needed, not 0.0"),
         ("--poses 0", "poses: at least 1 is needed"),
         ("--seed -1", "seed: a whole number"),
         ("--design no.toml", "no.toml"),
