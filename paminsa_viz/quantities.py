@@ -1,4 +1,4 @@
-"""The registry of what can be mapped, swept and required: one entry a quantity.
+"""The registry of quantities that can be mapped, swept and required: one entry each.
 
 An entry names the formula that is solved over a grid once for a geometry, and how a design's masses
 turn its results into values, so that a mass slider rescales a map and solves nothing. Page, command
@@ -44,7 +44,7 @@ class Quantity:
         label: Name in choices.
         title: What it is, for captions and help texts.
         unit: SI unit.
-        formula: What is solved over a grid, once for a geometry.
+        formula: Solved over a grid, once for a geometry.
         value: ``value(solved, design)`` of the formula's results (results, ...) and a design [SI].
         signed: Whether zero is its natural center: diverging colors.
         color: ``#rrggbb`` of its heading.
@@ -64,7 +64,7 @@ class Quantity:
 
     @property
     def display(self) -> DisplayUnit:
-        """The unit that people read the values in."""
+        """The unit for display."""
         return display_unit(self.unit)
 
     def over(self, field: Field, design: Design) -> Array:
@@ -127,7 +127,7 @@ def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
     """Return quantities by their keys.
 
     Raises:
-        InvalidInput: If there is none of a key; says which there are.
+        InvalidInput: If a key is unknown; names the known ones.
     """
     for key in keys:
         if key not in QUANTITIES:
@@ -137,7 +137,7 @@ def find(keys: Sequence[str]) -> tuple[Quantity, ...]:
 
 
 def selections() -> dict[str, tuple[str, ...]]:
-    """Return what a map can show by name: the three torques side by side, or one quantity."""
+    """Return the selections of a map by name: the three torques side by side, or one quantity."""
     found: dict[str, tuple[str, ...]] = {"torques": TORQUES}
     return found | {key: (key,) for key in QUANTITIES}
 

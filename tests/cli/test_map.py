@@ -53,9 +53,10 @@ def test_files_are_those_of_the_explorer(capsys, folder) -> None:
              "120", "--dpi", "60")  # fmt: skip
     told(capsys, *words)
     state = state_of((0.05, -0.03, math.pi / 3, -0.5), MapView())
+    state = state.updated("export", width=120, dpi=60)
     store = MapStore()
-    assert (folder / "a.svg").read_bytes() == figure(state, store, "svg", False, 120, 60).content
-    assert (folder / "a.csv").read_bytes() == table(state, store, "csv", False).content
+    assert (folder / "a.svg").read_bytes() == figure(state, store, "svg").content
+    assert (folder / "a.csv").read_bytes() == table(state, store, "csv").content
 
 
 def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
@@ -65,9 +66,8 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     told(capsys, *words)
     view = MapView("max_torque", RangeMode.MANUAL, -2.0, 3.0, logarithmic=True, difference=True)
     state = state_of((0.0, 0.0, math.pi / 3, home_pose(APPENDIX_4.geometry)[3]), view, LIGHT)
-    assert (folder / "a.svg").read_bytes() == figure(
-        state, MapStore(), "svg", True, 170, 60
-    ).content
+    state = state.updated("export", single=True, dpi=60)
+    assert (folder / "a.svg").read_bytes() == figure(state, MapStore(), "svg").content
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))

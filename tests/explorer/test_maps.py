@@ -161,7 +161,7 @@ def test_difference_is_that_of_both_designs_where_both_reach(path: str) -> None:
     found = np.moveaxis(delta.values, 0, -1)[ok]
     np.testing.assert_allclose(found, (now - reference)[:, :3], atol=1e-9)
     assert np.abs(found).max() > 0.1
-    assert delta.provenance.reference == APPENDIX_4.name
+    assert delta.reference == APPENDIX_4
     plain = state.updated("map_view", difference=False)
     np.testing.assert_array_equal(
         store.present(state, CELLS).values, store.data(plain, CELLS).values

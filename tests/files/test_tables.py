@@ -182,4 +182,4 @@ def test_a_format_is_one_entry_that_commands_and_exports_offer(monkeypatch, tmp_
     assert main(["trajectory", "--preset", "line", "--out", "motion.names"]) == 0
     assert (tmp_path / "motion.names").read_text().startswith("t_s,x_m")
     state = initial_state()
-    assert exports.table(state, MapStore(), "names", single=True).name.endswith(".names")
+    assert exports.table(state, MapStore(), "names").name.endswith(".names")
