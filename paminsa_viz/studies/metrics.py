@@ -247,4 +247,6 @@ def samples_hash(trajectory: Trajectory) -> str:
     found = hashlib.sha256()
     for array in (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration):
         found.update(array.astype("<f8").tobytes())
+    if trajectory.load is not None:
+        found.update(trajectory.load.astype("<f8").tobytes())
     return found.hexdigest()[:32]
