@@ -63,7 +63,7 @@ def summary(data: MapData) -> str:
 
 
 def shown(name: str) -> str:
-    """Return a name that a person gave, on one line and not too long, in quotation marks."""
+    """Return a user's name for something, shortened to one line, in quotation marks."""
     plain = " ".join("".join(c if c.isprintable() else " " for c in name).split())
     if len(plain) > LONGEST_NAME:
         plain = plain[: LONGEST_NAME - 1] + "…"

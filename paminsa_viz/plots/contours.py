@@ -68,7 +68,7 @@ def contour_field(
 
 
 def boundary(data: MapData) -> Line:
-    """Return the boundary of what is reached: where the margin is zero, or along the cells."""
+    """Return the boundary of the workspace: where the margin is zero, or along the cells."""
     field, level = _reached(data)
     return _lines(_generator(data.x, data.y, field), level)
 

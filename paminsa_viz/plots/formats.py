@@ -1,7 +1,7 @@
 """Figure formats: the registry that page, command line and report read, and how a file is written.
 
-A new format is one entry of `FIGURE_FORMATS`. matplotlib is imported late, so that whoever only
-lists formats does not wait for it.
+A new format is one entry of `FIGURE_FORMATS`. matplotlib is imported late, since
+listing formats does not need it.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ PROGRAM = f"paminsa_viz {__version__}"
 
 
 class Credits(NamedTuple):
-    """What a file says of itself: title, and one line about it."""
+    """Metadata of a file: title, and one line about it."""
 
     title: str
     about: str
@@ -112,7 +112,7 @@ def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
     """Return a format after checking width [mm] and resolution [pixels per inch] for it.
 
     Raises:
-        InvalidInput: Which of them is not possible, and what is.
+        InvalidInput: If one of them is not possible; names the possible range.
     """
     chosen = figure_format(name)
     if not WIDTHS[0] <= width_mm <= WIDTHS[1]:
@@ -127,19 +127,19 @@ def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
 
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so it is the same everywhere
-    "pdf.fonttype": 42,  # whole outlines, as journals ask
+    "pdf.fonttype": 42,  # whole outlines, as journals require
     "svg.fonttype": "path",
     "svg.hashsalt": "paminsa_viz",  # names of SVG elements, random otherwise
     "text.hinting": "none",  # so that text is as wide at every resolution
     "text.parse_math": False,  # a design's name may contain dollar signs
 }
 drawing_lock = threading.Lock()
-"""Held by whoever draws: matplotlib's settings and font caches belong to the process."""
+"""Held while drawing: matplotlib's settings and font caches belong to the process."""
 
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Draw alone, with settings of our own, whatever a person's matplotlibrc says."""
+    """Draw in one thread at a time, with settings of the package and not of the user."""
     import matplotlib as mpl
 
     with drawing_lock, mpl.rc_context():
@@ -155,7 +155,7 @@ def figure_file(figure: Figure, name: str, dpi: float, credits: Credits) -> byte
         figure: The figure.
         name: Name of the format.
         dpi: Pixels per inch.
-        credits: What the file says of itself.
+        credits: Metadata of the file.
     """
     stream = BytesIO()
     metadata = figure_format(name).metadata

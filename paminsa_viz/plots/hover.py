@@ -1,7 +1,7 @@
-"""What the pointer reads off maps: position, value, or why there is none; and where a click goes.
+"""Hover and clicks on maps: position and value at the pointer, or why there is no value.
 
-A plotly figure without colors lies over the picture of `map_figure.LiveMaps` and has its layout.
-Only the picture changes while a slider moves, so that nothing jumps when it stops.
+A plotly figure without colors lies over the image of `map_figure.LiveMaps` and has its layout.
+Only the image changes while a slider moves, so that nothing jumps when it stops.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from paminsa_viz.units import MM, number
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 
 REASON_CELLS = 72
-"""Cells along a side, at most, that say why there is no value; words are long."""
+"""Cells along a side, at most, with a reason for a missing value; texts are long."""
 
 
 def reasons(data: MapData, panel: int, stride: int = 1) -> NDArray[np.str_]:
@@ -60,7 +60,7 @@ def _place(data: MapData) -> str:
 
 
 class HoverFigure:
-    """A figure as viser wants it: it asks for the JSON and nothing else.
+    """A figure for viser, which only calls `to_json`.
 
     Plotly's own classes would take ten times as long, and half a second to import.
     """

@@ -72,13 +72,13 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
 
 
 def _cells(data: MapData, index: int, scale: Scale, axis: int) -> list[go.Heatmap]:
-    """Return the values, and a clear layer that says why there is none."""
+    """Return the values, and a transparent layer with the reasons for missing ones."""
     factor = data.display[0]
     values = data.values[index]
     texts = reasons(data, index)
     place: dict[str, Any] = {"x": MM * data.x, "y": MM * data.y, "hoverongaps": False}
     # Colors go by the position on the bar, which serves both kinds of scale and infinite values;
-    # what is read off is the value itself. Single precision halves what is sent.
+    # hover shows the value itself. Single precision halves the data.
     shown = go.Heatmap(
         z=np.clip(scale.position(values), -1.0, 2.0).astype(np.float32),
         customdata=(values * factor).astype(np.float32), coloraxis=f"coloraxis{axis_number(axis)}",
@@ -116,7 +116,7 @@ def _line(line: Line, color: str, width: float, dash: str | None = None) -> go.S
 
 
 def _color_axis(data: MapData, scale: Scale, place: dict[str, Any]) -> dict[str, Any]:
-    """Return a plotly color axis over positions on the bar, with blocks for what is beyond it."""
+    """Return a plotly color axis over positions on the bar, with blocks for values beyond it."""
     edge = 0.045
     steps = np.linspace(0, 255, 65).round().astype(int)
     shades = (255 * scale.table[steps]).round().astype(int).tolist()

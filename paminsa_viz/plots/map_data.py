@@ -1,6 +1,6 @@
 """The data behind every map: values over x-y at one theta and z, and the design they belong to.
 
-Units are SI and angles are radians; figures convert to mm and degrees where a person reads them.
+Units are SI and angles are radians; figures convert to mm and degrees.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ class MapData:
         singular_radius: Radius of the singular circle about the origin [m], or None.
         design: The design.
         reference: The reference design of a difference map, otherwise None.
-        title: What is shown, in words, for headings and captions.
+        title: Title for headings and captions.
         signed: True if zero is a natural center (torques, differences): diverging colors.
         margin: (ny, nx) signed distance to the nearest limit of reach [m], positive inside, for a
             smooth boundary; without it the boundary follows the cells.
-        leg: (ny, nx) int8 index of the leg that stands in the way, -1 for none, or None.
+        leg: (ny, nx) int8 index of the leg that limits the reach, -1 for none, or None.
     """
 
     x: NDArray[np.float64]
@@ -125,7 +125,7 @@ class MapData:
 
     @property
     def display(self) -> DisplayUnit:
-        """The unit that people read the values in."""
+        """The unit for display."""
         return display_unit(self.unit)
 
     def with_pose(self, pose: ArrayLike) -> MapData:
@@ -198,7 +198,7 @@ def cell_centers(half: float, cells: int) -> Array:
 def workspace_field(
     geometry: Geometry, theta: float, z: float, cells: int, half: float | None = None
 ) -> Field:
-    """Return a field over the square that maps cover, which solves what it is asked for.
+    """Return a field over the square that maps cover, which solves formulas on request.
 
     Args:
         geometry: What to solve.

@@ -62,7 +62,7 @@ class LiveMaps:
     ) -> NDArray[np.uint8]:
         """Draw all panels side by side, as RGB (height, width * ratio, 3).
 
-        The pose is left out: what lies over the picture can follow a slider alone, at
+        The pose is left out: a marker over the image can follow a slider alone, at
         `MapLayout.positions`.
 
         Args:
@@ -146,7 +146,7 @@ def render(
         width_mm: Width on paper [mm]; 85 is a column, 170 a page.
         dpi: Pixels per inch: of a PNG, and of the colored cells inside SVG and PDF.
         title: Heading of the figure; None for the map's own title, empty for none.
-        caption: Whether design, pose, line styles and version stand below.
+        caption: Whether design, pose, line styles and version are named below.
 
     Returns:
         The file. A PNG is exactly ``round(width_mm / 25.4 * dpi)`` pixels wide.

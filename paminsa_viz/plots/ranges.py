@@ -1,4 +1,4 @@
-"""Which range of values the colors span: robust by default, or as a person asked."""
+"""Color ranges: robust by default, full or manual on request."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LARGEST_END = 1e9
 
 @dataclass(frozen=True)
 class ScaleChoice:
-    """What a person chose for the colors of a map.
+    """Settings for the colors of a map.
 
     Attributes:
         low: Lower end in the unit of the data, or None for a range found from the data. Give both
@@ -74,7 +74,7 @@ def choose_scales(
 
     Args:
         data: The maps.
-        choice: What a person chose.
+        choice: Settings; None for the defaults.
         sample: The same maps, coarser: a robust range is found from them, so that it is the same
             at every resolution.
     """

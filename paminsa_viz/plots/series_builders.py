@@ -30,7 +30,7 @@ UNITS = ("N m", "N m", "N m", "N")
 COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
 SIMULATED = "#8aa4bf"
-"""Color of what a simulated robot does, below the wanted motion."""
+"""Color of the simulated motion, below the wanted one."""
 
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
     ("gravity", "gravity", "#56B4E9", "dashed"),
@@ -45,7 +45,7 @@ _COMPARED: tuple[tuple[str, str, str, str | None, Dash, float], ...] = (
     ("reference", "reference", "reference", REFERENCE, "dashed", 1.0),
     ("published", "formulas as published", "as published", "#b5121b", "dotted", 1.0),
 )
-"""What is drawn of an actuator: source, label, suffix, color (None for its own), stroke, width."""
+"""Curves of an actuator: source, label, suffix, color (None for its own), stroke, width."""
 
 MOST_MARKS = 50
 """About how many of an engine's torques are marked on a curve."""
@@ -81,7 +81,7 @@ def _compared(
 ) -> SeriesPanel:
     """Return a panel with curves of design, reference and published formulas, the design's last.
 
-    ``values`` returns what is drawn of an analysis (n, 4); ``annotate`` marks a trace and returns
+    ``values`` returns the curves of an analysis (n, 4); ``annotate`` marks a trace and returns
     its note.
     """
     traces, notes = [], []
@@ -254,7 +254,7 @@ def _differences(sources: SeriesSources) -> Iterator[SeriesPanel]:
 
 
 def _difference(panel: SeriesPanel, what: str, t: Values, values: Values) -> SeriesPanel:
-    """Return the panel of a difference, with its largest value marked and in words."""
+    """Return the panel of a difference, with its largest value marked and in a note."""
     trace = Trace("difference", values, panel.color, width=0.9, suffix="")
     notes = ()
     known = np.flatnonzero(np.isfinite(values))

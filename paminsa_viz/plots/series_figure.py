@@ -1,7 +1,7 @@
 """Figures over time by matplotlib, for print, report, notebook and command line.
 
-matplotlib arranges the panels. What is as wide as the figure, heading, legend and caption, lies
-above and below them.
+matplotlib arranges the panels; heading, legend and caption, as wide as the figure, are above and
+below them.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _SHAPE = 0.42  # height over width of a panel
 _HEIGHTS = (20.0, 60.0)  # mm
 _TALLEST = 235.0  # mm; all panels together, so that a figure fits on a page
 _AXIS = 8.6  # mm; below the lowest panels: numbers and axis label
-_SCALE = 15.0  # mm; about what the numbers and the label of a value axis take
+_SCALE = 15.0  # mm; about the width of the numbers and the label of a value axis
 
 _CAPTION = "#3b4754"
 
@@ -94,7 +94,7 @@ def render_series(
         width_mm: Width on paper [mm]; 85 is a column, 170 a page.
         dpi: Pixels per inch of a PNG.
         title: Heading; None for the data's own, empty for none.
-        caption: Whether what is shown, of which robot, stands below.
+        caption: Whether a caption is added.
         notes: Further sentences for the caption.
 
     Raises:
@@ -198,7 +198,7 @@ def _legend(figure: Figure, data: SeriesData, width: float, body: float) -> Lege
 
 
 def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
-    """Return what the legend shows by its label, of each panel the uppermost trace first."""
+    """Return the legend's entries by label, the uppermost trace of each panel first."""
     found: dict[str, Line2D | Patch] = {}
     colors: dict[str, str] = {}
     for panel in data.panels:

@@ -1,4 +1,4 @@
-"""Text below figures over time: when and why the motion fails, and of what the figure is."""
+"""Captions of figures over time: design, motion, and when and why it fails."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def _failures_of(analysis: TrajectoryAnalysis) -> tuple[Failure, ...]:
 
 
 def _reason(limit: Limit, leg: int) -> str:
-    # A motion already fails at a clearance from what is singular.
+    # A motion already fails at a clearance from singular poses.
     return "too close to a singular pose" if limit is Limit.SINGULAR else limit.reason(leg)
 
 
@@ -79,7 +79,7 @@ def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:
     """Return the paragraph below a figure.
 
     Args:
-        data: What is shown.
+        data: The series.
         notes: Further sentences.
     """
     sources, t = data.sources, data.sources.analysis.trajectory
@@ -108,7 +108,7 @@ def summary(data: SeriesData) -> str:
 
 
 def _about(data: SeriesData) -> list[str]:
-    """Return what is to be known about a kind of figure."""
+    """Return the sentences about a kind of figure."""
     sources = data.sources
     compared = _compared_sentences(sources)
     if data.kind == "torques":
@@ -169,7 +169,7 @@ def _failure_sentences(data: SeriesData) -> list[str]:
         named.append(f"and {len(found) - NAMED_FAILURES} more")
     sentences = [f"The motion fails, shaded: {'; '.join(named)}."]
     if data.kind in ("torques", "power", "energy"):
-        sentences.append("Numbers are of the time before.")
+        sentences.append("Numbers are for the time before.")
     return sentences
 
 

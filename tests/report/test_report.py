@@ -164,7 +164,7 @@ def test_balance_is_shown_or_found_to_be_there() -> None:
 
 
 def test_verification_is_in_it_or_why_not(mujoco: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    assert "Not asked for" in Reader(report()).text
+    assert "Not requested" in Reader(report()).text
     found = checked(request_for())
     assert not isinstance(found, str)
     section = verification_section(found)
