@@ -110,23 +110,3 @@ def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
     code, out, _ = run(capsys, "--z", "-2000", "--cells", "20", "--json")
     assert json.loads(out)["maps"]["tau_1"]["largest"] is None
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("--quantity", "beauty"), "beauty"),
-        (("--theta", "nan"), "--theta"),
-        (("--z", "inf"), "--z"),
-        (("--cells", "3"), "--cells"),
-        (("--range", "3", "1"), "--range"),
-        (("--range", "0", "nan"), "--range"),
-        (("--range", "0", "1", "--full-range"), "--full-range"),
-        (("--out", "a.txt"), "a.txt"),
-        (("--out", "no/a.csv"), "no/a.csv"),
-        (("--out", "a.png", "--width", "20"), "width"),
-        (("--design", "missing.toml"), "missing.toml"),
-    ],
-)
-def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    commands.check_refused("map", capsys, *words, place=place)
