@@ -24,7 +24,7 @@ from paminsa_viz.balancing.optimum import (
     active_bounds,
     movable_bounds,
 )
-from paminsa_viz.balancing.program import Levers, Program, Solution
+from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution, SolverFailed
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import MP2, AddedMass, MassChange
 from paminsa_viz.model.design import Design
