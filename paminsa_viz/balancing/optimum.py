@@ -170,7 +170,8 @@ def optimize(
 
     Raises:
         InfeasibleBounds: If no distribution within the bounds meets the limits.
-        InvalidInput: If a weight is negative, or a term does not fit the design.
+        InvalidInput: If a weight is negative, a limit is not finite, or a term does not fit the
+            design.
         SolverFailed: If the solver fails.
     """
     began = time.perf_counter()
@@ -178,6 +179,9 @@ def optimize(
     for weight, term in weighted:
         if not (np.isfinite(weight) and weight >= 0):
             raise InvalidInput(term.label, f"a weight of at least 0 is needed, not {weight!r}")
+    for term, limit in limits:
+        if not np.isfinite(limit):
+            raise InvalidInput(term.label, f"a finite limit is needed, not {limit!r}")
     space = mass_space(design, changes)
     functions = [(weight, term.convex_term(space)) for weight, term in weighted]
     bounded = [(float(limit), term.convex_term(space)) for term, limit in limits]

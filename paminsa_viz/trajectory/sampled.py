@@ -18,6 +18,10 @@ RATE = 1000.0
 MOST_SAMPLES = 1_000_000
 """Longest list of samples; with all that is computed along it some 2 GB."""
 
+SHORTEST_STEP = 1e-9
+LARGEST = 1e12
+"""Bounds of steps [s] and of all numbers of a trajectory [SI], so that nothing overflows."""
+
 
 def sample_times(begin: float, end: float, rate: float) -> Array:
     """Return times in equal steps, both ends among them, at about a rate [1/s].
@@ -58,7 +62,8 @@ class Trajectory:
         notes: What a person should know about it, a sentence each.
 
     Raises:
-        InvalidInput: If shapes do not fit, a number is not finite, or times do not increase.
+        InvalidInput: If shapes do not fit, a number is not finite or too large, or times do not
+            increase by `SHORTEST_STEP`.
     """
 
     t: Array
@@ -74,8 +79,13 @@ class Trajectory:
         t = np.array(as_numbers(self.t, "t"))
         if t.ndim != 1 or t.size < 2:
             raise InvalidInput("t", f"a list of at least two times is needed; got {t.shape}")
-        if not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
+        if not (np.isfinite(t).all() and (t[1:] > t[:-1]).all()):
             raise InvalidInput("t", "times have to be finite and to increase")
+        if np.abs(t).max() > LARGEST or np.diff(t - t[0]).min() < SHORTEST_STEP:
+            problem = (
+                f"steps of at least {SHORTEST_STEP:g} s and times up to {LARGEST:g} s are needed"
+            )
+            raise InvalidInput("t", f"{problem}; check the unit")
         found = {"t": t}
         for name in States._fields:
             array = np.array(as_vectors(getattr(self, name), name))
@@ -83,6 +93,8 @@ class Trajectory:
                 raise InvalidInput(name, f"the shape has to be {(t.size, 4)}, not {array.shape}")
             if not np.isfinite(array).all():
                 raise InvalidInput(name, "all numbers have to be finite")
+            if np.abs(array).max() > LARGEST:
+                raise InvalidInput(name, f"numbers up to {LARGEST:g} are possible; check the unit")
             found[name] = array
         if self.load is not None:
             found["load"] = load = np.array(as_vectors(self.load, "load", 6))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import from_samples, point_to_point, via_points
@@ -84,11 +86,26 @@ def test_constant_coordinate_gives_no_note_on_digits() -> None:
     assert not any("steps of" in note for note in from_samples(EXACT.t, level).notes)
 
 
-@pytest.mark.filterwarnings("ignore::RuntimeWarning")
-@pytest.mark.parametrize(("times", "lengths"), [(1e-300, 1.0), (1.0, 1e308)])
-def test_impossible_units_are_rejected(times, lengths) -> None:
-    with pytest.raises(InvalidInput, match="check the units of t and pose"):
-        from_samples(times * EXACT.t[::40], lengths * EXACT.pose[::40])
+EXTREMES = st.sampled_from([5e-324, 1e-310, 1e-9, 1e-3, 0.1, 1.0, 1e8, 1e12, 1e16, 1e160, 1e308])
+SIGNED = st.builds(float.__mul__, EXTREMES, st.sampled_from([-1.0, 1.0]))
+
+
+@given(
+    times=st.lists(SIGNED, min_size=2, max_size=9, unique=True).map(sorted),
+    scale=EXTREMES,
+    given_rates=st.integers(0, 2),
+    rest=st.booleans(),
+)
+def test_extreme_numbers_are_rejected_or_stay_finite(times, scale, given_rates, rest) -> None:
+    """Warnings are errors here, so that an overflow fails the test."""
+    rows = np.sin(np.arange(4.0 * len(times)).reshape(-1, 4)) * scale
+    rates = [rows] * given_rates
+    try:
+        made = from_samples(times, rows, *rates, rest=rest)
+    except InvalidInput:
+        return
+    middle = made.at((made.t[1:] + made.t[:-1]) / 2)
+    assert all(np.isfinite(values).all() for values in (*middle, made.velocity))
 
 
 def test_bad_samples_are_rejected() -> None:
