@@ -179,5 +179,5 @@ def curve_view(
 
 
 def _pose(design: Design, pose: ArrayLike | None) -> Array:
-    """Return the pose asked for, or the one in the middle of the workspace."""
+    """Return the given pose, or the one in the middle of the workspace."""
     return home(design.geometry) if pose is None else as_vectors(pose, "pose")

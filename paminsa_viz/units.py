@@ -1,4 +1,4 @@
-"""Numbers, units and symbols as people read them; every value inside the package is in SI.
+"""Numbers, units and symbols as text; every value inside the package is in SI.
 
 The model writes symbols and units in plain text as the paper does: ``m_B3``, ``I_XX^(B3)``,
 ``l_B4 = k l_B7``, ``kg m^2``. Here they become Unicode or HTML, and lengths become millimeters and
@@ -13,7 +13,7 @@ from html import escape
 from typing import NamedTuple
 
 NONE = "–"
-"""Stands where there is no number."""
+"""Text for a missing number."""
 
 MM = 1e3
 """Millimeters in a meter."""
@@ -57,7 +57,7 @@ def power_of_ten(exponent: int) -> str:
 
 
 def percent_change(before: float, after: float) -> str:
-    """Return a change as a percentage of where it started."""
+    """Return a change as a percentage of the value before."""
     if math.isnan(before) or math.isnan(after):
         return NONE
     if before == 0:
@@ -139,7 +139,7 @@ class DisplayUnit(NamedTuple):
 
 
 def display_unit(unit: str) -> DisplayUnit:
-    """Return the unit that people read for an SI unit: mm for m, degrees for rad.
+    """Return the unit that shows an SI unit: mm for m, degrees for rad.
 
     Angular rates are in degrees as well; speeds and accelerations stay in meters, as drives and
     limits are rated.

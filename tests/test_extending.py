@@ -78,7 +78,12 @@ def test_a_quantity_is_swept_drawn_written_and_chosen(
     assert 0 < told["maps"][quantity.key]["largest"] < 2
     assert "ecc" in Path("a.csv").read_text()
     assert quantity.title in Path("a.svg").read_text()
-    assert b"ecc" in exports.table(shown(quantity.key), MapStore(), "csv", True).content
+    assert (
+        b"ecc"
+        in exports.table(
+            shown(quantity.key).updated("export", single=True), MapStore(), "csv"
+        ).content
+    )
     assert map_view(quantity=quantity.key, cells=20).data
 
 
@@ -108,7 +113,7 @@ def test_a_table_format_is_written_by_page_and_commands(capsys, tmp_path, monkey
     commands.run_json("trajectory", capsys, "--rate", "50", "--out", "b.tsv")
     for name in ("a.tsv", "b.tsv"):
         assert b"\t" in Path(name).read_bytes()
-    assert exports.table(initial_state(), MapStore(), "tsv", False).name.endswith(".tsv")
+    assert exports.table(initial_state(), MapStore(), "tsv").name.endswith(".tsv")
     assert "TSV" in buttons("export.table") & buttons("export.series")
 
 

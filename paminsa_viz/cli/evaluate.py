@@ -22,7 +22,8 @@ from paminsa_viz.files.columns import (
     TORQUES,
     VELOCITY,
 )
-from paminsa_viz.files.tables import TableBlock, TableReader, csv_rows, header_lines, open_table
+from paminsa_viz.files.table_reader import TableBlock, TableReader, open_table
+from paminsa_viz.files.tables import csv_rows, header_lines
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.kinematics import inverse_kinematics

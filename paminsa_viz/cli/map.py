@@ -179,9 +179,9 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
     cell = float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
     names = list(flags.quantities)
     return {
-        "design": data.provenance.design,
-        "reference": data.provenance.reference or None,
-        "assembly": data.provenance.knee.value,
+        "design": data.design.name,
+        "reference": data.reference and data.reference.name,
+        "assembly": data.design.geometry.knee.value,
         "theta_rad": data.theta,
         "z_m": data.z,
         "cells": [data.x.size, data.y.size],
@@ -211,7 +211,7 @@ def _numbers(values: np.ndarray) -> dict[str, float | None]:
 def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
     design, reference = facts["design"], facts["reference"]
     minus = f' minus "{reference}"' if reference else ""
-    print(f'design "{design}"{minus}, {data.provenance.knee.label}')
+    print(f'design "{design}"{minus}, {data.design.geometry.knee.label}')
     factor, unit = data.display
     print(
         f"theta = {flags.theta:g}°, z = {format_ascii(data.z, 'm', 6)}, "

@@ -33,6 +33,9 @@ from paminsa_viz.trajectory import Trajectory, check_path
 TOLERANCE = 1e-6
 """Largest difference that passes, over the largest torque of the same actuator."""
 
+LARGEST_TOLERANCE = 0.1
+"""Largest tolerance: torques of another robot must not pass."""
+
 POSES = 200
 """Random poses of the static comparison, unless they are given."""
 
@@ -185,8 +188,9 @@ def verify(
         InvalidDesign: If a bar's inertias belong to no rigid body.
         InvalidInput: If the tolerance is not possible, or there are no such poses.
     """
-    if not (np.isfinite(tolerance) and tolerance > 0):
-        raise InvalidInput("tolerance", f"a finite number above 0 is needed, not {tolerance!r}")
+    if not 0 < tolerance <= LARGEST_TOLERANCE:
+        problem = f"a number above 0 and at most {LARGEST_TOLERANCE} is needed, not {tolerance!r}"
+        raise InvalidInput("tolerance", problem)
     design = design.without_friction()
     check_path(design.geometry, trajectory).require()
     motion = _thinned(trajectory)

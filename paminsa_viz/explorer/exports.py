@@ -14,12 +14,13 @@ import viser
 from paminsa_viz.explorer.browser.style import over_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.playback import FIGURES, SIMULATED
+from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, PaminsaError, inverse_kinematics
+from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
 from paminsa_viz.plots.series import FigureKind, SeriesSources
@@ -27,10 +28,6 @@ from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.quantities import TORQUES
 
-WIDTHS = (80.0, 400.0)
-"""Widths of a figure [mm]."""
-RESOLUTIONS = (50.0, 600.0)
-"""Resolutions of a figure [pixels per inch]."""
 VIEW_SIDES = (64, 4096)
 """Sides of a picture of the 3D view [pixels]."""
 VIEW_TIMEOUT = 30.0
@@ -74,39 +71,13 @@ def plain(name: str) -> str:
     return "-".join(words)[:LONGEST_NAME].strip("-")
 
 
-def require_range(name: str, value: float, ends: tuple[float, float]) -> None:
-    """Check a number that a person set.
-
-    Raises:
-        InvalidInput: If it is not between both ends.
-    """
-    low, high = ends
-    if not low <= value <= high:
-        raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value:g}")
-
-
-def shown_quantities(state: State, single: bool) -> tuple[str, ...]:
-    """Return what the figure of one map, or of three torques, shows."""
-    return (state.map_view.quantity,) if single else TORQUES
-
-
-def _what(state: State, single: bool) -> str:
-    what = state.map_view.quantity.replace("_", "-") if single else "torque-maps"
-    return f"{what}-difference" if shows_difference(state) else what
-
-
-def figure(
-    state: State, store: MapStore, kind: str, single: bool, width_mm: float, dpi: float
-) -> File:
+def figure(state: State, store: MapStore, kind: str) -> File:
     """Draw maps for print, with the colors of the page.
 
     Args:
-        state: What to show.
+        state: What to show; its ``export`` says which maps, and how large.
         store: Where maps come from.
         kind: Name of a figure format.
-        single: One map of the chosen quantity instead of the three torques.
-        width_mm: Width [mm].
-        dpi: Pixels per inch.
 
     Raises:
         InvalidInput: If kind, width or resolution is not possible.
@@ -114,29 +85,34 @@ def figure(
     # Late: matplotlib takes a second to load, and most sessions never print.
     from paminsa_viz.plots.map_figure import render
 
-    require_range("width", width_mm, WIDTHS)
-    require_range("dpi", dpi, RESOLUTIONS)
-    quantities = shown_quantities(state, single)
-    data = store.data(state, FULL, quantities)
-    scales = store.scales(state, data, quantities)
-    content = render(data, scales, kind, width_mm=width_mm, dpi=dpi)
-    return File(file_name(state, _what(state, single), kind), content)
+    data = _maps(state, store)
+    scales = store.scales(state, data, _quantities(state))
+    export = state.export
+    content = render(data, scales, kind, width_mm=export.width, dpi=export.dpi)
+    return File(_maps_name(state, kind), content)
 
 
-def table(state: State, store: MapStore, kind: str, single: bool) -> File:
-    """Write the numbers of maps, with where they come from.
-
-    Args:
-        state: What to show.
-        store: Where maps come from.
-        kind: One of `TABLE_FORMATS`.
-        single: One map of the chosen quantity instead of the three torques.
+def table(state: State, store: MapStore, kind: str) -> File:
+    """Write the numbers of maps, with where they come from; arguments as of `figure`.
 
     Raises:
         InvalidInput: If there is no such kind.
     """
-    data = store.data(state, FULL, shown_quantities(state, single))
-    return File(file_name(state, _what(state, single), kind), table_bytes(map_table(data), kind))
+    return File(_maps_name(state, kind), table_bytes(map_table(_maps(state, store)), kind))
+
+
+def _quantities(state: State) -> tuple[str, ...]:
+    return (state.map_view.quantity,) if state.export.single else TORQUES
+
+
+def _maps(state: State, store: MapStore) -> MapData:
+    return store.data(state, FULL, _quantities(state))
+
+
+def _maps_name(state: State, kind: str) -> str:
+    single = state.export.single
+    what = state.map_view.quantity.replace("_", "-") if single else "torque-maps"
+    return file_name(state, f"{what}-difference" if shows_difference(state) else what, kind)
 
 
 def robot(state: State) -> File:
@@ -178,13 +154,12 @@ def _standing(state: State) -> tuple[Design, Configuration]:
     return design, inverse_kinematics(standing.geometry, standing.pose)
 
 
-def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None) -> File:
+def view(state: State, client: viser.ClientHandle) -> File:
     """Take a picture of the 3D view, as the page draws it.
 
     Args:
-        state: What it shows, for the name.
+        state: What it shows, for the name, and the picture's size.
         client: The page.
-        size: Width and height [pixels], or None for those of the page.
 
     Raises:
         NoView: If the page does not answer in time.
@@ -193,7 +168,7 @@ def view(state: State, client: viser.ClientHandle, size: tuple[int, int] | None)
 
     camera = client.camera
     low, high = VIEW_SIDES
-    width, height = size or (camera.image_width, camera.image_height)
+    width, height = state.export.view_size or (camera.image_width, camera.image_height)
     width, height = (int(min(max(side, low), high)) for side in (width, height))
     try:
         pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
@@ -215,21 +190,17 @@ def motion_figure_kind(state: State) -> FigureKind:
     return FIGURES.get(plot) or next(kind for kind in FIGURE_KINDS if kind == plot)
 
 
-def motion_figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
+def motion_figure(state: State, kind: str) -> File:
     """Draw the curves of the motion for print.
 
     Args:
-        state: What to show.
+        state: What to show; its ``export`` says how large.
         kind: Name of a figure format.
-        width_mm: Width [mm].
-        dpi: Pixels per inch.
 
     Raises:
-        InvalidInput: If there is no motion, no simulation or no engine's torques of it, or a
-            number is out of its range.
+        InvalidInput: If there is no motion, no simulation or no engine's torques of it, or kind,
+            width or resolution is not possible.
     """
-    require_range("width", width_mm, WIDTHS)
-    require_range("dpi", dpi, RESOLUTIONS)
     found, what = _motion_results(state), motion_figure_kind(state)
     sources, title = found.sources, None
     if what == "tracking" and not motions.simulation_is_current(state):
@@ -242,9 +213,8 @@ def motion_figure(state: State, kind: str, width_mm: float, dpi: float) -> File:
         published = sources.published
         title = f"Formulas{' as published' if published else ''} and {check.engine.name}"
         sources = SeriesSources(published or sources.analysis, engine=check.engine)
-    content = render_series(
-        build_series(what, sources), kind, width_mm=width_mm, dpi=dpi, title=title
-    )
+    export, data = state.export, build_series(what, sources)
+    content = render_series(data, kind, width_mm=export.width, dpi=export.dpi, title=title)
     return File(_motion_name(state, found, what, kind), content)
 
 

@@ -1,12 +1,14 @@
 """A resumable CSV table: a run that writes it for hours may be killed at any moment and continued.
 
 Every row begins with its number. Rows are appended in order, so that all a kill can leave behind is
-a last line without its end. That line is cut off, and the next row written in its place.
+a last line without its end. That line is cut off, and the next row written in its place. A checksum
+at the end of every row tells one that was changed since; tables of earlier versions have none.
 """
 
 from __future__ import annotations
 
 import os
+import zlib
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from types import TracebackType
@@ -15,6 +17,9 @@ from typing import BinaryIO
 from paminsa_viz.files.atomic import as_file_error
 from paminsa_viz.files.errors import TableFileError, printable
 from paminsa_viz.files.tables import header_lines
+
+CHECKSUM = "crc32"
+"""Column of the rows' checksums: CRC-32 of the text before it, in hexadecimal digits."""
 
 LONGEST_LINE = 1_000_000
 """Longest line [bytes]; a file of something else must not fill the memory."""
@@ -53,6 +58,7 @@ class ResumableCsv:
         """
         self._source = os.fspath(path)
         self._columns = tuple(columns)
+        self._checked = True
         self.rows = 0
         try:
             # Neither "r+" nor "w": what is there stays, and what is not there is made.
@@ -93,23 +99,32 @@ class ResumableCsv:
         Has to be run through before `append`.
 
         Raises:
-            TableFileError: At a row that is none, or is not the next one.
+            TableFileError: At a row that is none, is not the next one, or was changed.
         """
         self.rows = 0
         end = self._file.seek(self._start)
         while (line := self._file.readline(LONGEST_LINE)).endswith(b"\n"):
-            cells = tuple(line.decode("utf-8", "replace")[:-1].split(","))
-            if len(cells) != len(self._columns) or cells[0] != str(self.rows):
-                problem = (
-                    f"is not the row {self.rows} that belongs here; cut the file off before it, or "
-                    "begin again"
-                )
-                raise TableFileError(self._source, problem, row=self._head_lines + self.rows + 1)
+            text = line.decode("utf-8", "replace")[:-1]
+            cells = tuple(text.split(","))
+            if cells[0] != str(self.rows):
+                raise self.row_error(f"is not the row {self.rows} that belongs here")
+            if self._checked:
+                *_, checksum = cells
+                cells = cells[:-1]
+                if checksum != _checksum(",".join(cells)):
+                    raise self.row_error("was changed after it was written: its checksum differs")
+            if len(cells) != len(self._columns):
+                raise self.row_error(f"is not the row {self.rows} that belongs here")
             end += len(line)
-            self.rows += 1
             yield cells
+            self.rows += 1
         self._file.truncate(end)
         self._file.seek(end)
+
+    def row_error(self, problem: str) -> TableFileError:
+        """Return the error of the row that is being read, with what can be done about it."""
+        problem += "; restore it, cut the file off before it, or begin again"
+        return TableFileError(self._source, problem, row=self._head_lines + self.rows + 1)
 
     def append(self, rows: Iterable[Sequence[str]]) -> None:
         """Append rows, numbered on from those that are there, and hand them to the system.
@@ -121,7 +136,8 @@ class ResumableCsv:
         for cells in rows:
             if cells[0] != str(self.rows + len(lines)):
                 raise ValueError(f"row {cells[0]} is not the next one")
-            lines.append(",".join(cells) + "\n")
+            text = ",".join(cells)
+            lines.append(f"{text},{_checksum(text)}\n" if self._checked else f"{text}\n")
         self._write("".join(lines))
         self.rows += len(lines)
 
@@ -150,7 +166,8 @@ class ResumableCsv:
             text = line.decode("utf-8", "replace").rstrip("\n")
             if text.startswith("#"):
                 found.append(text)
-            elif wanted in found and text == ",".join(self._columns):
+            elif wanted in found and text in (self._heading(True), self._heading(False)):
+                self._checked = text == self._heading(True)
                 self._head_lines, self._start = number, self._file.tell()
                 return True
             else:
@@ -159,10 +176,13 @@ class ResumableCsv:
         problem = f"holds {other}; take another name, or begin again"
         raise TableFileError(self._source, problem)
 
+    def _heading(self, checked: bool) -> str:
+        return ",".join((*self._columns, CHECKSUM) if checked else self._columns)
+
     def _begin(self, head: Mapping[str, str]) -> None:
         self._file.seek(0)
         self._file.truncate()
-        self._write(header_lines(head, self._columns))
+        self._write(header_lines(head, [self._heading(True)]))
         self._head_lines, self._start = len(head) + 1, self._file.tell()
 
     def _lock(self) -> None:
@@ -177,6 +197,10 @@ class ResumableCsv:
             raise TableFileError(self._source, "is being written by another process") from None
         except OSError:
             return  # some network disks know no locks
+
+
+def _checksum(text: str) -> str:
+    return f"{zlib.crc32(text.encode()):08x}"
 
 
 def _first(head: Mapping[str, str]) -> str:

@@ -1,4 +1,4 @@
-"""Tables: one reader of CSV, in blocks of bounded memory, and one writer for every format.
+"""Tables: one writer for every format; `table_reader` reads CSV.
 
 Numbers keep every bit: text has each in the shortest form that reads back as the same number. A
 format is one entry in `TABLE_FORMATS`; the page, the command line and the exports offer what is
@@ -7,34 +7,22 @@ there.
 
 from __future__ import annotations
 
-import csv
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from io import BytesIO
-from itertools import chain, islice
-from typing import Any, TextIO
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.files.atomic import as_file_error
-from paminsa_viz.files.columns import Column, TableKind, match_columns
-from paminsa_viz.files.errors import TableFileError, printable, shown
+from paminsa_viz.files.errors import printable
 
 ROWS_AT_ONCE = 20_000
 """Rows in one block: enough for array speed, some 40 MB."""
-
-MOST_BLANK_ROWS = 20_000
-"""Blank rows that may end a table."""
-
-LONGEST_ROW = 100_000
-"""Longest line [characters]; a file without line ends must not fill the memory."""
-
-MISSING = "the value is missing"
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,193 +106,3 @@ def table_bytes(table: DataTable, kind: str) -> bytes:
     if kind not in TABLE_FORMATS:
         raise InvalidInput("kind", f"{' or '.join(TABLE_FORMATS)} is needed")
     return TABLE_FORMATS[kind](table)
-
-
-@dataclass(frozen=True, eq=False)
-class TableBlock:
-    """Some rows of a table.
-
-    Attributes:
-        first_row: Row of the first of them, as a spreadsheet counts.
-        cells: Their texts, in the file's column order.
-        values: (n,) numbers in SI units by column name, of the columns that are read.
-    """
-
-    first_row: int
-    cells: list[list[str]]
-    values: Mapping[str, NDArray[np.float64]]
-
-    def group(self, names: tuple[str, ...], default: float = 0.0) -> NDArray[np.float64]:
-        """Return columns that come together as (n, columns); they are ``default`` if not there."""
-        missing = np.full(len(self.cells), default)
-        return np.stack([self.values.get(name, missing) for name in names], axis=1)
-
-
-class TableReader:
-    """An open CSV table: its header is checked, its rows are read when asked for.
-
-    Lines that begin with ``#`` may come before the header. Columns are in any order.
-
-    Attributes:
-        header: Names of all columns.
-        columns: The columns that are read.
-    """
-
-    def __init__(self, lines: TextIO, kind: TableKind, source: str) -> None:
-        """Read and check the header.
-
-        Args:
-            lines: The text, opened with ``newline=""``.
-            kind: What the table has to hold.
-            source: Its name, for messages.
-
-        Raises:
-            TableFileError: If the header is not one of such a table.
-        """
-        self._source = source
-        self._row = 1
-        text = _bounded(lines)
-        self._records = csv.reader(chain(self._after_comments(text), text), strict=True)
-        head_row = self._row
-        header = self._read(1)
-        if not header:
-            needed = ",".join(kind.needed)
-            raise TableFileError(source, f"is empty; a header row with {needed} is needed")
-        self.header = tuple(name.strip() for name in header[0])
-        self.columns: tuple[Column, ...] = match_columns(self.header, kind, source, head_row)
-
-    def blocks(self, rows_at_once: int = ROWS_AT_ONCE) -> Iterator[TableBlock]:
-        """Yield the rows in their order, at most ``rows_at_once`` in a block.
-
-        Blank rows at the end of the table are left out.
-
-        Raises:
-            TableFileError: At a row that is blank or of another length, or a cell that is missing
-                or no finite number; and if more than `MOST_BLANK_ROWS` blank rows end the table.
-        """
-        blank_row = 0
-        while True:
-            first_row, cells = self._row, self._read(rows_at_once)
-            if not cells:
-                return
-            while cells and _is_blank(cells[-1]):
-                cells.pop()
-            if cells and blank_row:
-                raise self._refused("the row is empty, but others follow it", blank_row)
-            if blank_row and self._row - blank_row > MOST_BLANK_ROWS:
-                raise self._refused(f"over {MOST_BLANK_ROWS} blank rows end the table", blank_row)
-            if cells:
-                yield TableBlock(first_row, cells, self._values(cells, first_row))
-            if first_row + len(cells) < self._row:
-                blank_row = blank_row or first_row + len(cells)
-
-    def _after_comments(self, text: Iterator[str]) -> list[str]:
-        """Pass over lines that begin with ``#``; return the line after them, if there is one."""
-        try:
-            for line in text:
-                if not line.startswith("#"):
-                    return [line]
-                self._row += 1
-        except csv.Error as error:
-            raise self._refused(f"is not valid CSV: {error}", self._row) from error
-        return []
-
-    def _read(self, count: int) -> list[list[str]]:
-        """Return up to ``count`` records; a line end inside quotes does not count as a row."""
-        records: list[list[str]] = []
-        try:
-            # Keeps what it has read when the reader raises, so that the row is known.
-            records.extend(islice(self._records, count))
-        except csv.Error as error:
-            row = self._row + len(records)
-            raise self._refused(f"is not valid CSV: {error}", row) from error
-        except OSError as error:
-            raise as_file_error(self._source, error, "read", TableFileError) from error
-        self._row += len(records)
-        return records
-
-    def _values(self, cells: list[list[str]], first_row: int) -> dict[str, NDArray[np.float64]]:
-        places = [column.place for column in self.columns]
-        same_length = {len(record) for record in cells} == {len(self.header)}
-        kept = [[row[place] for place in places] for row in cells] if same_length else []
-        numbers = _numbers(kept) if same_length else None
-        if numbers is None:
-            raise self._first_fault(cells, first_row)
-        return {c.name: numbers[:, i] * c.factor for i, c in enumerate(self.columns)}
-
-    def _first_fault(self, cells: list[list[str]], first_row: int) -> TableFileError:
-        """Return the error of the first row that `_values` would not take."""
-        for row, record in enumerate(cells, first_row):
-            if _is_blank(record):
-                return self._refused("the row is empty, but others follow it", row)
-            present = [column for column in self.columns if column.place < len(record)]
-            for name, cell in ((column.header, record[column.place]) for column in present):
-                if problem := _cell_problem(cell):
-                    return TableFileError(self._source, problem, row=row, column=name, value=cell)
-            if len(record) < len(self.header):
-                return self._refused(MISSING, row, self.header[len(record)])
-            if len(record) > len(self.header):
-                counts = f"{len(record)} values for {len(self.header)} columns"
-                return self._refused(f"there are {counts}", row)
-        raise AssertionError("every cell is a finite number")
-
-    def _refused(self, problem: str, row: int | None = None, column: str = "") -> TableFileError:
-        return TableFileError(self._source, problem, row=row, column=column)
-
-
-def open_table(path: str | os.PathLike[str]) -> TextIO:
-    """Open a CSV file as text, whatever its bytes are; wrong ones show up in the cell they are in.
-
-    Raises:
-        TableFileError: If it cannot be opened.
-    """
-    try:
-        with open(path, "rb") as file:
-            mark = file.read(2)
-        lines = open(  # noqa: SIM115  the caller closes it
-            path, encoding="utf-8-sig", errors="surrogateescape", newline=""
-        )
-    except (OSError, ValueError) as error:
-        raise as_file_error(os.fspath(path), error, "read", TableFileError) from error
-    if mark in (b"\xff\xfe", b"\xfe\xff"):
-        lines.close()
-        raise TableFileError(os.fspath(path), "is UTF-16; save it as CSV in UTF-8")
-    return lines
-
-
-def _bounded(lines: TextIO) -> Iterator[str]:
-    """Yield the lines; raises at one that is too long before it is read to its end."""
-    while line := lines.readline(LONGEST_ROW):
-        if len(line) == LONGEST_ROW:
-            raise csv.Error(f"the row is longer than {LONGEST_ROW} characters")
-        yield line
-
-
-def _is_blank(record: list[str]) -> bool:
-    return not any(map(str.strip, record))
-
-
-def _numbers(cells: list[list[str]]) -> NDArray[np.float64] | None:
-    """Return rows of equal length as an array, or None if one of them is no finite number."""
-    # Python's float() also takes 1_000 and the digits of other scripts; a table must not.
-    text = "".join(chain.from_iterable(cells))
-    if not text.isascii() or "_" in text:
-        return None
-    try:
-        numbers = map(float, chain.from_iterable(cells))
-        flat = np.fromiter(numbers, np.float64, len(cells) * len(cells[0]))
-    except ValueError:
-        return None
-    return flat.reshape(len(cells), -1) if np.isfinite(flat).all() else None
-
-
-def _cell_problem(cell: str) -> str:
-    if not cell.strip():
-        return MISSING
-    try:
-        number = float(cell) if cell.isascii() and "_" not in cell else None
-    except ValueError:
-        number = None
-    if number is None:
-        return f"{shown(cell)} is not a number"
-    return "" if np.isfinite(number) else f"{shown(cell)} is not a finite number"

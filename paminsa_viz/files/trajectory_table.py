@@ -28,7 +28,8 @@ from paminsa_viz.files.columns import (
     part_columns,
 )
 from paminsa_viz.files.errors import TableFileError, shown
-from paminsa_viz.files.tables import DataTable, TableReader, open_table, provenance
+from paminsa_viz.files.table_reader import TableReader, open_table
+from paminsa_viz.files.tables import DataTable, provenance
 from paminsa_viz.model.design import PARAMETERS, Design
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
@@ -105,7 +106,12 @@ def _parameters(design: Design) -> dict[str, str]:
 
 
 def parse_trajectory(
-    lines: TextIO, source: str, *, rest: bool = False, name: str = ""
+    lines: TextIO,
+    source: str,
+    *,
+    rest: bool = False,
+    name: str = "",
+    timeout: float | None = None,
 ) -> Trajectory:
     """Read a trajectory from an open table.
 
@@ -114,11 +120,12 @@ def parse_trajectory(
         source: Its name, for messages.
         rest: See `from_samples`: whether it starts and ends at rest; for waypoints.
         name: The trajectory's name; that of the file by default.
+        timeout: How long the table may take to read [s]; None for as long as it takes.
 
     Raises:
         TableFileError: If the table is refused; row and column say where.
     """
-    table = TableReader(lines, TRAJECTORY, source)
+    table = TableReader(lines, TRAJECTORY, source, timeout)
     time = next(column for column in table.columns if column.name == TIME)
     parts = [{column.name: np.empty(0) for column in table.columns}]
     first_row = 0

@@ -50,8 +50,8 @@ _HOMES = {
     "placement": ("BODIES", "Placement", "place_parts"),
     "posed": ("assemble_glb",),
 }
-"""Modules of the other names. They are imported when asked for: trimesh takes half a second, and
-whoever needs lengths alone should not wait for it."""
+"""Modules of the other names. They are imported on first use: trimesh takes half a second,
+which lengths alone do not need."""
 
 
 def __getattr__(name: str) -> object:

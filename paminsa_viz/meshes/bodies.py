@@ -1,7 +1,7 @@
 """The moving bodies, made to the design's lengths out of fixed parts and tubes.
 
 `make_body` gives any body by its name in its own frame (see `paminsa_viz.meshes.placement`);
-`lengths_of` tells which lengths it depends on, so that a viewer rebuilds only what changed.
+`lengths_of` gives the lengths it depends on, so that a viewer rebuilds changed bodies only.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def color_of(body: str) -> str:
 
 
 def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
-    """Return what a body's shape depends on; equal tuples mean an equal shape.
+    """Return the lengths that decide a body's shape; equal tuples mean an equal shape.
 
     Raises:
         KeyError: If there is no such body.
@@ -119,13 +119,13 @@ def make_body(body: str, geometry: Geometry) -> MeshPart:
 
 @lru_cache(maxsize=64)
 def _made(maker: Callable[..., MeshPart], lengths: tuple[object, ...], plain: bool) -> MeshPart:
-    """Return a moving body; the three legs share what is made here."""
+    """Return a moving body; the three legs share it."""
     del plain  # only tells one from the other
     return maker(*lengths)
 
 
 def _kind(body: str) -> str:
-    """Return what kind of body a name stands for: the same for the three legs."""
+    """Return the kind of a body: the same for the three legs."""
     if body not in BODIES and body not in STANDING:
         raise KeyError(body)
     return body.rpartition("/")[2]
@@ -134,7 +134,7 @@ def _kind(body: str) -> str:
 def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> MeshPart:
     """Return a joint pin across the leg plane from ``low`` to ``high`` [m].
 
-    Heads stand outside; an end without one is flush, where something else passes close by.
+    Heads protrude; an end without one is flush, where another body passes close by.
     """
     part = MeshPart().add("steel", moved(rod(at.PIN_RADIUS, low, high, 0.0, 8), rotation=ACROSS))
     for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):

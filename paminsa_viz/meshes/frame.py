@@ -1,4 +1,4 @@
-"""The standing part of the machine: ground, posts, base plate with M1..M3, and M4's column."""
+"""The fixed part of the machine: ground, posts, base plate with M1..M3, and M4's column."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def ground(geometry: Geometry) -> MeshPart:
     part = MeshPart().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
     rim = [np.array([polar(radius, a, h) for a in _ROUND]) for h in (top - 0.020, top - 0.0015)]
     part.add("rim", loft(rim))
-    # Circles every 0.2 m for scale; they stand out by less than the pictures laid on the floor.
+    # Circles every 0.2 m for scale; they protrude by less than the images on the floor.
     for line in np.arange(0.2, radius - 0.05, 0.2):
         part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
     return part
@@ -140,7 +140,7 @@ def _mast(place: FrameLayout) -> MeshPart:
     profile = prism(rounded_rectangle(*MAST, 0.010, steps=3), low + 0.008, top, 0.001)
     part.add("frame", moved(profile, where, spin))
     for side in (-1.0, 1.0):
-        # Dark inlays in the profile's grooves; they stand out by less than can be seen.
+        # Dark inlays in the profile's grooves; they protrude by less than can be seen.
         for offset in (-0.022, 0.022):
             groove = box((0.008, 0.002, top - low - 0.07), chamfer=0.0)
             across = np.array([offset, side * (MAST[1] / 2 - 0.0006), (top + low) / 2])

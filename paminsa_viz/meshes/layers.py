@@ -4,7 +4,7 @@ The leg frame has x along the horizontal direction of the leg plane (from the le
 platform), y across it and z up. Shaft B2, guide link B10 and the slider lie in the middle (y = 0).
 B8 runs on one side of them; B4 and B7, which are parallel, share the layer on the other side, and
 B3 runs outside those. So bars that cross each other are never in one layer, whatever the pose and
-the assembly, and no bar is in the middle, where the shaft stands. Pins bridge the layers at the
+the knee, and no bar is in the middle, where the shaft is. Pins bridge the layers at the
 joints. All lengths in meters.
 """
 
@@ -20,7 +20,7 @@ BARREL: Final = 0.026
 BARREL_RADIUS: Final = 0.0165
 PIN_RADIUS: Final = 0.0065
 PIN_HEAD: Final = 0.0045
-"""How far a pin's head stands out of the outermost barrel on it."""
+"""How far a pin's head protrudes from the outermost barrel on it."""
 
 LAYER: Final[dict[str, float]] = {"b8": -0.036, "b4": 0.036, "b7": 0.036, "b3": 0.065}
 """Offset of the middle of each bar from the leg plane."""

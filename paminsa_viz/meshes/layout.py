@@ -1,4 +1,4 @@
-"""Where the machine's frame stands: heights and radii that follow from the geometry.
+"""Layout of the machine's frame: heights and radii that follow from the geometry.
 
 The frame is drawn around the mechanism; the paper does not give it. With the lower knee the
 robot hangs from a mast with one arm: M1..M3 sit on a base plate above the guides and M4 is a column
@@ -59,7 +59,7 @@ class FrameLayout:
 
 
 def mast_radius(geometry: Geometry) -> float:
-    """Return how far out the mast stands, so that no link reaches it at any angle [m]."""
+    """Return the mast's distance from the axis, out of reach of any link at any angle [m]."""
     reach = max(
         geometry.guide_link_length + at.SLIDER_HALF,
         geometry.stroke + at.SLIDER_HALF,

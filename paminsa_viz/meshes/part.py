@@ -47,7 +47,7 @@ SURFACES: dict[str, Surface] = {
 """Every material that a part may carry, by name."""
 
 COMMON = Surface("#ffffff", 0.12, 0.46)
-"""What stands for all lit surfaces where each point has its own color."""
+"""The surface of all lit faces where each point has its own color."""
 
 
 def srgb_to_linear(color: str) -> tuple[float, float, float]:
@@ -129,7 +129,7 @@ class MeshPart:
     def colored_by_point(self, accent: str | None = None) -> dict[str, trimesh.Trimesh]:
         """Return one mesh of all lit materials and one of all others, colored at their vertices.
 
-        `COMMON` is the surface of both: every mesh of every picture has its price.
+        `COMMON` is the surface of both: fewer meshes are faster to draw.
         """
         out = {}
         for label, lit in (("lit", True), ("unlit", False)):

@@ -1,11 +1,11 @@
 """The MuJoCo model with the robot's real shapes: an MJCF text and the mesh files it names.
 
 `paminsa_viz.engines.mjcf` writes the mechanics, with capsules for looks. Here every body gets its
-meshes on top, as geoms without mass that touch nothing, so that the mechanics stay what they were.
-The capsules move to group 3, which viewers hide until asked.
+meshes on top, as geoms without mass that touch nothing, so that the mechanics do not change.
+The capsules move to group 3, which viewers hide by default.
 
 One shape has no body of its own: the swivels of joint 5, on which the mechanics put a point mass.
-Their round feet go with the platform; their heads and pins go with B4, as they stand at the start.
+Their round feet go with the platform; their heads and pins go with B4, as they are at the start.
 """
 
 from __future__ import annotations
@@ -47,12 +47,12 @@ def robot_files(text: str, design: Design, configuration: Configuration) -> dict
     """Return an MJCF model with meshes as files by name: ``robot.xml`` and ``meshes/*.obj``.
 
     Args:
-        text: What `paminsa_viz.engines.mjcf` wrote for the design, standing in the configuration.
+        text: What `paminsa_viz.engines.mjcf` wrote for the design in the configuration.
         design: The robot; its geometry is the configuration's.
         configuration: A solved configuration of shape ().
 
     Raises:
-        InvalidInput: If the text stands in another pose or belongs to another robot.
+        InvalidInput: If the text is of another pose or robot.
     """
     root = ET.fromstring(text)
     frames = dict(_frames(root))
@@ -60,7 +60,7 @@ def robot_files(text: str, design: Design, configuration: Configuration) -> dict
         raise InvalidInput("configuration", "one pose of the design's geometry is needed")
     place = place_parts(configuration)["platform"].matrix
     if PLATFORM not in frames or np.abs(frames[PLATFORM] - place).max() > 1e-9:
-        raise InvalidInput("text", "it is not the design's model, standing in the configuration")
+        raise InvalidInput("text", "it is not the design's model in the configuration")
     element = {body.attrib["name"]: body for body in root.iter("body")}
     assets, compiler = root.find("asset"), root.find("compiler")
     if assets is None or compiler is None:

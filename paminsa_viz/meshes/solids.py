@@ -32,7 +32,7 @@ _plain = ContextVar("plain", default=False)
 def plain_shapes() -> Iterator[None]:
     """Make solids with few faces: sharp edges, and round sides that only look round.
 
-    A browser without a graphics card takes two microseconds for every triangle of every picture.
+    A browser without a graphics card takes two microseconds for every triangle of every frame.
     """
     before = _plain.set(True)
     try:

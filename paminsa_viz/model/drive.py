@@ -256,8 +256,8 @@ def checked_envelope(envelope: object) -> Envelope:
     speeds = [speed for speed, _ in points]
     if speeds[0] != 0 or any(b <= a for a, b in pairwise(speeds)):
         raise refused("an envelope is a function of the speed: speeds start at 0 and increase")
-    if max(torque for _, torque in points) == 0:
-        raise refused("a torque above 0 is needed somewhere")
+    if points[0][1] == 0:
+        raise refused("the torque at speed 0 has to be above 0")
     return points
 
 

@@ -9,6 +9,7 @@ from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from paminsa_viz.model.leg import leg_vector, mechanism
+from paminsa_viz.model.robot import platform_determinant
 
 
 @np.errstate(all="ignore")
@@ -63,13 +64,17 @@ def inverse_jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
 def jacobian(geometry: Geometry, pose: ArrayLike) -> Array:
     """Return J, the inverse of `inverse_jacobian`, (..., 4, 4); not finite where it is singular.
 
+    Singular is what rounding cannot tell from it, see `singularity`.
+
     J is the general Jacobian of Eqs. 2 and 3: (x', y', theta', z') = J (theta_1', .., Z').
     """
     g = inverse_jacobian(geometry, pose)
     columns = g[..., :3, :3]
     a, b, c = columns[..., 0, :], columns[..., 1, :], columns[..., 2, :]
     cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=-1)
-    det = np.sum(a * cofactors[..., 0], axis=-1)[..., None, None]
+    x, y, theta, _ = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
+    singular = platform_determinant(mechanism(geometry), x, y, np.cos(theta)) == 0.0
+    det = np.where(singular, 0.0, np.sum(a * cofactors[..., 0], axis=-1))[..., None, None]
     j = np.zeros_like(g)
     j[..., :3, :3] = cofactors / det
     j[..., 3, 3] = geometry.magnification

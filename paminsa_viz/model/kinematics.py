@@ -10,7 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arrays import Array, aligned, as_vectors, together
 from paminsa_viz.model.design import Geometry
-from paminsa_viz.model.leg import LegMotion, LegPosition, leg_motion, leg_position, mechanism
+from paminsa_viz.model.leg import (
+    ROUNDING,
+    LegMotion,
+    LegPosition,
+    leg_motion,
+    leg_position,
+    mechanism,
+)
 from paminsa_viz.model.leg_points import point_weights
 from paminsa_viz.model.reach import Reach, check_reach
 from paminsa_viz.model.robot import AXIS_X, AXIS_Y
@@ -214,9 +221,11 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyMode
     """Return all poses for given actuator positions, in closed form.
 
     The closure equations (Eq. 16) are linear in x, y, cos theta and sin theta; with
-    cos^2 + sin^2 = 1 that is one quadratic. Where all leg lines meet in one point, or are
-    parallel, the platform can move with locked actuators: there is no isolated pose, and NaN is
-    returned. A pantograph limit is not looked at; see `reach`.
+    cos^2 + sin^2 = 1 that is one quadratic. At cos theta = R_pl/R_b its roots are the same, and
+    known to half of the digits, some 1e-8. There is no isolated pose, and NaN is returned, where
+    the platform can move with locked actuators: where all leg lines are parallel, and on the
+    singular circle, where they meet in one point and turn by -120 degrees from leg to leg. A
+    pantograph limit is not looked at; see `reach`.
 
     Args:
         geometry: Lengths of the mechanism.
@@ -233,7 +242,10 @@ def forward_kinematics(geometry: Geometry, actuators: ArrayLike) -> AssemblyMode
     b = np.sum(n * np.cos(gamma), axis=-1)
     size = np.hypot(a, b)
     size = np.where(size > 1e-12, size, np.nan)
-    half = np.arccos(geometry.base_radius / geometry.platform_radius * a / size)
+    ratio = geometry.base_radius / geometry.platform_radius * a / size
+    # At a double root it is 1 in size, but for rounding.
+    slack = 4 * ROUNDING * geometry.base_radius / geometry.platform_radius / size
+    half = np.arccos(np.where(np.abs(ratio) <= 1 + slack, np.clip(ratio, -1, 1), np.nan))
     middle = np.arctan2(b, a)
     theta = wrap(np.stack([-middle + half, -middle - half], axis=-1))
     # s_k = sin b (x + p_x - e_x) - cos b (y + p_y - e_y) = 0 for all three legs, as least squares

@@ -16,6 +16,12 @@ import numpy as np
 
 from paminsa_viz.model.design import Geometry
 
+ROUNDING = 2.0**-48
+"""What rounding may change of a number, as a share of the numbers that it is the difference of.
+
+It is 16 units of the last place. A distance to a singularity within it counts as zero.
+"""
+
 
 class Mechanism(NamedTuple):
     """The lengths of a geometry in the form the formulas need [m]."""
@@ -38,11 +44,16 @@ class Mechanism(NamedTuple):
     clearance: float
     rho2_min: float  # the last two as bounds of rho^2
     rho2_max: float
+    reach2_min: float  # |l_B4 - l_B8| and l_B4 + l_B8 as bounds of |85|^2, less what is rounding
+    reach2_max: float
 
 
 def mechanism(geometry: Geometry) -> Mechanism:
     """Return the numbers of a geometry in the form the formulas need."""
     k = geometry.magnification
+    crank, coupler = geometry.crank_length, geometry.coupler_length
+    blur = ROUNDING * (geometry.base_radius + geometry.platform_radius)
+    reach_blur = ROUNDING * (crank + coupler) + geometry.span_ratio * blur
     return Mechanism(
         span_ratio=geometry.span_ratio,
         guide_ratio=1 / (k - 1),
@@ -52,16 +63,18 @@ def mechanism(geometry: Geometry) -> Mechanism:
         platform_radius=geometry.platform_radius,
         joint_height=geometry.platform_joint_height,
         shaft=geometry.shaft_length,
-        crank=geometry.crank_length,
-        coupler=geometry.coupler_length,
+        crank=crank,
+        coupler=coupler,
         inverse_span_ratio=1 / geometry.span_ratio,
-        inverse_crank=1 / geometry.crank_length,
-        inverse_coupler=1 / geometry.coupler_length,
+        inverse_crank=1 / crank,
+        inverse_coupler=1 / coupler,
         root=geometry.knee.sign,
         stroke=geometry.stroke,
         clearance=geometry.axis_clearance,
-        rho2_min=geometry.axis_clearance**2,
+        rho2_min=max(geometry.axis_clearance, blur) ** 2,
         rho2_max=(geometry.stroke * (k - 1)) ** 2,
+        reach2_min=(abs(coupler - crank) + reach_blur) ** 2,
+        reach2_max=(crank + coupler - reach_blur) ** 2,
     )
 
 

@@ -28,16 +28,23 @@ class LegMargins(NamedTuple):
 def leg_margins(
     m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any, z: Any
 ) -> LegMargins:
-    """Return the margins of one leg; arguments as in `leg_position`."""
+    """Return the margins of one leg; arguments as in `leg_position`.
+
+    A margin to a singularity that may be one of rounding is zero.
+    """
     v = leg_vector(m, ax, ay, x, y, c, s)
     rho = np.sqrt(v.rho2)
     zeta = z + m.joint_height
-    distance = np.sqrt(m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta)
+    reach2 = m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta
+    distance = np.sqrt(reach2)
+    stretch = m.crank + m.coupler - distance
+    fold = distance - np.abs(m.coupler - m.crank)
+    axis = rho - m.clearance
     return LegMargins(
-        m.crank + m.coupler - distance,
-        distance - np.abs(m.coupler - m.crank),
+        where((reach2 >= m.reach2_max) & (stretch > 0.0), 0.0, stretch),
+        where((reach2 <= m.reach2_min) & (fold > 0.0), 0.0, fold),
         m.stroke - m.guide_ratio * rho,
-        rho - m.clearance,
+        where((v.rho2 <= m.rho2_min) & (axis > 0.0), 0.0, axis),
     )
 
 

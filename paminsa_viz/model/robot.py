@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from paminsa_viz.model.leg import (
+    ROUNDING,
     LegPosition,
     LegVector,
     Mechanism,
@@ -46,11 +47,16 @@ def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
     """Return det of the rows (w_k rho_k, p_k . d_k) [m^4], zero at type-2 singularities.
 
     It has the closed form -(3 sqrt(3)/2) R_pl (R_b cos theta - R_pl) (r_s^2 - x^2 - y^2) with
-    r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta.
+    r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. It is zero where rounding decides over the sign
+    of one of the two factors.
     """
     rb, rp = m.base_radius, m.platform_radius
     locus = rb * rb + rp * rp - 2.0 * rb * rp * c
-    return -3.0 * HALF_ROOT_3 * rp * (rb * c - rp) * (locus - x * x - y * y)
+    turn = rb * c - rp
+    place = locus - x * x - y * y
+    size = rb + rp
+    decided = (np.abs(turn) > ROUNDING * size) & (np.abs(place) > ROUNDING * size * size)
+    return where(decided, -3.0 * HALF_ROOT_3 * rp * turn * place, 0.0)
 
 
 def solve_wrench(
@@ -85,9 +91,11 @@ def _slope(m: Mechanism, v: LegVector, zeta: Any) -> tuple[Any, Any]:
     return by_rho, by_zeta
 
 
-def _usable(m: Mechanism, v: LegVector) -> Any:
-    """Whether joint 8 is on its guide and joint 5 off its leg axis."""
-    return (v.rho2 <= m.rho2_max) & (v.rho2 > m.rho2_min)
+def _usable(m: Mechanism, v: LegVector, zeta: Any) -> Any:
+    """Whether joint 8 is on its guide, joint 5 off its leg axis, and the pantograph bent."""
+    reach2 = m.span_ratio * m.span_ratio * v.rho2 + zeta * zeta
+    on_guide = (v.rho2 <= m.rho2_max) & (v.rho2 > m.rho2_min)
+    return on_guide & (reach2 > m.reach2_min) & (reach2 < m.reach2_max)
 
 
 def unit_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any, Any, Any, Any]:
@@ -111,7 +119,7 @@ def unit_torques(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[
         + f3 * (v3.px * v3.dy - v3.py * v3.dx)
     )
     t = solve_wrench(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
-    usable = _usable(m, v1) & _usable(m, v2) & _usable(m, v3)
+    usable = _usable(m, v1, zeta) & _usable(m, v2, zeta) & _usable(m, v3, zeta)
     return (
         where(usable, t.t1 * v1.rho2, np.nan),
         where(usable, t.t2 * v2.rho2, np.nan),
@@ -171,7 +179,7 @@ def inverse_dynamics_kernel(
 
     v1, v2, v3 = _vector(g1), _vector(g2), _vector(g3)
     t = solve_wrench(platform_determinant(m, x, y, c), v1, v2, v3, fx, fy, ft)
-    usable = _usable(m, v1) & _usable(m, v2) & _usable(m, v3)
+    usable = _usable(m, v1, g1.zeta) & _usable(m, v2, g2.zeta) & _usable(m, v3, g3.zeta)
     # A_ij: d s_k = -rho_k^-1 (row of `solve_wrench`), d s_k / d theta_k = rho_k, d s_4 = (1/k, -1)
     lambda1, lambda2, lambda3 = -g1.rho * t.t1, -g2.rho * t.t2, -g3.rho * t.t3
     lambda4 = fz * m.k

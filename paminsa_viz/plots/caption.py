@@ -1,4 +1,4 @@
-"""What stands under a printed figure: what it shows, of which robot, where, and made by what."""
+"""The text below a figure: what it shows, which robot, where, and the version of this package."""
 
 from __future__ import annotations
 
@@ -6,8 +6,11 @@ import math
 
 import numpy as np
 
+from paminsa_viz import __version__
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.plots.hover import reasons
-from paminsa_viz.plots.map_data import MapData, Provenance
+from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.units import MM, number
 
@@ -19,11 +22,10 @@ _TIE = "\u00a0"  # a space at which lines do not break
 
 def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     """Return the caption of a figure as one paragraph."""
-    source = data.provenance
     x, y, z = (float(v) * MM for v in data.pose[[0, 1, 3]])
     theta = equals("θ", math.degrees(data.theta), "") + "°"
     parts = [
-        f"{robot(source)}; {theta}, {equals('z', z, 'mm')}.",
+        f"{robot(data.design, data.reference)}; {theta}, {equals('z', z, 'mm')}.",
         f"Ring: pose {equals('x', x, 'mm')}, {equals('y', y, 'mm')}{_trouble(data)}.",
         _contours(data, scales),
         "Thick line: boundary of the workspace; hatched: not reachable.",
@@ -33,29 +35,35 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
         parts.append(f"Dashed: singular positions, {radius}.")
     if _beyond(data, scales):
         parts.append("Pointed ends of the color bar: beyond its range.")
-    parts.append(f"paminsa_viz {source.version}.")
+    parts.append(f"paminsa_viz {__version__}.")
     return " ".join(part for part in parts if part)
 
 
-def robot(source: Provenance) -> str:
-    """Return which robot numbers are of, as the start of a sentence."""
-    numbers = "".join(f", {equals(s, v, u)}" for s, v, u in source.numbers)
-    words = f"PAMINSA, design {shown(source.design)}, {source.knee.label}{numbers}"
-    return f"{words}, minus design {shown(source.reference)}" if source.reference else words
+def key_numbers(design: Design) -> list[tuple[str, float, str]]:
+    """Return the numbers of a design that captions and tables name: symbol, value, unit (SI)."""
+    numbers = [("Mₚ₂", static_imbalance(design), "N")]
+    return numbers + ([("payload", design.payload.mass, "kg")] if design.payload.mass else [])
+
+
+def robot(design: Design, reference: Design | None = None) -> str:
+    """Return the robot that numbers belong to, as the start of a sentence."""
+    numbers = "".join(f", {equals(*each)}" for each in key_numbers(design))
+    words = f"PAMINSA, design {shown(design.name)}, {design.geometry.knee.label}{numbers}"
+    return f"{words}, minus design {shown(reference.name)}" if reference else words
 
 
 def summary(data: MapData) -> str:
     """Return one line about a map for a file's metadata."""
-    source = data.provenance
     x, y, theta, z = data.pose
     return (
-        f"{data.title or 'Map'} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
+        f"{data.title or 'Map'} of PAMINSA, design {shown(data.design.name)}, "
+        f"{data.design.geometry.knee.label}, "
         f"pose x = {x:.6g} m, y = {y:.6g} m, theta = {theta:.6g} rad, z = {z:.6g} m"
     )
 
 
 def shown(name: str) -> str:
-    """Return a name that a person gave, on one line and not too long, in quotation marks."""
+    """Return a user's name for something, shortened to one line, in quotation marks."""
     plain = " ".join("".join(c if c.isprintable() else " " for c in name).split())
     if len(plain) > LONGEST_NAME:
         plain = plain[: LONGEST_NAME - 1] + "…"

@@ -59,17 +59,13 @@ def oklab(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.cbrt(linear @ _LMS.T) @ _LAB.T
 
 
+@lru_cache(maxsize=16)
 def table(name: str) -> NDArray[np.float64]:
     """Return a color table (256, 3) of sRGB in 0..1, read-only.
 
     Raises:
         KeyError: If there is no such table; callers check the name first.
     """
-    return _table(name)
-
-
-@lru_cache(maxsize=16)
-def _table(name: str) -> NDArray[np.float64]:
     if name == "blue-vermillion":
         colors = np.concatenate([_arm(250.0, 0.125)[::-1], _arm(38.0, 0.14)])
     elif name in DIVERGING + SEQUENTIAL:

@@ -68,7 +68,7 @@ def contour_field(
 
 
 def boundary(data: MapData) -> Line:
-    """Return the boundary of what is reached: where the margin is zero, or along the cells."""
+    """Return the boundary of the workspace: where the margin is zero, or along the cells."""
     field, level = _reached(data)
     return _lines(_generator(data.x, data.y, field), level)
 
@@ -76,10 +76,7 @@ def boundary(data: MapData) -> Line:
 def reached_area(data: MapData) -> tuple[Line, NDArray[np.uint8]] | None:
     """Return the area within `boundary` as points (n, 2) [m] and codes of matplotlib's ``Path``."""
     field, level = _reached(data)
-    generator = contour_generator(
-        data.x, data.y, field, name="serial", fill_type=FillType.ChunkCombinedCode
-    )
-    chunks: Any = generator.filled(level, np.inf)
+    chunks: Any = _generator(data.x, data.y, field).filled(level, np.inf)
     points, codes = chunks[0][0], chunks[1][0]
     return None if points is None else (points, codes)
 
@@ -150,7 +147,10 @@ def joined(lines: list[Line]) -> Line:
 
 
 def _generator(x: Line, y: Line, field: Any) -> Any:
-    return contour_generator(x, y, field, name="serial", line_type=LineType.ChunkCombinedNan)
+    return contour_generator(
+        x, y, field, name="serial", line_type=LineType.ChunkCombinedNan,
+        fill_type=FillType.ChunkCombinedCode,
+    )  # fmt: skip
 
 
 def _lines(generator: Any, level: float) -> Line:

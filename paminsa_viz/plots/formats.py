@@ -1,7 +1,7 @@
 """Figure formats: the registry that page, command line and report read, and how a file is written.
 
-A new format is one entry of `FIGURE_FORMATS`. matplotlib is imported late, so that whoever only
-lists formats does not wait for it.
+A new format is one entry of `FIGURE_FORMATS`. matplotlib is imported late, since
+listing formats does not need it.
 """
 
 from __future__ import annotations
@@ -11,14 +11,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from io import BytesIO
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 INCH = 25.4  # mm
+POINT = INCH / 72  # mm
 
 WIDTHS = (50.0, 1000.0)
 """Possible widths of a figure [mm]."""
@@ -28,18 +30,14 @@ MOST_PIXELS = 20_000
 """Largest width of a figure made of pixels."""
 
 
-@dataclass(frozen=True)
-class Credits:
-    """What a file says of itself: title, one line about it, and the version of this package."""
+PROGRAM = f"paminsa_viz {__version__}"
+
+
+class Credits(NamedTuple):
+    """Metadata of a file: title, and one line about it."""
 
     title: str
     about: str
-    version: str
-
-    @property
-    def program(self) -> str:
-        """Name and version of this package."""
-        return f"paminsa_viz {self.version}"
 
 
 @dataclass(frozen=True)
@@ -72,20 +70,20 @@ FIGURE_FORMATS: dict[str, FigureFormat] = {
     for each in (
         FigureFormat(
             "png",
-            lambda c: {"Title": c.title, "Description": c.about, "Software": c.program},
+            lambda c: {"Title": c.title, "Description": c.about, "Software": PROGRAM},
             pixels=True,
         ),
         FigureFormat(
             "svg",
             # Without a date, so that equal input gives equal bytes; the same for PDF.
             lambda c: {
-                "Title": c.title, "Description": c.about, "Creator": c.program, "Date": None
+                "Title": c.title, "Description": c.about, "Creator": PROGRAM, "Date": None
             },
         ),
         FigureFormat(
             "pdf",
             lambda c: {
-                "Title": c.title, "Subject": c.about, "Creator": c.program,
+                "Title": c.title, "Subject": c.about, "Creator": PROGRAM,
                 "Producer": "matplotlib", "CreationDate": None,
             },
         ),
@@ -114,7 +112,7 @@ def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
     """Return a format after checking width [mm] and resolution [pixels per inch] for it.
 
     Raises:
-        InvalidInput: Which of them is not possible, and what is.
+        InvalidInput: If one of them is not possible; names the possible range.
     """
     chosen = figure_format(name)
     if not WIDTHS[0] <= width_mm <= WIDTHS[1]:
@@ -129,19 +127,19 @@ def check_size(name: str, width_mm: float, dpi: float) -> FigureFormat:
 
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",  # comes with matplotlib, so it is the same everywhere
-    "pdf.fonttype": 42,  # whole outlines, as journals ask
+    "pdf.fonttype": 42,  # whole outlines, as journals require
     "svg.fonttype": "path",
     "svg.hashsalt": "paminsa_viz",  # names of SVG elements, random otherwise
     "text.hinting": "none",  # so that text is as wide at every resolution
     "text.parse_math": False,  # a design's name may contain dollar signs
 }
 drawing_lock = threading.Lock()
-"""Held by whoever draws: matplotlib's settings and font caches belong to the process."""
+"""Held while drawing: matplotlib's settings and font caches belong to the process."""
 
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Draw alone, with settings of our own, whatever a person's matplotlibrc says."""
+    """Draw in one thread at a time, with settings of the package and not of the user."""
     import matplotlib as mpl
 
     with drawing_lock, mpl.rc_context():
@@ -157,7 +155,7 @@ def figure_file(figure: Figure, name: str, dpi: float, credits: Credits) -> byte
         figure: The figure.
         name: Name of the format.
         dpi: Pixels per inch.
-        credits: What the file says of itself.
+        credits: Metadata of the file.
     """
     stream = BytesIO()
     metadata = figure_format(name).metadata

@@ -1,7 +1,7 @@
-"""What the pointer reads off maps: position, value, or why there is none; and where a click goes.
+"""Hover and clicks on maps: position and value at the pointer, or why there is no value.
 
-A plotly figure without colors lies over the picture of `map_figure.LiveMaps` and has its layout.
-Only the picture changes while a slider moves, so that nothing jumps when it stops.
+A plotly figure without colors lies over the image of `map_figure.LiveMaps` and has its layout.
+Only the image changes while a slider moves, so that nothing jumps when it stops.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from paminsa_viz.units import MM, number
 FONT = "DejaVu Sans, Verdana, Helvetica, Arial, sans-serif"
 
 REASON_CELLS = 72
-"""Cells along a side, at most, that say why there is no value; words are long."""
+"""Cells along a side, at most, with a reason for a missing value; texts are long."""
 
 
 def reasons(data: MapData, panel: int, stride: int = 1) -> NDArray[np.str_]:
@@ -60,7 +60,7 @@ def _place(data: MapData) -> str:
 
 
 class HoverFigure:
-    """A figure as viser wants it: it asks for the JSON and nothing else.
+    """A figure for viser, which only calls `to_json`.
 
     Plotly's own classes would take ten times as long, and half a second to import.
     """
@@ -96,7 +96,7 @@ def _layout(data: MapData, layout: MapLayout, name: str) -> dict[str, Any]:
         "hoverlabel": {"font": {"family": FONT, "size": 12}},
     }
     for index, panel in enumerate(layout.panels):
-        number = _number(index)
+        number = axis_number(index)
         fixed = {"visible": False, "fixedrange": True}
         across = [panel.left / width, min(panel.right / width, 1.0)]
         up = [max(1 - panel.bottom / height, 0.0), 1 - panel.top / height]
@@ -124,7 +124,7 @@ def _reasons(data: MapData, index: int) -> dict[str, Any]:
 def _heatmap(
     x: NDArray[np.float64], y: NDArray[np.float64], z: ArrayLike, index: int
 ) -> dict[str, Any]:
-    number = _number(index)
+    number = axis_number(index)
     return {
         "type": "heatmap",
         "x": _packed(MM * x),
@@ -138,7 +138,8 @@ def _heatmap(
     }
 
 
-def _number(index: int) -> str:
+def axis_number(index: int) -> str:
+    """Return how plotly numbers the axes of a panel: nothing for the first, then 2, 3."""
     return "" if index == 0 else str(index + 1)
 
 

@@ -12,7 +12,7 @@ from plotly.subplots import make_subplots
 from paminsa_viz.palette import INK
 from paminsa_viz.plots import colors, contours
 from paminsa_viz.plots.contours import Line
-from paminsa_viz.plots.hover import FONT, reason_text, reasons, value_text
+from paminsa_viz.plots.hover import FONT, axis_number, reason_text, reasons, value_text
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.ranges import per_panel
 from paminsa_viz.plots.scale import Scale
@@ -56,7 +56,7 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
     figure.update_yaxes(title="y [mm]", col=1)
     for index, each in enumerate(scales[:1] if shared else scales):
         place = {} if shared else _below(index, data.panels)
-        figure.layout[f"coloraxis{_number(index)}"] = _color_axis(data, each, place)
+        figure.layout[f"coloraxis{axis_number(index)}"] = _color_axis(data, each, place)
     figure.update_layout(
         width=width,
         height=round((width - 150) / data.panels * (top - bottom) / (right - left))
@@ -71,21 +71,17 @@ def interactive_map(data: MapData, scale: Scale | Sequence[Scale], width: int = 
     return figure
 
 
-def _number(index: int) -> str:
-    return "" if index == 0 else str(index + 1)
-
-
 def _cells(data: MapData, index: int, scale: Scale, axis: int) -> list[go.Heatmap]:
-    """Return the values, and a clear layer that says why there is none."""
+    """Return the values, and a transparent layer with the reasons for missing ones."""
     factor = data.display[0]
     values = data.values[index]
     texts = reasons(data, index)
     place: dict[str, Any] = {"x": MM * data.x, "y": MM * data.y, "hoverongaps": False}
     # Colors go by the position on the bar, which serves both kinds of scale and infinite values;
-    # what is read off is the value itself. Single precision halves what is sent.
+    # hover shows the value itself. Single precision halves the data.
     shown = go.Heatmap(
         z=np.clip(scale.position(values), -1.0, 2.0).astype(np.float32),
-        customdata=(values * factor).astype(np.float32), coloraxis=f"coloraxis{_number(axis)}",
+        customdata=(values * factor).astype(np.float32), coloraxis=f"coloraxis{axis_number(axis)}",
         hovertemplate=value_text(data, index, "customdata"), **place,
     )  # fmt: skip
     singular = np.char.startswith(texts, "singular")
@@ -120,7 +116,7 @@ def _line(line: Line, color: str, width: float, dash: str | None = None) -> go.S
 
 
 def _color_axis(data: MapData, scale: Scale, place: dict[str, Any]) -> dict[str, Any]:
-    """Return a plotly color axis over positions on the bar, with blocks for what is beyond it."""
+    """Return a plotly color axis over positions on the bar, with blocks for values beyond it."""
     edge = 0.045
     steps = np.linspace(0, 255, 65).round().astype(int)
     shades = (255 * scale.table[steps]).round().astype(int).tolist()

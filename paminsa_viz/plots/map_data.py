@@ -1,6 +1,6 @@
-"""The data behind every map: values over x-y at one theta and z, with what it takes to cite them.
+"""The data behind every map: values over x-y at one theta and z, and the design they belong to.
 
-Units are SI and angles are radians; figures convert to mm and degrees where a person reads them.
+Units are SI and angles are radians; figures convert to mm and degrees.
 """
 
 from __future__ import annotations
@@ -13,14 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-import paminsa_viz
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import PARAMETERS, Design, Geometry, KneeBranch
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.quantities import TORQUES, find
 from paminsa_viz.units import DisplayUnit, display_unit
 
@@ -29,29 +27,6 @@ COARSE = 72
 that it stays when the fine map follows."""
 FULL = 200
 """Cells along each side when idle, and in files."""
-
-
-@dataclass(frozen=True)
-class Provenance:
-    """Where the numbers come from, as captions and file headers state it.
-
-    Attributes:
-        design: Name of the design.
-        knee: Branch of its knees.
-        version: Version of this package.
-        numbers: Key numbers for the caption: (symbol, value, unit), SI.
-        parameters: Every number of the design for files: (dotted path and unit, value), SI.
-        reference: Name of the reference design of a difference map, otherwise empty.
-        reference_parameters: The same for the reference design.
-    """
-
-    design: str
-    knee: KneeBranch
-    version: str
-    numbers: tuple[tuple[str, float, str], ...] = ()
-    parameters: tuple[tuple[str, float], ...] = ()
-    reference: str = ""
-    reference_parameters: tuple[tuple[str, float], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,14 +41,15 @@ class MapData:
         names: One short name a panel, for example ``"τ₁"``.
         unit: Unit of the values, for example ``"N·m"``; empty for pure numbers.
         colors: One ``#rrggbb`` a panel, for its heading.
-        pose: Present pose (4,) (x, y, theta, z) [m, m, rad, m]. The map is at this theta and z.
+        pose: Current pose (4,) (x, y, theta, z) [m, m, rad, m]. The map is at this theta and z.
         singular_radius: Radius of the singular circle about the origin [m], or None.
-        provenance: Design, version and so on.
-        title: What is shown, in words, for headings and captions.
+        design: The design.
+        reference: The reference design of a difference map, otherwise None.
+        title: Title for headings and captions.
         signed: True if zero is a natural center (torques, differences): diverging colors.
         margin: (ny, nx) signed distance to the nearest limit of reach [m], positive inside, for a
             smooth boundary; without it the boundary follows the cells.
-        leg: (ny, nx) int8 index of the leg that stands in the way, -1 for none, or None.
+        leg: (ny, nx) int8 index of the leg that limits the reach, -1 for none, or None.
     """
 
     x: NDArray[np.float64]
@@ -85,7 +61,8 @@ class MapData:
     colors: tuple[str, ...]
     pose: NDArray[np.float64]
     singular_radius: float | None
-    provenance: Provenance
+    design: Design
+    reference: Design | None = None
     title: str = ""
     signed: bool = True
     margin: NDArray[np.float64] | None = None
@@ -93,16 +70,11 @@ class MapData:
 
     def __post_init__(self) -> None:
         x, y = _axis("x", self.x), _axis("y", self.y)
-        shape = (y.size, x.size)
-        values = _numbers("values", self.values, (len(self.names), *shape))
-        status = np.asarray(self.status)
-        if status.shape != shape or status.dtype.kind not in "iub":
-            raise InvalidInput("status", f"integer codes of shape {shape} are needed")
-        if status.min() < 0 or status.max() > max(Limit):
-            raise InvalidInput("status", "codes of paminsa_viz.model.reach.Limit are needed")
+        cells = (y.size, x.size)
+        values = _numbers("values", self.values, (len(self.names), *cells))
+        status = _codes("status", self.status, cells, 0, max(Limit))
         if len(self.colors) != len(self.names):
             raise InvalidInput("colors", f"{len(self.names)} are needed, one a panel")
-        pose = _numbers("pose", self.pose, (4,))
         radius = self.singular_radius
         if radius is not None and not (math.isfinite(radius) and radius >= 0):
             raise InvalidInput("singular_radius", f"None or at least 0 m is needed, not {radius!r}")
@@ -113,21 +85,16 @@ class MapData:
             "y": y,
             "values": values,
             "status": status.astype(np.uint8, copy=False),
-            "pose": pose,
+            "pose": _numbers("pose", self.pose, (4,)),
         }
         if self.margin is not None:
-            arrays["margin"] = _numbers("margin", self.margin, shape)
+            arrays["margin"] = _numbers("margin", self.margin, cells)
         if self.leg is not None:
-            leg = np.asarray(self.leg)
-            if leg.shape != shape or leg.dtype.kind != "i" or leg.min() < -1 or leg.max() > 2:
-                raise InvalidInput("leg", f"indices from -1 to 2 of shape {shape} are needed")
-            arrays["leg"] = leg.astype(np.int8, copy=False)
+            arrays["leg"] = _codes("leg", self.leg, cells, -1, 2).astype(np.int8, copy=False)
         for name, array in arrays.items():
             view = array.view()
             view.flags.writeable = False
             object.__setattr__(self, name, view)
-        object.__setattr__(self, "names", tuple(self.names))
-        object.__setattr__(self, "colors", tuple(self.colors))
 
     @property
     def panels(self) -> int:
@@ -158,23 +125,8 @@ class MapData:
 
     @property
     def display(self) -> DisplayUnit:
-        """The unit that people read the values in."""
+        """The unit for display."""
         return display_unit(self.unit)
-
-    def panel(self, index: int) -> MapData:
-        """Return one panel as a map of its own.
-
-        Raises:
-            InvalidInput: If there is no panel of this index.
-        """
-        if not 0 <= index < self.panels:
-            raise InvalidInput("index", f"0 to {self.panels - 1} is needed, not {index}")
-        return replace(
-            self,
-            values=self.values[index : index + 1],
-            names=self.names[index : index + 1],
-            colors=self.colors[index : index + 1],
-        )
 
     def with_pose(self, pose: ArrayLike) -> MapData:
         """Return the same maps with the marker elsewhere; theta and z have to stay.
@@ -203,11 +155,6 @@ def difference(current: MapData, reference: MapData) -> MapData:
         raise InvalidInput("reference", "it shows other quantities than the current maps")
     if not np.array_equal(current.pose[2:], reference.pose[2:]):
         raise InvalidInput("reference", "its theta or z differs from the current maps")
-    provenance = replace(
-        current.provenance,
-        reference=reference.provenance.design,
-        reference_parameters=reference.provenance.parameters,
-    )
     margin = current.margin
     if margin is not None and reference.margin is not None:
         margin = np.minimum(margin, reference.margin)
@@ -222,7 +169,7 @@ def difference(current: MapData, reference: MapData) -> MapData:
         status=np.where(current.status != 0, current.status, reference.status),
         leg=leg,
         names=tuple(f"Δ{name}" for name in current.names),
-        provenance=provenance,
+        reference=reference.design,
         title=f"{current.title}, difference" if current.title else "Difference",
         signed=True,
         margin=margin,
@@ -251,7 +198,7 @@ def cell_centers(half: float, cells: int) -> Array:
 def workspace_field(
     geometry: Geometry, theta: float, z: float, cells: int, half: float | None = None
 ) -> Field:
-    """Return a field over the square that maps cover, which solves what it is asked for.
+    """Return a field over the square that maps cover, which solves formulas on request.
 
     Args:
         geometry: What to solve.
@@ -264,22 +211,6 @@ def workspace_field(
     return solve_field(geometry, xy_grid(centers, centers, theta, z))
 
 
-def provenance(design: Design) -> Provenance:
-    """Return what captions and file headers say of a design."""
-    numbers = [("Mₚ₂", static_imbalance(design), "N")]
-    if design.payload.mass:
-        numbers.append(("payload", design.payload.mass, "kg"))
-    return Provenance(
-        design=design.name,
-        knee=design.geometry.knee,
-        version=paminsa_viz.__version__,
-        numbers=tuple(numbers),
-        parameters=tuple(
-            (f"{p.path} [{p.unit}]" if p.unit else p.path, design.value(p.path)) for p in PARAMETERS
-        ),
-    )
-
-
 def map_data(
     field: Field, design: Design, pose: ArrayLike, quantities: Sequence[str] = TORQUES
 ) -> MapData:
@@ -288,7 +219,7 @@ def map_data(
     Args:
         field: A solved grid made by `paminsa_viz.model.grids.xy_grid`.
         design: The design; its geometry has to be that of the field.
-        pose: Present pose (4,) [m, m, rad, m], at the grid's theta and z.
+        pose: Current pose (4,) [m, m, rad, m], at the grid's theta and z.
         quantities: Keys of what to show, one a panel, all in one unit.
 
     Raises:
@@ -300,8 +231,8 @@ def map_data(
         raise InvalidInput("field", f"a grid over y and x is needed, not {' and '.join(names)}")
     if field.geometry != design.geometry:
         raise InvalidInput("design", "its geometry is not the one that the field was solved for")
-    present = np.asarray(pose, dtype=np.float64)
-    if present.shape != (4,) or not np.array_equal(present[2:], field.grid.fixed[2:]):
+    current = np.asarray(pose, dtype=np.float64)
+    if current.shape != (4,) or not np.array_equal(current[2:], field.grid.fixed[2:]):
         raise InvalidInput("pose", "a pose (4,) at the theta and z of the field is needed")
     chosen = find(quantities)
     units = {quantity.unit for quantity in chosen}
@@ -316,9 +247,9 @@ def map_data(
         names=tuple(quantity.symbol for quantity in chosen),
         unit=units.pop(),
         colors=tuple(quantity.color for quantity in chosen),
-        pose=present,
-        singular_radius=float(singular_radius(design.geometry, present[2])),
-        provenance=provenance(design),
+        pose=current,
+        singular_radius=float(singular_radius(design.geometry, current[2])),
+        design=design,
         title=chosen[0].title if len(chosen) == 1 else "Static torques of the rotary actuators",
         signed=any(quantity.signed for quantity in chosen),
         margin=field.margin,
@@ -341,4 +272,14 @@ def _numbers(name: str, data: ArrayLike | Sequence[float], shape: tuple[int, ...
     array = np.asarray(data, dtype=np.float64)
     if array.shape != shape:
         raise InvalidInput(name, f"shape {shape} is needed, not {array.shape}")
+    return array
+
+
+def _codes(
+    name: str, data: ArrayLike, shape: tuple[int, ...], least: int, most: int
+) -> NDArray[Any]:
+    array = np.asarray(data)
+    integers = array.shape == shape and array.dtype.kind in "iub"
+    if not integers or array.min() < least or array.max() > most:
+        raise InvalidInput(name, f"integers from {least} to {most} of shape {shape} are needed")
     return array

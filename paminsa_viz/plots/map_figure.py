@@ -15,7 +15,7 @@ from paminsa_viz.palette import INK
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
 from paminsa_viz.plots.formats import (
-    INCH,
+    POINT,
     Credits,
     check_size,
     drawing,
@@ -38,7 +38,6 @@ from paminsa_viz.plots.text import wrapped
 PAGE_EM = 11.0
 """Size of letters on a page [page pixels]."""
 
-_POINT = INCH / 72  # mm
 _KEPT = 3  # live figures: idle, dragging, and one to go back to
 _KEPT_SCALES = 8  # color bars of one live figure; a drag to and fro meets a few scales again
 
@@ -63,7 +62,7 @@ class LiveMaps:
     ) -> NDArray[np.uint8]:
         """Draw all panels side by side, as RGB (height, width * ratio, 3).
 
-        The pose is left out: what lies over the picture can follow a slider alone, at
+        The pose is left out: a marker over the image can follow a slider alone, at
         `MapLayout.positions`.
 
         Args:
@@ -147,7 +146,7 @@ def render(
         width_mm: Width on paper [mm]; 85 is a column, 170 a page.
         dpi: Pixels per inch: of a PNG, and of the colored cells inside SVG and PDF.
         title: Heading of the figure; None for the map's own title, empty for none.
-        caption: Whether design, pose, line styles and version stand below.
+        caption: Whether design, pose, line styles and version are named below.
 
     Returns:
         The file. A PNG is exactly ``round(width_mm / 25.4 * dpi)`` pixels wide.
@@ -161,8 +160,8 @@ def render(
     heading = data.title if title is None else title
     note = caption_text(data, scales) if caption else ""
     with drawing():
-        page = _printed(data, scales, width_mm / _POINT, dpi, heading, note)
-        credits = Credits(data.title or "Map", summary(data), data.provenance.version)
+        page = _printed(data, scales, width_mm / POINT, dpi, heading, note)
+        credits = Credits(data.title or "Map", summary(data))
         return figure_file(page, format, dpi, credits)
 
 

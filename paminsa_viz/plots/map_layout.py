@@ -84,7 +84,7 @@ def map_layout(
 ) -> MapLayout:
     """Place all panels in one row, at equal x and y scale.
 
-    A shared color bar stands at the right, or lies below in a narrow figure of several maps; bars
+    A shared color bar is at the right, or below in a narrow figure of several maps; bars
     of their own lie below the panels.
 
     Args:
@@ -101,8 +101,8 @@ def map_layout(
     left, right, bottom, top = data.extent
     own_bars = len(set(scales)) > 1
     vertical = not own_bars and (count == 1 or width >= _VERTICAL * em)
-    beside = (_BAR_GAP + _BAR + _BAR_TEXT) * em if vertical else 0.0
-    free = width - (_LEFT + _RIGHT + _GAP * (count - 1)) * em - beside
+    right_of = (_BAR_GAP + _BAR + _BAR_TEXT) * em if vertical else 0.0
+    free = width - (_LEFT + _RIGHT + _GAP * (count - 1)) * em - right_of
     each = min(free / count, _PANELS[1] * em)
     if not each >= _PANELS[0] * em:
         raise InvalidInput("width", f"too narrow for {count} panels side by side")

@@ -32,7 +32,7 @@ from paminsa_viz.units import MM, number
 MUTED_INK = "#3b4754"  # numbers and captions
 
 _LABELED = 85.0  # points; contours of narrower panels carry no numbers
-_CONTOUR_POINTS = 50  # along an axis of live maps; the eye sees no difference, the clock does
+_CONTOUR_POINTS = 50  # along an axis of live maps: faster, and looks the same
 
 _LINES: dict[str, tuple[str, float, Any]] = {
     "light": ("#ffffff", 0.05, "-"),
@@ -125,7 +125,7 @@ class MapPanel:
         )  # fmt: skip
 
     def paint_cells(self, pixels: NDArray[np.uint8], data: MapData, scale: Scale) -> None:
-        """Color the cells on a canvas, RGBA (height, width, 4), and say why if there are none.
+        """Color the cells on a canvas, RGBA (height, width, 4), and add a note if there are none.
 
         A matplotlib image looks the same and takes ten times as long.
         """
@@ -199,7 +199,7 @@ class MapPanel:
             )  # fmt: skip
 
     def draw(self, renderer: Any) -> None:
-        """Draw what follows the data over what is there."""
+        """Draw the artists that follow the data over the background."""
         for artist in (self._lines, self._note):
             artist.draw(renderer)
 

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from paminsa_viz.files.columns import POSE, STATUS
 from paminsa_viz.files.tables import DataTable, provenance
+from paminsa_viz.model.design import PARAMETERS, Design
 from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.plots.caption import key_numbers
 from paminsa_viz.plots.map_data import MapData
 
 FORMAT = "paminsa_viz map 1"
@@ -50,25 +52,32 @@ def value_columns(data: MapData) -> tuple[str, ...]:
 
 
 def _facts(data: MapData) -> dict[str, str]:
-    source = data.provenance
     facts = {
         "title": data.title,
         "unit": data.unit,
-        "design": source.design,
-        "assembly": source.knee.value,
+        "design": data.design.name,
+        "assembly": data.design.geometry.knee.value,
     }
     names = ("pose x [m]", "pose y [m]", "pose theta [rad]", "pose z [m]")
     facts |= dict(zip(names, map(repr, data.pose.tolist()), strict=True))
     if data.singular_radius is not None:
         facts["singular radius [m]"] = repr(float(data.singular_radius))
-    for symbol, value, unit in source.numbers:
-        facts[f"{symbol} [{unit}]" if unit else symbol] = repr(float(value))
-    facts |= {f"design {path}": repr(float(value)) for path, value in source.parameters}
-    if source.reference:
-        facts["reference"] = source.reference
-        parameters = source.reference_parameters
-        facts |= {f"reference {path}": repr(float(value)) for path, value in parameters}
+    for symbol, value, unit in key_numbers(data.design):
+        facts[f"{symbol} [{unit}]"] = repr(float(value))
+    facts |= _parameters("design", data.design)
+    if data.reference is not None:
+        facts["reference"] = data.reference.name
+        facts |= _parameters("reference", data.reference)
     return facts
+
+
+def _parameters(what: str, design: Design) -> dict[str, str]:
+    return {
+        f"{what} {p.path} [{p.unit}]" if p.unit else f"{what} {p.path}": repr(
+            float(design.value(p.path))
+        )
+        for p in PARAMETERS
+    }
 
 
 def _plain(name: str) -> str:

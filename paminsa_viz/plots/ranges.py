@@ -1,4 +1,4 @@
-"""Which range of values the colors span: robust by default, or as a person asked."""
+"""Color ranges: robust by default, full or manual on request."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LARGEST_END = 1e9
 
 @dataclass(frozen=True)
 class ScaleChoice:
-    """What a person chose for the colors of a map.
+    """Settings for the colors of a map.
 
     Attributes:
         low: Lower end in the unit of the data, or None for a range found from the data. Give both
@@ -74,7 +74,7 @@ def choose_scales(
 
     Args:
         data: The maps.
-        choice: What a person chose.
+        choice: Settings; None for the defaults.
         sample: The same maps, coarser: a robust range is found from them, so that it is the same
             at every resolution.
     """
@@ -148,7 +148,7 @@ def full_range(values: ArrayLike, signed: bool) -> tuple[float, float] | None:
         high = ticks.nice_limit(max(abs(low), abs(high)))
         return -high, high
     step = ticks.nice_step(high - low, 20)
-    return _clean(step * np.floor(low / step)), _clean(step * np.ceil(high / step))
+    return ticks.clean(step * np.floor(low / step)), ticks.clean(step * np.ceil(high / step))
 
 
 def usable_range(low: float, high: float) -> tuple[float, float] | None:
@@ -156,11 +156,6 @@ def usable_range(low: float, high: float) -> tuple[float, float] | None:
     low, high = min(low, high), max(low, high)
     size = max(abs(low), abs(high))
     return (low, high) if size <= LARGEST_END and high - low > 1e-9 * size else None
-
-
-def _clean(value: float) -> float:
-    """Return a number without the rounding error of a multiplication."""
-    return float(f"{value:.12g}")
 
 
 def _high_end(values: NDArray[np.float64], base: float) -> float:
@@ -181,8 +176,8 @@ def _rounded(low: float, high: float, middle: float) -> tuple[float, float]:
         high = 0.0
     step = ticks.nice_step(high - low, 10)
     return (
-        _clean(math.floor(low / step + 1e-9) * step),
-        _clean(math.ceil(high / step - 1e-9) * step),
+        ticks.clean(math.floor(low / step + 1e-9) * step),
+        ticks.clean(math.ceil(high / step - 1e-9) * step),
     )
 
 

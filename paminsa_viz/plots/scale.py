@@ -28,12 +28,12 @@ _DECADE_ROOM = 1 / (1 - 1 / 10)  # width of the linear part of the symmetric log
 
 
 class InvalidScale(InvalidInput):
-    """A color scale that cannot be drawn; ``argument`` and ``problem`` say why."""
+    """A color scale that cannot be drawn; see ``argument`` and ``problem``."""
 
 
 @dataclass(frozen=True)
 class Scale:
-    """A color scale. Equal scales give equal pictures.
+    """A color scale. Equal scales give equal images.
 
     Attributes:
         low: Value of the first color.
@@ -192,7 +192,7 @@ def color_codes(
 
 @lru_cache(maxsize=64)
 def color_table(scale: Scale) -> NDArray[np.uint8]:
-    """Return the colors of all codes as RGBA (260, 4), read-only; what is not reached is clear."""
+    """Return the colors of all codes as RGBA (260, 4), read-only; unreached cells are clear."""
     table = np.empty((UNREACHED + 1, 4), dtype=np.uint8)
     table[:, 3] = 255
     table[1:OVER, :3] = (scale.table * 255 + 0.5).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""What is plotted over time, as data in SI units: sources, panels of traces, and their statistics.
+"""Data plotted over time, in SI units: sources, panels of traces, and their statistics.
 
 `series_builders` makes it from analyzed trajectories, `series_figure` draws it with matplotlib,
 `series_uplot` hands it to the page. None of it is a curve of the paper: the motion of its
@@ -69,11 +69,11 @@ class SeriesPanel:
     Attributes:
         name: Heading, for example ``"Difference of M1"``.
         source: What the traces belong to, for example ``"M1"``.
-        symbol: Symbol of what is drawn, for the axis: ``"τ₁"``.
+        symbol: Symbol of the quantity, for the axis: ``"τ₁"``.
         unit: Unit of the values.
         color: Color of the heading.
         traces: The curves, later ones above earlier ones.
-        notes: Numbers in words, each in the color of the trace that it belongs to.
+        notes: Key numbers as text, each in the color of the trace that it belongs to.
     """
 
     name: str
@@ -91,7 +91,7 @@ class SeriesData:
 
     Attributes:
         kind: Which of the kinds.
-        title: What is shown.
+        title: Title of the figure.
         sources: What it is made of.
         time: (n,) increasing [s].
         panels: In reading order.
@@ -113,7 +113,7 @@ class EngineTorques:
     """Torques from elsewhere, such as a physics engine, at samples of the trajectory.
 
     Attributes:
-        name: What they are from, for the legend.
+        name: Name of the source, for the legend.
         torque: (k, 4) [N m, N m, N m, N]; NaN where there is none.
         samples: (k,) which samples of the trajectory they belong to; None for all of them.
     """
@@ -171,7 +171,7 @@ class SeriesSources:
 
     @property
     def other(self) -> EngineTorques:
-        """What the analysis is compared with: the engine, else the published formulas, else the
+        """Torques for comparison: the engine's, else the published formulas', else the
         reference.
 
         Raises:

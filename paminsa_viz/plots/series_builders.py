@@ -27,14 +27,10 @@ from paminsa_viz.units import format_value
 
 SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
 UNITS = ("N m", "N m", "N m", "N")
-COORDINATES = ("x", "y", "θ", "z")
-COORDINATE_UNITS = ("m", "m", "rad", "m")
-
-PUBLISHED = "#b5121b"
-"""Color of the formulas as published, next to the corrected ones."""
+COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
 SIMULATED = "#8aa4bf"
-"""Color of what a simulated robot does, below the wanted motion."""
+"""Color of the simulated motion, below the wanted one."""
 
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
     ("gravity", "gravity", "#56B4E9", "dashed"),
@@ -47,9 +43,9 @@ CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
 _COMPARED: tuple[tuple[str, str, str, str | None, Dash, float], ...] = (
     ("analysis", "design", "", None, "solid", 1.3),
     ("reference", "reference", "reference", REFERENCE, "dashed", 1.0),
-    ("published", "formulas as published", "as published", PUBLISHED, "dotted", 1.0),
+    ("published", "formulas as published", "as published", "#b5121b", "dotted", 1.0),
 )
-"""What is drawn of an actuator: source, label, suffix, color (None for its own), stroke, width."""
+"""Curves of an actuator: source, label, suffix, color (None for its own), stroke, width."""
 
 MOST_MARKS = 50
 """About how many of an engine's torques are marked on a curve."""
@@ -83,14 +79,10 @@ def _compared(
     values: Callable[[TrajectoryAnalysis], Values],
     annotate: Callable[[ActuatorSummary, Trace], tuple[Trace, str]] | None = None,
 ) -> SeriesPanel:
-    """Return the panel of actuator ``j`` with design, reference and published formulas.
+    """Return a panel with curves of design, reference and published formulas, the design's last.
 
-    Args:
-        panel: Without traces.
-        j: Index of the actuator.
-        sources: What is drawn, the design above the others.
-        values: Returns what is drawn of an analysis (n, 4).
-        annotate: Returns a trace with what is marked on it, and its note.
+    ``values`` returns the curves of an analysis (n, 4); ``annotate`` marks a trace and returns
+    its note.
     """
     traces, notes = [], []
     for source, label, suffix, fixed, dash, width in _COMPARED:
@@ -113,7 +105,7 @@ def _actuators(symbols: Sequence[str], units: Sequence[str]) -> Iterator[tuple[i
 
 
 def _coordinates(suffix: str = "") -> Iterator[tuple[int, SeriesPanel]]:
-    for i, (name, unit) in enumerate(zip(COORDINATES, COORDINATE_UNITS, strict=True)):
+    for i, (name, unit) in enumerate(COORDINATES.items()):
         yield i, SeriesPanel(name, name, name, unit + suffix, INK)
 
 
@@ -203,16 +195,11 @@ def _pose(sources: SeriesSources) -> Iterator[SeriesPanel]:
         yield replace(panel, traces=(_of_platform(t.pose[:, i]),), notes=((note, MUTED),))
 
 
-def _speed(sources: SeriesSources) -> Iterator[SeriesPanel]:
-    for i, panel in _coordinates("/s"):
-        values = sources.analysis.trajectory.velocity[:, i]
-        yield replace(panel, traces=(_of_platform(values),))
-
-
-def _acceleration(sources: SeriesSources) -> Iterator[SeriesPanel]:
-    for i, panel in _coordinates("/s²"):
-        values = sources.analysis.trajectory.acceleration[:, i]
-        yield replace(panel, traces=(_of_platform(values),))
+def _rates(attribute: str, per: str, sources: SeriesSources) -> Iterator[SeriesPanel]:
+    """Yield speeds or accelerations of the platform."""
+    rates: Values = getattr(sources.analysis.trajectory, attribute)
+    for i, panel in _coordinates(per):
+        yield replace(panel, traces=(_of_platform(rates[:, i]),))
 
 
 def _of_platform(values: Values) -> Trace:
@@ -267,7 +254,7 @@ def _differences(sources: SeriesSources) -> Iterator[SeriesPanel]:
 
 
 def _difference(panel: SeriesPanel, what: str, t: Values, values: Values) -> SeriesPanel:
-    """Return the panel of a difference, with its largest value marked and in words."""
+    """Return the panel of a difference, with its largest value marked and in a note."""
     trace = Trace("difference", values, panel.color, width=0.9, suffix="")
     notes = ()
     known = np.flatnonzero(np.isfinite(values))
@@ -298,8 +285,11 @@ _BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[Series
     "torques": ("Actuator torques and force", _torques),
     "breakdown": ("Actuator torques by cause", _breakdown),
     "pose": ("Motion of the platform", _pose),
-    "speed": ("Speed of the platform", _speed),
-    "acceleration": ("Acceleration of the platform", _acceleration),
+    "speed": ("Speed of the platform", partial(_rates, "velocity", "/s")),
+    "acceleration": (
+        "Acceleration of the platform",
+        partial(_rates, "acceleration", "/s²"),
+    ),
     "power": ("Power of the actuators", _power),
     "energy": ("Work of the actuators and energy of the robot", _energy),
     "tracking": ("Simulated motion", _tracking),

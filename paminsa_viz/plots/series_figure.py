@@ -1,7 +1,7 @@
 """Figures over time by matplotlib, for print, report, notebook and command line.
 
-matplotlib arranges the panels. What is as wide as the figure, heading, legend and caption, lies
-above and below them.
+matplotlib arranges the panels; heading, legend and caption, as wide as the figure, are above and
+below them.
 """
 
 from __future__ import annotations
@@ -10,8 +10,6 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
@@ -20,59 +18,32 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
-from paminsa_viz import __version__
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import BAD, INK, MUTED
 from paminsa_viz.plots import series_text
-from paminsa_viz.plots.formats import INCH, Credits, check_size, drawing, figure_file
+from paminsa_viz.plots.formats import INCH, POINT, Credits, check_size, drawing, figure_file
 from paminsa_viz.plots.series import (
     EngineTorques,
     FigureKind,
     SeriesData,
-    SeriesPanel,
     SeriesSources,
-    Trace,
-    largest_size,
-    readable_unit,
-    thinned,
 )
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.text import printable, text_width, wrapped
+from paminsa_viz.plots.series_panel import CROSS, DASHES, FAILED, RING, draw_panel, line_height
+from paminsa_viz.plots.text import wrapped
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.simulation import Simulation
-from paminsa_viz.units import DisplayUnit
 
 TWO_COLUMNS = 130.0  # mm; narrower figures have their panels below each other
 LEAST_WIDTH = 60.0  # mm; below it headings would be cut
-
-_LARGEST = 1e5
-"""Displayed values from this on are multiples of a power of ten."""
-_ROUNDING = 1e-9
-"""Share of a value's size below which its changes are rounding errors."""
-_PADDING = 0.07
-"""Space above and below the curves, as a share of their range."""
-_POINTS = 6000
-"""Most points of a curve: more than a page can show."""
 
 _SHAPE = 0.42  # height over width of a panel
 _HEIGHTS = (20.0, 60.0)  # mm
 _TALLEST = 235.0  # mm; all panels together, so that a figure fits on a page
 _AXIS = 8.6  # mm; below the lowest panels: numbers and axis label
-_SCALE = 15.0  # mm; about what the numbers and the label of a value axis take
-_POINT = INCH / 72  # mm
+_SCALE = 15.0  # mm; about the width of the numbers and the label of a value axis
 
 _CAPTION = "#3b4754"
-FAILED = "#f6dcd9"
-"""Shading of times at which the motion fails."""
-_GRID: dict[str, Any] = {"color": "#e4e8ec", "lw": 0.5}
-_DASHES: dict[str, Any] = {
-    "solid": "-",
-    "dashed": (0, (4.0, 2.0)),
-    "dotted": (0, (1.2, 1.4)),
-    "dashdot": (0, (5.0, 1.5, 1.2, 1.5)),
-}
-_RING: dict[str, Any] = {"marker": "o", "ms": 4.0, "mfc": "white", "mew": 0.9, "ls": "none"}
-_CROSS: dict[str, Any] = {"marker": "x", "ms": 3.0, "mew": 0.7, "ls": "none"}
 
 
 def figure_bytes(
@@ -123,7 +94,7 @@ def render_series(
         width_mm: Width on paper [mm]; 85 is a column, 170 a page.
         dpi: Pixels per inch of a PNG.
         title: Heading; None for the data's own, empty for none.
-        caption: Whether what is shown, of which robot, stands below.
+        caption: Whether a caption is added.
         notes: Further sentences for the caption.
 
     Raises:
@@ -136,7 +107,7 @@ def render_series(
         heading = data.title if title is None else title
         below = series_text.caption(data, notes) if caption else ""
         figure = draw_series(data, width_mm, dpi, heading, below)
-        credits = Credits(heading or data.title, series_text.summary(data), __version__)
+        credits = Credits(heading or data.title, series_text.summary(data))
         return figure_file(figure, format, dpi, credits)
 
 
@@ -152,7 +123,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
         max(1, *(len(panel.notes) for panel in data.panels[row * columns : (row + 1) * columns]))
         for row in range(rows)
     ]
-    headings = sum(3.0 + _line(body) + (count - 1) * _line(small) for count in lines)
+    headings = sum(3.0 + line_height(body) + (count - 1) * line_height(small) for count in lines)
 
     figure, layout = Figure(dpi=dpi), ConstrainedLayoutEngine()
     figure.set_layout_engine(layout)
@@ -160,10 +131,10 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     figure.set_figwidth((round(width / INCH * dpi) + 0.01) / dpi)
     legend = _legend(figure, data, width, body)
     legend_height = legend.get_window_extent().height / dpi * INCH + 3.0 if legend else 0.0
-    heading = wrapped(title, large * _POINT, 0.96 * width - 2.0, "bold")
-    below = wrapped(caption, small * _POINT, 0.98 * width - 4.0)
-    top = 1.0 + len(heading) * _line(large)
-    bottom = legend_height + len(below) * _line(small) + (3.0 if below else 1.0)
+    heading = wrapped(title, large * POINT, 0.96 * width - 2.0, "bold")
+    below = wrapped(caption, small * POINT, 0.98 * width - 4.0)
+    top = 1.0 + len(heading) * line_height(large)
+    bottom = legend_height + len(below) * line_height(small) + (3.0 if below else 1.0)
     height = top + headings + rows * tall + _AXIS + bottom
     height = (round(height / INCH * dpi) + 0.01) / dpi * INCH
     figure.set_figheight(height / INCH)
@@ -174,7 +145,7 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     )  # fmt: skip
     grid = figure.subplots(rows, columns, sharex=True, squeeze=False)
     for panel, area in zip(data.panels, grid.flat, strict=False):
-        _draw_panel(area, data, panel, body, small)
+        draw_panel(area, data, panel, body, small)
     for area in grid[-1]:
         area.set_xlabel("t [s]", size=body, color=INK, labelpad=2)
     ticks = max(int(panel_width / 11.0), 2)
@@ -189,86 +160,6 @@ def draw_series(data: SeriesData, width: float, dpi: float, title: str, caption:
     layout.execute(figure)
     _shrink_notes(figure, small)
     return figure
-
-
-def _line(size: float) -> float:
-    """Return the distance of two lines of text [mm] of a size [points]."""
-    return 1.25 * size * _POINT
-
-
-def value_range(panel: SeriesPanel) -> tuple[DisplayUnit, float, float]:
-    """Return the unit of a panel's value axis, and the axis' lower and upper end in that unit.
-
-    It shows all of a panel's curves and levels. Where nothing changes but by rounding errors, it
-    is wide enough not to show those.
-    """
-    levels = [trace.level for trace in panel.traces if trace.level is not None]
-    known = np.concatenate([*(t.values[np.isfinite(t.values)] for t in panel.traces), levels])
-    if not known.size:
-        return readable_unit(panel.unit, 0.0), 0.0, 1.0
-    unit = readable_unit(panel.unit, largest_size(panel.traces), bound=_LARGEST)
-    low, high = float(known.min()) * unit.factor, float(known.max()) * unit.factor
-    largest = max(abs(low), abs(high))
-    if high - low <= _ROUNDING * largest or largest == 0:
-        half = 0.1 * largest if largest else 1.0
-        low, high = low - half, high + half
-    padding = _PADDING * (high - low)
-    return unit, low - padding, high + padding
-
-
-def _draw_panel(
-    area: Axes, data: SeriesData, panel: SeriesPanel, body: float, small: float
-) -> None:
-    unit, low, high = value_range(panel)
-    area.set_axisbelow(True)
-    area.grid(**_GRID)
-    if low < 0 < high:
-        area.axhline(0, color="#aab4be", lw=0.5, zorder=1)
-    for failure in series_text.failures(data):
-        if failure.end > failure.start:
-            area.axvspan(failure.start, failure.end, fc=FAILED, lw=0, zorder=0.5)
-        area.axvline(failure.start, color=BAD, lw=0.7, zorder=1.5)
-    for order, trace in enumerate(panel.traces):
-        _draw_trace(area, data, trace, unit.factor, 3 + 0.01 * order)
-    empty = not any(np.isfinite(trace.values).any() for trace in panel.traces)
-    if empty:
-        area.text(0.5, 0.5, "no value: the motion fails from its start", ha="center", va="center",
-                  transform=area.transAxes, size=small, color=INK)  # fmt: skip
-    area.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
-    area.set_ylim(low, high)
-    if empty:
-        area.set_yticks([])
-    area.ticklabel_format(style="plain", useOffset=False)
-    area.tick_params(labelsize=body, labelcolor=INK, color=INK, length=2.0, width=0.5, pad=1.5)
-    area.set_ylabel(f"{panel.symbol} [{unit.text}]", size=body, color=INK, labelpad=2)
-    for spine in area.spines.values():
-        spine.set(color=INK, linewidth=0.5)
-    line = _line(small) / _POINT
-    first = 3.0 + (len(panel.notes) - 1) * line
-    area.set_title(panel.name, loc="left", size=body + 0.5, weight="bold",
-                   color=panel.color, pad=max(first, 3.0))  # fmt: skip
-    for row, (text, color) in enumerate(panel.notes):
-        note = area.annotate(
-            printable(text), (1, 1), (0, first - row * line), xycoords="axes fraction",
-            textcoords="offset points", ha="right", va="baseline", size=small, color=color,
-        )  # fmt: skip
-        note.set_in_layout(False)
-
-
-def _draw_trace(area: Axes, data: SeriesData, trace: Trace, factor: float, zorder: float) -> None:
-    if trace.marks:
-        area.plot(data.time, trace.values * factor, color=trace.color, zorder=4.5, **_CROSS)
-        return
-    kept = thinned([trace.values], _POINTS)
-    area.plot(data.time[kept], trace.values[kept] * factor, color=trace.color, lw=trace.width,
-              ls=_DASHES[trace.dash], zorder=zorder, solid_capstyle="round",
-              solid_joinstyle="round")  # fmt: skip
-    if trace.level is not None:
-        area.axhline(trace.level * factor, color=trace.color, lw=0.6, ls=_DASHES["dashdot"],
-                     zorder=2)  # fmt: skip
-    if trace.peak is not None:
-        t, value = trace.peak
-        area.plot(t, value * factor, mec=trace.color, zorder=2 + zorder, clip_on=False, **_RING)
 
 
 def _shrink_notes(figure: Figure, size: float) -> None:
@@ -290,30 +181,24 @@ def _legend(figure: Figure, data: SeriesData, width: float, body: float) -> Lege
     entries = _entries(data)
     if not entries:
         return None
-    em = body * _POINT
-    rows = [wrapped(text, em, width - 16.0) for text in entries]
-    labels = ["\n".join(row) for row in rows]
-    widths = [15.5 + max(text_width(line, em) for line in row) for row in rows]
-    columns = len(labels)
-    while columns > 1 and sum(max(part) for part in _columns(widths, columns)) > width + 2.0:
-        columns -= 1
-    legend = figure.legend(
-        list(entries.values()), labels, loc="upper center", bbox_to_anchor=(0.5, 0.5),
-        ncols=columns, frameon=False, fontsize=body,
-        labelcolor=INK, handlelength=8.0 / em, handletextpad=1.5 / em, columnspacing=6.0 / em,
-        labelspacing=0.3, borderpad=0.0, borderaxespad=0.0,
-    )  # fmt: skip
+    em = body * POINT
+    labels = ["\n".join(wrapped(text, em, width - 16.0)) for text in entries]
+    for columns in range(len(labels), 0, -1):
+        legend = figure.legend(
+            list(entries.values()), labels, loc="upper center", bbox_to_anchor=(0.5, 0.5),
+            ncols=columns, frameon=False, fontsize=body,
+            labelcolor=INK, handlelength=8.0 / em, handletextpad=1.5 / em, columnspacing=6.0 / em,
+            labelspacing=0.3, borderpad=0.0, borderaxespad=0.0,
+        )  # fmt: skip
+        if columns == 1 or legend.get_window_extent().width <= (width - 4.0) / INCH * figure.dpi:
+            break
+        legend.remove()
     legend.set_in_layout(False)
     return legend
 
 
-def _columns(items: list[float], count: int) -> list[list[float]]:
-    """Return items as matplotlib puts them into the columns of a legend."""
-    return [part.tolist() for part in np.array_split(items, count)]
-
-
 def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
-    """Return what the legend shows by its label, of each panel the uppermost trace first."""
+    """Return the legend's entries by label, the uppermost trace of each panel first."""
     found: dict[str, Line2D | Patch] = {}
     colors: dict[str, str] = {}
     for panel in data.panels:
@@ -322,14 +207,14 @@ def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
         for trace in (*panel.traces[-1:], *panel.traces[:-1]):
             shared = colors.setdefault(trace.label, trace.color)
             color = trace.color if trace.color == shared else INK  # it has the panels' colors
-            style = _CROSS if trace.marks else {"lw": trace.width, "ls": _DASHES[trace.dash]}
+            style = CROSS if trace.marks else {"lw": trace.width, "ls": DASHES[trace.dash]}
             found[trace.label] = Line2D([], [], color=color, **style)
             colors[trace.label] = color
     traces = [trace for panel in data.panels for trace in panel.traces]
     if any(trace.peak for trace in traces):
-        found["largest in size"] = Line2D([], [], mec=INK, **_RING)
+        found["largest in size"] = Line2D([], [], mec=INK, **RING)
     if any(trace.level is not None for trace in traces):
-        found["RMS"] = Line2D([], [], color=MUTED, lw=0.6, ls=_DASHES["dashdot"])
+        found["RMS"] = Line2D([], [], color=MUTED, lw=0.6, ls=DASHES["dashdot"])
     failures = series_text.failures(data)
     if failures:
         reasons = list(dict.fromkeys(each.reason for each in failures))

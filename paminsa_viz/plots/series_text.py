@@ -1,4 +1,4 @@
-"""Text below figures over time: when and why the motion fails, and of what the figure is."""
+"""Captions of figures over time: design, motion, and when and why it fails."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from itertools import pairwise
 
 import numpy as np
 
+from paminsa_viz import __version__
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.plots.caption import equals, robot, shown
-from paminsa_viz.plots.map_data import Provenance, provenance
 from paminsa_viz.plots.series import SeriesData, SeriesSources
 from paminsa_viz.trajectory.analysis import TrajectoryAnalysis
 from paminsa_viz.trajectory.control import ControlMode
@@ -71,7 +71,7 @@ def _failures_of(analysis: TrajectoryAnalysis) -> tuple[Failure, ...]:
 
 
 def _reason(limit: Limit, leg: int) -> str:
-    # A motion already fails at a clearance from what is singular.
+    # A motion already fails at a clearance from singular poses.
     return "too close to a singular pose" if limit is Limit.SINGULAR else limit.reason(leg)
 
 
@@ -79,15 +79,14 @@ def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:
     """Return the paragraph below a figure.
 
     Args:
-        data: What is shown.
+        data: The series.
         notes: Further sentences.
     """
-    sources, source = data.sources, _provenance(data)
-    t = sources.analysis.trajectory
+    sources, t = data.sources, data.sources.analysis.trajectory
     made = f" ({t.kind})" if t.kind else ""
     sentences = [
-        f"{robot(source)}; motion {shown(t.name)}{made}, {equals('T', t.duration, 's')}, "
-        f"{t.size} samples.",
+        f"{robot(sources.analysis.design)}; motion {shown(t.name)}{made}, "
+        f"{equals('T', t.duration, 's')}, {t.size} samples.",
         *_about(data),
     ]
     misprints = sources.analysis.solved.misprints
@@ -95,25 +94,21 @@ def caption(data: SeriesData, notes: Sequence[str] = ()) -> str:
         sentences.append(f"Formulas as published: {_misprints_text(misprints)}.")
     sentences += _failure_sentences(data)
     sentences += [note if note.endswith(".") else f"{note}." for note in (*t.notes, *notes)]
-    return " ".join([*sentences, f"paminsa_viz {source.version}."])
+    return " ".join([*sentences, f"paminsa_viz {__version__}."])
 
 
 def summary(data: SeriesData) -> str:
     """Return one line about a figure for a file's metadata."""
-    source, t = _provenance(data), data.sources.analysis.trajectory
+    analysis = data.sources.analysis
+    design, t = analysis.design, analysis.trajectory
     return (
-        f"{data.title} of PAMINSA, design {shown(source.design)}, {source.knee.label}, "
+        f"{data.title} of PAMINSA, design {shown(design.name)}, {design.geometry.knee.label}, "
         f"motion {shown(t.name)}, {t.duration:.6g} s"
     )
 
 
-def _provenance(data: SeriesData) -> Provenance:
-    analysis = data.sources.analysis
-    return provenance(analysis.design)
-
-
 def _about(data: SeriesData) -> list[str]:
-    """Return what is to be known about a kind of figure."""
+    """Return the sentences about a kind of figure."""
     sources = data.sources
     compared = _compared_sentences(sources)
     if data.kind == "torques":
@@ -159,8 +154,7 @@ def _tracking_sentences(sources: SeriesSources) -> list[str]:
         f"energy drifts by {format_value(drift, 'J', 2)}.",
     ]
     if simulation.design != sources.analysis.design:
-        simulated = robot(provenance(simulation.design))
-        sentences.insert(0, f"The simulated robot: {simulated}.")
+        sentences.insert(0, f"The simulated robot: {robot(simulation.design)}.")
     return sentences
 
 
@@ -175,7 +169,7 @@ def _failure_sentences(data: SeriesData) -> list[str]:
         named.append(f"and {len(found) - NAMED_FAILURES} more")
     sentences = [f"The motion fails, shaded: {'; '.join(named)}."]
     if data.kind in ("torques", "power", "energy"):
-        sentences.append("Numbers are of the time before.")
+        sentences.append("Numbers are for the time before.")
     return sentences
 
 

@@ -1,8 +1,8 @@
 """Series for the page: panels that share a chart, and charts as uPlot takes them.
 
 uPlot draws straight on over a NaN and cannot find the range of an axis that has one. So a curve
-is handed over in pieces, one for each run of values, and two series of our own say how far the
-axis goes and where the motion fails.
+is handed over in pieces, one for each run of values, and two more series give the range of the
+axis and the times at which the motion fails.
 """
 
 from __future__ import annotations
@@ -68,12 +68,12 @@ class Chart:
     """Curves over one axis of time.
 
     Attributes:
-        title: What is drawn, with its unit.
+        title: Title, with the unit.
         unit: The unit.
         t: (n,) [s].
         traces: The curves, in that unit.
         failing: (n,) where the motion fails.
-        until: Samples before the first failure; numbers in tables are of these.
+        until: Samples before the first failure; numbers in tables are for these.
     """
 
     title: str
@@ -142,7 +142,7 @@ def _color(panel: SeriesPanel, trace: Trace) -> str:
 
 
 class ChartShape(NamedTuple):
-    """What a chart on the page is made for; data of another shape need another chart.
+    """The structure of a chart on the page; data of another shape need another chart.
 
     Attributes:
         title: Heading.
@@ -208,7 +208,7 @@ def bounds(traces: tuple[Trace, ...]) -> tuple[float, float]:
 
 
 def uplot_options(shape: ChartShape) -> dict[str, Any]:
-    """Return the arguments of ``gui.add_uplot`` beside data and size."""
+    """Return the arguments of ``gui.add_uplot`` other than data and size."""
     hidden = {"stroke": "transparent", "width": 0, "points": {"show": False}}
     series: list[dict[str, Any]] = [
         {},

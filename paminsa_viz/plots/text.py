@@ -22,7 +22,7 @@ def text_width(text: str, size: float, weight: Weight = "normal") -> float:
 
 
 def printable(text: str) -> str:
-    """Return a text on one line, with what the font cannot write replaced by ``?``."""
+    """Return a text on one line, with characters that the font lacks replaced by ``?``."""
     known = _characters()
     line = " ".join(word for row in text.splitlines() for word in row.split(" ") if word)
     return "".join(c if ord(c) in known else "?" for c in line)

@@ -16,26 +16,26 @@ def nice_step(span: float, count: float) -> float:
     power = 10.0 ** math.floor(math.log10(raw))
     for step in _STEPS:
         if step * power >= raw * (1 - _SLACK):
-            return _clean(step * power)
-    return _clean(10.0 * power)
+            return clean(step * power)
+    return clean(10.0 * power)
 
 
 def nice_limit(value: float, nearest: bool = False) -> float:
     """Return the next round number at or above a positive ``value``, or the nearest one."""
     power = 10.0 ** math.floor(math.log10(value))
     if nearest:
-        return _clean(min((x * power for x in _LIMITS), key=lambda x: abs(math.log(x / value))))
+        return clean(min((x * power for x in _LIMITS), key=lambda x: abs(math.log(x / value))))
     for limit in _LIMITS:
         if limit * power >= value * (1 - _SLACK):
-            return _clean(limit * power)
-    return _clean(10.0 * power)
+            return clean(limit * power)
+    return clean(10.0 * power)
 
 
 def multiples(low: float, high: float, step: float) -> tuple[float, ...]:
     """Return the multiples of ``step`` in [low, high]."""
     first = math.ceil(low / step - _SLACK)
     last = math.floor(high / step + _SLACK)
-    return tuple(_clean(i * step) for i in range(first, last + 1))
+    return tuple(clean(i * step) for i in range(first, last + 1))
 
 
 def dividing_step(low: float, high: float, count: float) -> float | None:
@@ -51,9 +51,10 @@ def dividing_step(low: float, high: float, count: float) -> float | None:
             continue
         parts = span / step
         if max(2.0, count / 3) - 1e-6 <= parts <= count + 1e-6:
-            return _clean(step)
+            return clean(step)
     return None
 
 
-def _clean(value: float) -> float:
+def clean(value: float) -> float:
+    """Return a number without the rounding error of a multiplication."""
     return float(f"{value:.12g}")

@@ -1,6 +1,6 @@
-"""The design report: one HTML file with everything that a design review asks for.
+"""The design report: one HTML file with everything that a design review needs.
 
-`ReportRequest` says of which robot and motion, `report_html` computes and writes it. Each section
+`ReportRequest` holds robot, pose and motion, `report_html` writes the report. Each section
 is a module that turns results into blocks (`blocks`): tables, figures, notes. One template sets
 them. The file needs no network and no script; a browser's print dialog makes a PDF of it.
 """

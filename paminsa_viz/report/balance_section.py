@@ -1,4 +1,4 @@
-"""Static balance: M_p2 body by body, and what the paper's balance would change."""
+"""Static balance: M_p2 body by body, and the effect of the paper's balance."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ BALANCED = 1e-9
 
 
 def balance_section(analysis: TrajectoryAnalysis) -> Section:
-    """Return the section; the motion is what the balanced robot is compared on."""
+    """Return the section; the balanced robot is compared on the motion."""
     design = analysis.design
     blocks: list[Block] = [
         Note(
@@ -71,7 +71,7 @@ def _contributions(design: Design) -> Table:
 
 
 def _balanced(analysis: TrajectoryAnalysis) -> list[Block]:
-    """Return what the paper's balance changes, and what it means for the motion."""
+    """Return the changes by the paper's balance, and their effect on the motion."""
     try:
         optimum = balance(analysis.design)
     except PaminsaError as error:

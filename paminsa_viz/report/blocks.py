@@ -1,4 +1,4 @@
-"""What a report is made of, before it becomes HTML: sections of tables, figures and notes."""
+"""Blocks of a report before they become HTML: sections of tables, figures and notes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Fact:
     Attributes:
         label: What it is.
         value: Number with unit, or word.
-        note: A few words below it.
+        note: Text below it.
         kind: How it is: ``"ok"`` and ``"bad"`` are colored.
     """
 
@@ -67,9 +67,9 @@ class Figure:
     """A figure as SVG.
 
     Attributes:
-        svg: The picture.
-        alt: What it shows, for those who cannot see it.
-        caption: What stands below it; figures of the model carry their own caption.
+        svg: The image.
+        alt: Alternative text.
+        caption: Text below it; most figures contain their own caption.
         half: Whether it takes half the width.
     """
 
@@ -81,7 +81,7 @@ class Figure:
 
     @property
     def source(self) -> str:
-        """The picture as a data address: names inside one SVG do not meet those of another."""
+        """The image as a data URL, so that names inside one SVG do not meet those of another."""
         return "data:image/svg+xml;base64," + base64.b64encode(self.svg).decode()
 
 
@@ -90,7 +90,7 @@ class Note:
     """A sentence or two.
 
     Attributes:
-        text: The words.
+        text: The text.
         kind: ``"plain"`` is ordinary text, the others stand out.
     """
 

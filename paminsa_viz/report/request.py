@@ -1,4 +1,4 @@
-"""What a report is asked for."""
+"""The input of a report."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory import Trajectory
 
 Progress = Callable[[str], None]
-"""Called with a few words whenever the next piece of work begins."""
+"""Called with a short text whenever the next step begins."""
 
 
 def silent(_: str) -> None:
@@ -28,7 +28,7 @@ class ReportRequest:
         trajectory: The motion.
         made: When, with a time zone.
         command: The command that makes the report again.
-        verified: Whether to ask physics engines, if they are installed.
+        verified: Whether to compare with physics engines, if they are installed.
         seed: Of random poses.
 
     Raises:

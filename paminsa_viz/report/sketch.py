@@ -6,7 +6,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from paminsa_viz import __version__
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration
 from paminsa_viz.model.singularity import singular_radius
@@ -24,8 +23,7 @@ def sketch(configuration: Configuration) -> bytes:
     """Return both views of a configuration of shape () as SVG."""
     with drawing():
         title = "PAMINSA from above and from the side"
-        credits = Credits(title, title, __version__)
-        return figure_file(draw_sketch(configuration), "svg", 72.0, credits)
+        return figure_file(draw_sketch(configuration), "svg", 72.0, Credits(title, title))
 
 
 def draw_sketch(configuration: Configuration) -> Figure:

@@ -17,7 +17,7 @@ from paminsa_viz.units import format_value, number
 def checked(request: ReportRequest) -> Verification | str:
     """Return the verification of the request's robot and motion, or why there is none."""
     if not request.verified:
-        return "Not asked for."
+        return "Not requested."
     try:
         return verify(request.design, request.trajectory, seed=request.seed)
     except PaminsaError as error:  # an engine is missing, or the motion cannot be run
@@ -36,7 +36,7 @@ def verification_section(found: Verification | str) -> Section:
         "ok" if found.passed else "bad",
     )
     method = Note(
-        "The engines get the bodies, joints and loop closures, and where the joints stand, which "
+        "The engines get the bodies, joints and loop closures, and the joints' positions, which "
         "the closures confirm; they know none of the formulas. "
         f"Compared are {len(found.poses)} random poses at rest and {found.trajectory.size} states "
         "of the trajectory, without joint friction."
@@ -90,7 +90,7 @@ def _misprints(found: Verification) -> Table:
     ]
     caption = (
         "The formulas as published against the engine, moving: largest difference over "
-        "the largest torque. Where a misprint has a part, it stands out by many orders of "
+        "the largest torque. Where a misprint has an effect, it stands out by many orders of "
         "magnitude."
     )
     return Table(("Taken as published", *SYMBOLS), tuple(rows), caption)
@@ -104,7 +104,7 @@ MISPRINTS: dict[Misprint, str] = {
     Misprint.EQ14_SINE_SIGNS: "Eq. 14: signs of sin²ψ and sin²φ",
     Misprint.ALL: "All of them",
 }
-"""Misprints in words."""
+"""Descriptions of the misprints."""
 
 
 def _simulation(found: Verification) -> Note:

@@ -78,7 +78,7 @@ def _sizes(g: Geometry, theta: float) -> Table:
 
 
 def _shares(design: Design) -> Table:
-    """Return which share of a box around the workspace can be taken, and what stops the rest."""
+    """Return the reachable share of a box around the workspace, and the limits of the rest."""
     g = design.geometry
     across, up = workspace_radius(g), workspace_height(g)
     turn = float(np.nan_to_num(singular_rotation(g), nan=math.pi))

@@ -121,7 +121,10 @@ def run_study(
     summary = StudySummary(study)
     with ResumableCsv(path, head, study.columns, identity="study", restart=restart) as table:
         for cells in table.read():
-            summary.take_in(cells)
+            try:
+                summary.take_in(cells)
+            except ValueError:  # in a table of an earlier version, whose rows have no checksum
+                raise table.row_error("has a word where a number belongs") from None
         summary.found = summary.rows
         if progress is not None:
             progress(summary)

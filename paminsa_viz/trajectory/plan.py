@@ -16,9 +16,8 @@ from numpy.typing import ArrayLike
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.trajectory.sampled import (
-    LARGEST,
     RATE,
-    SHORTEST_STEP,
+    STEPS,
     States,
     Trajectory,
     sample_times,
@@ -204,8 +203,8 @@ class Plan:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not SHORTEST_STEP <= self.duration <= LARGEST:
-            problem = f"{SHORTEST_STEP:g} to {LARGEST:g} s are possible, not {self.duration!r}"
+        if not STEPS[0] <= self.duration <= STEPS[1]:
+            problem = f"{STEPS[0]:g} to {STEPS[1]:g} s are possible, not {self.duration!r}"
             raise InvalidInput("duration", problem)
 
     def lasting(self, duration: float) -> Plan:

@@ -98,28 +98,3 @@ def test_a_motion_out_of_reach(capsys) -> None:
     code, _, err = run(capsys, "--goal", "peak", "--file", "far.csv")
     assert code == 1
     assert "cannot be run" in err
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        ("--change links.x 0 1", "links.x"),
-        ("--change links.b4 2 1", "low <= high"),
-        ("--rail b3 5 0 100 1", "ends of B3"),
-        ("--rail b5 5 0 100 1", "--rail"),
-        ("--rail b3 7 0 1e20 5", "--rail 1e+20: at most 100000 mm"),
-        ("--rail b3 7 0 100 1e20", "--rail 1e+20: at most 10000 kg"),
-        ("--change links.b3 0 1e308", "--change 1e+308: at most 10000 kg"),
-        ("--goal peak --max-added nan", "--max-added nan: at most"),
-        ("--goal peak --max-imbalance inf", "--max-imbalance inf: at most"),
-        ("--goal peak --max-imbalance -1", "--max-imbalance"),
-        ("--max-added 3", "belong to a goal on a motion"),
-        ("--goal heat", "--goal"),
-        ("--design none.toml", "none.toml"),
-    ],
-)
-def test_wrong_arguments(capsys, words: str, said: str) -> None:
-    code, out, err = run(capsys, *words.split())
-    assert (code, out) == (2, "")
-    assert said in err
-    assert len(err.splitlines()) == 1

@@ -11,7 +11,7 @@ import pytest
 
 from paminsa_viz.cli import main
 from paminsa_viz.cli.evaluate import evaluate_table
-from paminsa_viz.files import tables
+from paminsa_viz.files import table_reader
 from paminsa_viz.files.columns import ACTUATORS, POSE, POSES, TORQUES
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
@@ -129,7 +129,7 @@ def test_the_length_of_the_pieces_changes_nothing(folder, monkeypatch) -> None:
     pose = random_states(np.random.default_rng(3), APPENDIX_4, 23)[0]
     write(folder / "in.csv", POSE, pose)
     evaluate_table(folder / "in.csv", folder / "whole.csv")
-    monkeypatch.setattr(tables.TableReader.blocks, "__defaults__", (5,))
+    monkeypatch.setattr(table_reader.TableReader.blocks, "__defaults__", (5,))
     tally = evaluate_table(folder / "in.csv", folder / "pieces.csv")
     assert tally.total() == 23
     whole, pieces = read(folder / "whole.csv"), read(folder / "pieces.csv")
@@ -160,7 +160,7 @@ def test_a_header_alone_gives_a_header(folder, capsys) -> None:
     ],
 )
 def test_a_refused_table_leaves_no_output(folder, capsys, monkeypatch, before, text, place) -> None:
-    monkeypatch.setattr(tables.TableReader.blocks, "__defaults__", (1,))
+    monkeypatch.setattr(table_reader.TableReader.blocks, "__defaults__", (1,))
     if text is not None:
         (folder / "in.csv").write_text(text)
     if before is not None:

@@ -68,30 +68,3 @@ def test_servos_are_the_default() -> None:
     assert main(["export", "--mjcf", "r.xml"]) == 0
     root = ET.fromstring(Path("r.xml").read_bytes())
     assert [a.tag for a in root.find("actuator") or []] == ["general"] * 4
-
-
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        ("", "nothing to write; give --glb, --mjcf or --meshes"),
-        ("--glb r.glb --pose 0 0 0 -2000", "cannot be taken: the pantograph is over-stretched"),
-        ("--glb r.glb --pose 0 0 0 nan", "cannot be taken: the pose is not finite"),
-        ("--glb r.glb --pose 0 0 0", "--pose"),
-        ("--mjcf no/r.xml", "no/r.xml: cannot be written: its folder does not exist"),
-        ("--meshes old/deeper", "old/deeper: cannot be written"),
-        ("--mjcf r.xml --glb r.glb --meshes old", "old: cannot be written"),
-        ("--glb r.glb --pose 1e300 0 0 0", "pose (1e+300 mm, 0.0 mm,"),
-        ("--glb r.glb --pose x 0 0 0", "--pose: FLOAT FLOAT FLOAT FLOAT is needed, not 'x',"),
-        ("--glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600", "pose: it is singular"),
-    ],
-)
-def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(
-    folder, capsys, words, complaint
-) -> None:
-    Path("old").write_text("a file")
-    assert main(["export", *words.split()]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert complaint in said.err
-    assert said.err.count("\n") == 1
-    assert [path.name for path in folder.iterdir()] == ["old"]

@@ -53,9 +53,10 @@ def test_files_are_those_of_the_explorer(capsys, folder) -> None:
              "120", "--dpi", "60")  # fmt: skip
     told(capsys, *words)
     state = state_of((0.05, -0.03, math.pi / 3, -0.5), MapView())
+    state = state.updated("export", width=120, dpi=60)
     store = MapStore()
-    assert (folder / "a.svg").read_bytes() == figure(state, store, "svg", False, 120, 60).content
-    assert (folder / "a.csv").read_bytes() == table(state, store, "csv", False).content
+    assert (folder / "a.svg").read_bytes() == figure(state, store, "svg").content
+    assert (folder / "a.csv").read_bytes() == table(state, store, "csv").content
 
 
 def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
@@ -65,9 +66,8 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     told(capsys, *words)
     view = MapView("max_torque", RangeMode.MANUAL, -2.0, 3.0, logarithmic=True, difference=True)
     state = state_of((0.0, 0.0, math.pi / 3, home_pose(APPENDIX_4.geometry)[3]), view, LIGHT)
-    assert (folder / "a.svg").read_bytes() == figure(
-        state, MapStore(), "svg", True, 170, 60
-    ).content
+    state = state.updated("export", single=True, dpi=60)
+    assert (folder / "a.svg").read_bytes() == figure(state, MapStore(), "svg").content
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
@@ -110,23 +110,3 @@ def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
     code, out, _ = run(capsys, "--z", "-2000", "--cells", "20", "--json")
     assert json.loads(out)["maps"]["tau_1"]["largest"] is None
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("--quantity", "beauty"), "beauty"),
-        (("--theta", "nan"), "--theta"),
-        (("--z", "inf"), "--z"),
-        (("--cells", "3"), "--cells"),
-        (("--range", "3", "1"), "--range"),
-        (("--range", "0", "nan"), "--range"),
-        (("--range", "0", "1", "--full-range"), "--full-range"),
-        (("--out", "a.txt"), "a.txt"),
-        (("--out", "no/a.csv"), "no/a.csv"),
-        (("--out", "a.png", "--width", "20"), "width"),
-        (("--design", "missing.toml"), "missing.toml"),
-    ],
-)
-def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    commands.check_refused("map", capsys, *words, place=place)

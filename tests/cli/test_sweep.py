@@ -256,37 +256,3 @@ def test_a_worker_that_dies_is_exit_code_1(capsys, folder, monkeypatch) -> None:
     assert err.count("\n") == 1
     assert "a worker process died" in err
     assert "0 of 6 rows are written" in err
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        ((), "--vary is needed"),
-        (("--vary", "links.b33=1:2:3"), "did you mean links.b3?"),
-        (("--vary", "links.b3"), "links.b3=LOW:HIGH:COUNT"),
-        (("--vary", "links.b3=1:2"), "links.b3=LOW:HIGH:COUNT"),
-        (("--vary", "links.b3=1:2:x"), "links.b3=LOW:HIGH:COUNT"),
-        (("--vary", "links.b3=1:2:0"), "count"),
-        (("--vary", "links.b3=1:2:99999999999"), "count"),
-        (("--vary", "links.b3=1,nan"), "links.b3"),
-        (("--vary", "links.b3=1e9"), "at most 10000"),
-        (("--vary", "links.b3=1", "--vary", "links.b3=2"), "varies twice"),
-        (("--vary", "links.b3=1:2:3", "--random", "5"), "links.b3=LOW:HIGH"),
-        (("--vary", "payload.mass", "--random", "5"), "payload.mass"),
-        (("--vary", "links.b3", "--random", "0"), "size"),
-        (("--vary", "links.b3", "--random", "5", "--seed", "-1"), "seed"),
-        (("--vary", "links.b3", "--random", "5", "--spread", "2"), "--spread"),
-        (("--vary", "links.b3", "--random", "2000000000"), "too many"),
-        ((*GRID, "--radius", "-5"), "radius"),
-        ((*GRID, "--max-condition", "nan"), "max_condition"),
-        ((*GRID, "--jobs", "0"), "jobs"),
-        ((*GRID, "--jobs", "1", "--dask", "a"), "exclude"),
-        ((*GRID, "--design", "missing.toml"), "missing.toml"),
-        ((*GRID, "--assembly", "other"), "other"),
-        ((*GRID, "--preset", "spiral"), "spiral"),
-        ((*GRID, "--preset", "arch", "--file", "a.csv"), "exclude"),
-        ((*GRID, "--file", "missing.csv"), "missing.csv"),
-    ],
-)
-def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    commands.check_refused("sweep", capsys, "--out", "a.csv", *words, place=place)

@@ -217,37 +217,3 @@ def test_an_engine_is_compared_with_friction_on_both_sides(capsys, folder) -> No
     other = engine_torques(analysis, "pinocchio")
     np.testing.assert_allclose(other.torque, analysis.torque, atol=1e-9)
     assert (folder / "a.svg").exists()
-
-
-@pytest.mark.parametrize(
-    ("words", "place"),
-    [
-        (("--preset", "spiral"), "spiral"),
-        (("--preset", "line", "--file", "a.csv"), "--file"),
-        (("--file", "missing.csv"), "missing.csv"),
-        (("--waypoints",), "--waypoints"),
-        (("--shortest",), "--max-speed"),
-        (("--max-torque", "3"), "--max-torque"),
-        (("--shortest", "--max-speed", "-1"), "speed"),
-        (("--shortest", "--max-speed", "1", "--duration", "2"), "--duration"),
-        (("--duration", "0"), "duration"),
-        (("--rate", "nan"), "rate"),
-        (("--rate", "1e9"), "rate"),
-        (("--payload-mismatch", "1"), "--simulate"),
-        (("--simulate", "pd", "--payload-mismatch", "-1"), "payload"),
-        (("--simulate", "pd", "--bandwidth", "-1"), "bandwidth"),
-        (("--simulate", "pd", "--bandwidth", "1e20"), "--bandwidth: 0 to 1000 Hz"),
-        (("--simulate", "pd", "--payload-mismatch", "1e308"), "payload.mass"),
-        (("--shortest", "--max-torque", "1e308"), "--max-torque: at most 1e+09"),
-        (("--figure", "tracking", "--out", "a.png"), "--simulate"),
-        (("--figure", "comparison", "--out", "a.png"), "--engine"),
-        (("--figure", "power"), "--out"),
-        (("--engine", "pinocchio", "--figure", "power", "--out", "a.png"), "--engine"),
-        (("--out", "a.xlsx"), "a.xlsx"),
-        (("--out", "no/folder/a.csv"), "no/folder/a.csv"),
-        (("--out", "a.png", "--width", "10"), "width"),
-        (("--design", "missing.toml"), "missing.toml"),
-    ],
-)
-def test_a_wrong_argument_is_one_line_and_exit_code_2(capsys, words, place) -> None:
-    commands.check_refused("trajectory", capsys, *words, place=place)

@@ -92,34 +92,6 @@ def test_figures_are_written_where_they_are_wanted(motion, capsys) -> None:
     assert b"<svg" in Path("a/b/formulae_mujoco.svg").read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        ("--preset cirle", "invalid choice 'cirle'"),
-        ("--file no.csv", "no.csv: cannot be read: no such file"),
-        ("--tolerance 0", "tolerance: a finite number above 0 is needed, not 0.0"),
-        ("--poses 0", "poses: at least 1 is needed"),
-        ("--seed -1", "seed: a whole number"),
-        ("--design no.toml", "no.toml"),
-        ("--model no.xml", "no.xml: cannot be read: no such file"),
-        ("--model motion.csv", "motion.csv: is no valid XML"),
-        ("--model other.xml", "model: its joints are not those of this robot"),
-        ("--model broken.xml", "broken.xml: MuJoCo cannot use it"),
-        ("--file motion.csv --poses 1 --figures motion.csv", "motion.csv: cannot be"),
-        ("--file far.csv", "the trajectory cannot be run: at 0 s"),
-    ],
-)
-def test_what_is_wrong_is_told_in_one_line(motion, capsys, words, complaint) -> None:
-    Path("other.xml").write_text("<mujoco><worldbody/></mujoco>")
-    Path("broken.xml").write_text("<mujoco><worldbody><geom/></worldbody></mujoco>")
-    Path("far.csv").write_text("t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-3\n1,0,0,0,-3\n")
-    assert main(["verify", *words.split()]) == 2
-    said = capsys.readouterr()
-    assert said.out == ""
-    assert complaint in said.err
-    assert said.err.count("\n") == 1
-
-
 def test_without_the_engine_it_says_how_to_get_it(motion, capsys, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     assert main(["verify", "--file", motion]) == 2

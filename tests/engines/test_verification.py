@@ -215,7 +215,7 @@ def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_what_can_not_be_is_refused() -> None:
-    for tolerance in (0.0, -1e-6, float("nan"), float("inf")):
+    for tolerance in (0.0, -1e-6, 0.11, 1e300, float("nan"), float("inf")):
         with pytest.raises(InvalidInput, match="tolerance"):
             checked(tolerance=tolerance)
     with pytest.raises(InvalidInput, match="poses"):

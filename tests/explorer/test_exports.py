@@ -74,7 +74,8 @@ def test_map_table_holds_the_models_numbers_in_every_format(
     single: bool, columns: list[str]
 ) -> None:
     state = state_at(theta=0.3).updated("map_view", quantity="f_4")
-    arrays = arrays_of(exports.table(state, STORE, "npz", single))
+    state = state.updated("export", single=single)
+    arrays = arrays_of(exports.table(state, STORE, "npz"))
     x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])
     pose = np.stack([x, y, np.full_like(x, 0.3), np.full_like(x, arrays["pose"][3])], axis=-1)
     torque = static_torques(state.document.design, pose)
@@ -84,7 +85,7 @@ def test_map_table_holds_the_models_numbers_in_every_format(
     np.testing.assert_allclose(found, expected, atol=1e-9)
     assert found.shape[:2] == (FULL, FULL)
 
-    text = exports.table(state, STORE, "csv", single).content.decode()
+    text = exports.table(state, STORE, "csv").content.decode()
     header, *rows = (line.split(",") for line in text.splitlines() if not line.startswith("#"))
     index = header.index(columns[0])
     values = np.array([float(row[index] or "nan") for row in rows]).reshape(FULL, FULL)
@@ -93,7 +94,9 @@ def test_map_table_holds_the_models_numbers_in_every_format(
 
 @pytest.mark.parametrize(("kind", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%")])
 def test_figure_is_written_in_its_format_and_size(kind: str, start: bytes) -> None:
-    file = exports.figure(state_at(), STORE, kind, True, 90.0, 100.0)
+    file = exports.figure(
+        state_at().updated("export", single=True, width=90.0, dpi=100.0), STORE, kind
+    )
     assert file.content.startswith(start)
     assert file.name.endswith(f".{kind}")
     if kind == "png":
@@ -108,14 +111,14 @@ def test_figure_is_written_in_its_format_and_size(kind: str, start: bytes) -> No
 )
 def test_impossible_figure_or_format_is_refused(kind: str, width: float, dpi: float) -> None:
     with pytest.raises(InvalidInput):
-        exports.figure(state_at(), STORE, kind, False, width, dpi)
+        exports.figure(state_at().updated("export", width=width, dpi=dpi), STORE, kind)
     with pytest.raises(InvalidInput):
-        exports.table(state_at(), STORE, "exe", False)
+        exports.table(state_at(), STORE, "exe")
 
 
 def test_difference_is_named_in_file_and_columns() -> None:
     state = actions.vary(actions.pin_reference(state_at()), {"links.b3": 1.0})
-    file = exports.table(state.updated("map_view", difference=True), STORE, "npz", False)
+    file = exports.table(state.updated("map_view", difference=True), STORE, "npz")
     assert "difference" in file.name
     assert "delta_tau1_Nm" in arrays_of(file).files
 
@@ -204,7 +207,7 @@ def test_view_has_the_size_chosen_or_that_of_the_window_within_limits(
     window: tuple[int, int], size: tuple[int, int] | None, expected: tuple[int, int]
 ) -> None:
     page = client(lambda h, w: np.full((h, w, 4), 7, dtype=np.uint8), window)
-    file = exports.view(state_at(), page, size)
+    file = exports.view(state_at().updated("export", view_size=size), page)
     assert Image.open(io.BytesIO(file.content)).size == expected
 
 
@@ -221,7 +224,7 @@ def test_view_has_the_size_chosen_or_that_of_the_window_within_limits(
 )
 def test_page_that_returns_no_picture_is_reported(answer: Any) -> None:
     with pytest.raises(exports.NoView):
-        exports.view(state_at(), client(answer), None)
+        exports.view(state_at(), client(answer))
 
 
 def started(desk: Desk) -> list[dict[str, Any]]:

@@ -19,13 +19,13 @@ from paminsa_viz.model import (
     APPENDIX_4,
     KneeBranch,
     check_reach,
-    measure_singularity,
     static_torques,
 )
 from paminsa_viz.plots import map_data
 from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half_width
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES
+from tests.support.measured import pointwise
 
 CELLS = 31
 
@@ -81,19 +81,7 @@ def test_each_quantity_is_the_models(quantity: str) -> None:
     state, (row, column) = at(), (12, 17)
     data = MapStore().data(state, CELLS, (quantity,))
     pose, design = poses_of(data)[row, column], state.document.design
-    tau = static_torques(design, pose)
-    dexterity = measure_singularity(design.geometry, pose)
-    expected = {
-        "tau_1": tau[0],
-        "tau_2": tau[1],
-        "tau_3": tau[2],
-        "f_4": tau[3],
-        "max_torque": np.abs(tau[:3]).max(),
-        "rms_torque": np.sqrt((tau[:3] ** 2).mean()),
-        "condition": dexterity.condition,
-        "determinant": dexterity.determinant,
-        "reach_margin": check_reach(design.geometry, pose).margins.min(),
-    }[quantity]
+    expected = pointwise(design, pose)[quantity]
     assert data.values[0, row, column] == pytest.approx(float(expected), rel=1e-10)
     assert data.unit == QUANTITIES[quantity].unit
 
@@ -161,7 +149,7 @@ def test_difference_is_that_of_both_designs_where_both_reach(path: str) -> None:
     found = np.moveaxis(delta.values, 0, -1)[ok]
     np.testing.assert_allclose(found, (now - reference)[:, :3], atol=1e-9)
     assert np.abs(found).max() > 0.1
-    assert delta.provenance.reference == APPENDIX_4.name
+    assert delta.reference == APPENDIX_4
     plain = state.updated("map_view", difference=False)
     np.testing.assert_array_equal(
         store.present(state, CELLS).values, store.data(plain, CELLS).values

@@ -24,7 +24,7 @@ from paminsa_viz.model import (
     KneeBranch,
     check_reach,
 )
-from tests.support.documents import COORDINATE, DOCUMENTS, assert_same, state_at_random_pose
+from tests.support.documents import COORDINATE, assert_same, documents, state_at_random_pose
 from tests.support.samples import random_design
 
 PATHS = st.sampled_from(sorted(PARAMETER))
@@ -174,12 +174,12 @@ def test_impossible_geometry_keeps_the_last_possible_one_and_takes_the_masses() 
     assert compute(heavier).torques[3] > compute(good).torques[3]
 
 
-@given(documents=st.lists(DOCUMENTS, min_size=2, max_size=8, unique_by=lambda d: d.pose))
-def test_undo_and_redo_go_through_every_step(documents: list[Document]) -> None:
-    history, current = History(), documents[-1]
-    for number, (before, after) in enumerate(pairwise(documents)):
+@given(steps=st.lists(documents(), min_size=2, max_size=8, unique_by=lambda d: d.pose))
+def test_undo_and_redo_go_through_every_step(steps: list[Document]) -> None:
+    history, current = History(), steps[-1]
+    for number, (before, after) in enumerate(pairwise(steps)):
         history.record(before, after, f"control {number}", float(number))
-    for step, others in ((history.undo, documents[-2::-1]), (history.redo, documents[1:])):
+    for step, others in ((history.undo, steps[-2::-1]), (history.redo, steps[1:])):
         for expected in others:
             found = step(current)
             assert found is expected

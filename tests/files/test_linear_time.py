@@ -13,7 +13,7 @@ from paminsa_viz.files.columns import POSES, TRAJECTORY, TableKind
 from paminsa_viz.files.design_file import LARGEST_FILE, LONGEST_LINE, find_line, read_design
 from paminsa_viz.files.errors import FileError
 from paminsa_viz.files.resumable_csv import ResumableCsv
-from paminsa_viz.files.tables import LONGEST_ROW, TableReader
+from paminsa_viz.files.table_reader import LONGEST_ROW, TableReader
 
 pytestmark = pytest.mark.slow
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import zlib
+
 import pytest
 
 from paminsa_viz.files.errors import TableFileError
@@ -29,8 +31,10 @@ def whole(tmp_path) -> bytes:
 
 def test_a_table_has_provenance_header_and_rows(whole) -> None:
     lines = whole.decode().splitlines()
-    assert lines[:4] == ["# format: test 1", "# command: one", "# study: abc", "row,value"]
-    assert lines[4:] == [",".join(row) for row in ROWS]
+    assert lines[:4] == ["# format: test 1", "# command: one", "# study: abc", "row,value,crc32"]
+    rows = [line.rpartition(",") for line in lines[4:]]
+    assert [row for row, _, _ in rows] == [",".join(row) for row in ROWS]
+    assert [int(crc, 16) for _, _, crc in rows] == [zlib.crc32(row.encode()) for row, _, _ in rows]
 
 
 def test_resuming_after_a_cut_anywhere_gives_the_same_bytes(whole, tmp_path) -> None:
@@ -99,11 +103,31 @@ def test_another_study_is_named_by_its_first_difference(content, said, tmp_path)
         grow(path, head=head)
 
 
-@pytest.mark.parametrize("line", [b"2,1,1\n", b"3,1\n", b"2\n", b"\n", b"x,1\n", b"02,1\n"])
-def test_a_damaged_row_is_named(line, whole, tmp_path) -> None:
-    path = tmp_path / "damaged.csv"
-    lines = whole.splitlines(keepends=True)
-    path.write_bytes(b"".join([*lines[:6], line, *lines[7:]]))
+def test_any_changed_byte_is_refused_with_its_row(whole, tmp_path) -> None:
+    path = tmp_path / "edited.csv"
+    start = whole.index(b"0,0.0")
+    for place in range(start, len(whole) - 1):
+        for byte in (b"7", b"x", b",", b"\n", b"\xff"):
+            if whole[place : place + 1] == byte:
+                continue
+            path.write_bytes(whole[:place] + byte + whole[place + 1 :])
+            with pytest.raises(TableFileError) as caught:
+                grow(path)
+            assert caught.value.row == 1 + whole.count(b"\n", 0, place)
+            assert str(caught.value).endswith(
+                "restore it, cut the file off before it, or begin again"
+            )
+
+
+@pytest.mark.parametrize("count", [0, 3, 5])
+def test_tables_without_checksums_are_resumed_as_they_are(count, tmp_path) -> None:
+    path = tmp_path / "old.csv"
+    lines = ["# format: test 1", "# command: one", "# study: abc", "row,value"]
+    old = "\n".join([*lines, *map(",".join, ROWS)]) + "\n"
+    path.write_text("".join(old.splitlines(keepends=True)[: 4 + count]) + "3,0.4" * (count == 3))
+    assert grow(path) == count
+    assert path.read_text() == old
+    path.write_text(old.replace("\n2,", "\n3,"))
     with pytest.raises(TableFileError, match="is not the row 2 that belongs here") as caught:
         grow(path)
     assert caught.value.row == 7

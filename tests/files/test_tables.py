@@ -15,15 +15,8 @@ from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.tables import (
-    LONGEST_ROW,
-    TABLE_FORMATS,
-    DataTable,
-    TableBlock,
-    TableReader,
-    csv_rows,
-    open_table,
-)
+from paminsa_viz.files.table_reader import LONGEST_ROW, TableBlock, TableReader, open_table
+from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, csv_rows
 
 ALL = POSES.columns
 HEAD = ",".join(POSE)
@@ -189,4 +182,4 @@ def test_a_format_is_one_entry_that_commands_and_exports_offer(monkeypatch, tmp_
     assert main(["trajectory", "--preset", "line", "--out", "motion.names"]) == 0
     assert (tmp_path / "motion.names").read_text().startswith("t_s,x_m")
     state = initial_state()
-    assert exports.table(state, MapStore(), "names", single=True).name.endswith(".names")
+    assert exports.table(state, MapStore(), "names").name.endswith(".names")

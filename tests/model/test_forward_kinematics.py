@@ -15,6 +15,8 @@ from paminsa_viz.model import (
     forward_kinematics,
     inverse_kinematics,
     nearest_solution,
+    singular_radius,
+    singular_rotation,
 )
 from paminsa_viz.model.kinematics import HEADINGS, wrap
 from tests import oracle
@@ -112,15 +114,6 @@ def test_poses_of_appendix_4_by_hand() -> None:
     assert found.valid[0].all()
 
 
-def test_parallel_and_concurrent_leg_lines_leave_no_isolated_pose() -> None:
-    geometry = APPENDIX_4.geometry
-    parallel = np.append(wrap(0.3 - HEADINGS), 0.3)
-    found = forward_kinematics(geometry, parallel)
-    assert np.isnan(found.pose).all()
-    assert not found.valid.any()
-    assert np.isnan(nearest_solution(geometry, parallel, BY_HAND[0])).all()
-
-
 @given(values=st.lists(st.sampled_from([np.nan, np.inf, -np.inf, 0.1]), min_size=4, max_size=4))
 def test_actuators_that_are_not_finite_give_no_pose(values: list[float]) -> None:
     found = forward_kinematics(APPENDIX_4.geometry, values)
@@ -158,3 +151,32 @@ def test_the_nearer_of_two_assembly_modes_is_taken() -> None:
     for q, poses, valid in zip(actuators, found.pose, found.valid, strict=True):
         for pose in poses[valid]:
             assert apart(nearest_solution(geometry, q, pose), pose) < 1e-12
+
+
+@given(case=cases(), power=st.integers(6, 16), side=st.sampled_from([-1, 1]))
+def test_double_roots_are_found(case: Case, power: int, side: int) -> None:
+    """Where a quadratic loses half of the digits, but not its roots."""
+    g, rng = case.geometry, np.random.default_rng(case.seed)
+    theta = side * singular_rotation(g) + 10.0**-power * rng.uniform(-1, 1, 400)
+    x, y = rng.uniform(-0.5, 0.5, (2, 400)) * g.base_radius
+    pose = np.stack([x, y, theta, np.full(400, -0.3)], -1)
+    actuators = inverse_kinematics(g, pose).actuators
+    found = forward_kinematics(g, actuators)
+    assert found.valid.any(axis=-1).all()
+    assert_within(nearest_solution(g, actuators, pose), pose, 1e-6)
+
+
+@given(case=cases(), theta=st.floats(-1.0, 1.0), heading=st.floats(-np.pi, np.pi))
+def test_no_isolated_pose_where_the_platform_moves_with_locked_actuators(
+    case: Case, theta: float, heading: float
+) -> None:
+    """On the singular circle leg lines meet and follow at -120 degrees; parallel lines slide."""
+    g = case.geometry
+    radius = singular_radius(g, theta)
+    pose = np.array([radius * np.cos(heading), radius * np.sin(heading), theta, -0.3])
+    parallel = np.append(wrap(heading - HEADINGS), 0.3)
+    for actuators in (inverse_kinematics(g, pose).actuators, parallel):
+        found = forward_kinematics(g, actuators)
+        assert np.isnan(found.pose).all()
+        assert not found.valid.any()
+        assert np.isnan(nearest_solution(g, actuators, pose)).all()

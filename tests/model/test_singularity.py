@@ -1,7 +1,8 @@
-"""The closed-form loci against the sign of a determinant, and distances to them by search."""
+"""The closed-form loci against the sign of a determinant, distances to them, and rounding."""
 
 from __future__ import annotations
 
+import contextlib
 from dataclasses import replace
 from typing import Any
 
@@ -13,16 +14,24 @@ from hypothesis import strategies as st
 from paminsa_viz.model import (
     APPENDIX_4,
     Geometry,
+    Grid,
+    Limit,
     check_reach,
+    inverse_dynamics,
     inverse_jacobian,
     inverse_kinematics,
     measure_singularity,
+    rotary_torques,
     singular_radius,
     singular_rotation,
+    solve_field,
+    static_breakdown,
+    static_torques,
 )
+from paminsa_viz.model.backend import compile_now, use_numpy
 from paminsa_viz.model.kinematics import LEG_AXES, wrap
 from tests import oracle
-from tests.support.cases import BY_HAND, Case, assert_within, cases
+from tests.support.cases import Case, assert_within, cases
 
 
 def rows_determinant(case: Case, pose: Any) -> Any:
@@ -68,37 +77,6 @@ def test_the_determinant_changes_sign_on_the_loci_and_nowhere_else(case: Case) -
     assert (det < 0).any()
 
 
-@given(case=cases(), theta=st.floats(-3.1, 3.1), heading=st.floats(-np.pi, np.pi))
-def test_crossing_the_circle(case: Case, theta: float, heading: float) -> None:
-    """From just inside to just outside of the closed-form radius."""
-    g = case.geometry
-    radius = float(singular_radius(g, theta))
-    assert radius**2 == pytest.approx(
-        (g.base_radius - g.platform_radius * np.cos(theta)) ** 2
-        + (g.platform_radius * np.sin(theta)) ** 2
-    )
-    r = radius * np.array([1 - 1e-7, 1 + 1e-7])
-    pose = np.stack([r * np.cos(heading), r * np.sin(heading), 0 * r + theta, 0 * r - 0.3], -1)
-    det = rows_determinant(case, pose)
-    far = rows_determinant(case, pose[0] * [0.5, 0.5, 1, 1])
-    if abs(abs(theta) - singular_rotation(g)) > 1e-3:
-        assert det[0] * det[1] < 0
-        assert np.abs(det).max() < 1e-3 * abs(far)
-
-
-@given(case=cases(), x=st.floats(-0.5, 0.5), y=st.floats(-0.5, 0.5), side=st.sampled_from([-1, 1]))
-def test_crossing_the_rotation(case: Case, x: float, y: float, side: int) -> None:
-    g = case.geometry
-    turn = singular_rotation(g)
-    assert np.cos(turn) == pytest.approx(g.platform_radius / g.base_radius, rel=1e-12)
-    assert 0 < turn < np.pi / 2
-    theta = side * turn * np.array([1 - 1e-7, 1 + 1e-7])
-    at = np.zeros(2)
-    pose = np.stack([at + x * g.base_radius, at + y * g.base_radius, theta, at - 0.3], -1)
-    det = rows_determinant(case, pose)
-    assert det[0] * det[1] < 0
-
-
 def test_the_rotation_of_appendix_4() -> None:
     assert np.degrees(singular_rotation(APPENDIX_4.geometry)) == pytest.approx(73.4, abs=0.05)
     assert singular_radius(APPENDIX_4.geometry, 0.0) == pytest.approx(0.25, rel=1e-15)
@@ -131,19 +109,6 @@ def test_condition_close_to_the_circle(case: Case, heading: float, power: int) -
         assert expected > 0.1 * 10**power
         measured = measure_singularity(g, pose)
         assert measured.condition == pytest.approx(expected, rel=1e-14 * 10**power + 1e-9)
-
-
-def test_on_the_circle_the_condition_is_infinite() -> None:
-    """Lengths that are exact in binary, so that the determinant is exactly zero."""
-    g = Geometry(base_radius=0.5, platform_radius=0.25, crank_length=0.5, coupler_length=0.7)
-    measured = measure_singularity(g, [[0.25, 0.0, 0.0, -0.5], [0.0, -0.25, 0.0, -0.5]])
-    np.testing.assert_array_equal(measured.determinant, 0.0)
-    np.testing.assert_array_equal(measured.condition, np.inf)
-    np.testing.assert_array_equal(measured.position_distance, 0.0)
-    np.testing.assert_array_equal(measured.rotation_distance, 0.0)
-    at_turn = measure_singularity(g, [0.1, 0.1, singular_rotation(g), -0.5])
-    assert at_turn.condition > 1e14
-    assert abs(at_turn.rotation_distance) < 1e-15
 
 
 @given(case=cases())
@@ -238,24 +203,79 @@ def test_a_platform_larger_than_its_base() -> None:
     assert_within(found.position_distance[0], 0.1, 1e-15)
 
 
-@pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])
-@pytest.mark.parametrize("coordinate", range(4))
-def test_poses_that_are_not_finite(bad: float, coordinate: int) -> None:
-    pose = BY_HAND.copy()
-    pose[0, coordinate] = bad
-    found = measure_singularity(APPENDIX_4.geometry, pose)
-    assert np.isnan(found.determinant[0])
-    assert np.isnan(found.condition[0])
-    assert not np.isfinite(found.serial_distance[0]) or coordinate == 2
-    if np.isnan(bad) and coordinate < 3:
-        assert np.isnan(found.rotation_distance[0])
-    for values in (found.determinant, found.condition, found.rotation_distance):
-        assert np.isfinite(values[1:]).all()
+def on_the_circle(g: Geometry, rng: np.random.Generator, off: float, n: int = 400) -> Any:
+    theta, heading = rng.uniform(-3.1, 3.1, n), rng.uniform(-np.pi, np.pi, n)
+    radius = singular_radius(g, theta) + off
+    return np.stack([radius * np.cos(heading), radius * np.sin(heading), theta, low(g, n)], -1)
 
 
-def test_out_of_reach_there_is_no_condition_but_a_distance() -> None:
-    found = measure_singularity(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -2.0])
-    assert np.isnan(found.determinant)
-    assert np.isnan(found.condition)
-    assert found.position_distance == pytest.approx(0.25)
-    assert found.serial_distance < 0
+def at_the_rotation(g: Geometry, rng: np.random.Generator, off: float, n: int = 400) -> Any:
+    x, y = rng.uniform(-0.5, 0.5, (2, n)) * g.base_radius
+    theta = (singular_rotation(g) + off) * rng.choice([-1, 1], n)
+    return np.stack([x, y, theta, low(g, n)], -1)
+
+
+def stretched(g: Geometry, rng: np.random.Generator, off: float, n: int = 400) -> Any:
+    x, y, theta = rng.uniform(-0.3, 0.3, (3, n)) * [[g.base_radius], [g.base_radius], [1.0]]
+    pose = np.stack([x, y, theta, low(g, n)], -1)
+    points = inverse_kinematics(g, pose).points
+    rho = np.linalg.norm((points[5] - points[3])[..., :2], axis=-1).max(axis=-1)
+    height = (g.crank_length + g.coupler_length - off) ** 2 - (g.span_ratio * rho) ** 2
+    pose[:, 3] = -np.sqrt(height) - g.platform_joint_height
+    return pose
+
+
+def on_a_leg_axis(g: Geometry, rng: np.random.Generator, off: float, n: int = 400) -> Any:
+    theta, heading = rng.uniform(-1.0, 1.0, n), rng.uniform(-np.pi, np.pi, n)
+    angle = oracle.AXIS_ANGLES[rng.integers(0, 3, n)]
+    x, y = (
+        g.base_radius * of(angle) - g.platform_radius * of(angle + theta) + off * of(heading)
+        for of in (np.cos, np.sin)
+    )
+    return np.stack([x, y, theta, low(g, n)], -1)
+
+
+def low(g: Geometry, n: int) -> Any:
+    return np.full(n, -0.6 * (g.crank_length + g.coupler_length))
+
+
+@pytest.mark.parametrize("compiled", [False, True], ids=["arrays", "kernels"])
+@pytest.mark.parametrize(
+    ("draw", "limit"),
+    [
+        (on_the_circle, Limit.SINGULAR),
+        (at_the_rotation, Limit.SINGULAR),
+        (stretched, Limit.STRETCHED),
+        (on_a_leg_axis, Limit.AXIS),
+    ],
+)
+@given(case=cases())
+def test_a_pose_is_singular_where_rounding_decides(compiled, draw, limit, case: Case) -> None:
+    """No torque at computed singular poses of either type; torques again 1e-6 m or rad away."""
+    g, rng = case.geometry, np.random.default_rng(case.seed)
+    # bars and guides long enough for all of both loci
+    bars = {"crank_length": 10 * g.crank_length, "coupler_length": 10 * g.coupler_length}
+    g = replace(g, **bars, guide_stroke=50.0)
+    design = replace(case.design, geometry=g)
+    if compiled:
+        compile_now()
+    with contextlib.nullcontext() if compiled else use_numpy():
+        for off in (0.0, 1e-6):
+            pose = draw(g, rng, off)
+            result = inverse_dynamics(design, pose, np.full(4, 0.3), np.full(4, -0.7))
+            measured = measure_singularity(g, pose)
+            field = solve_field(g, Grid.over(pose[0], x=pose[:1, 0]))
+            assert field.status == result.status[0]
+            if off == 0.0:
+                assert len(pose) == 400
+                assert (result.status == limit).all()
+                assert not np.isfinite(static_torques(design, pose)[:, :3]).any()
+                assert not np.isfinite(static_breakdown(design, pose).per_leg[:, :3]).any()
+                assert not np.isfinite(rotary_torques(design, Grid.over(pose[0]))).any()
+                assert np.isnan(result.torque).all()
+                assert not np.isfinite(measured.condition).any()
+            else:
+                ok = result.status == Limit.OK
+                assert ok.all()
+                assert np.isfinite(result.torque).all()
+                assert np.isfinite(measured.condition).all()

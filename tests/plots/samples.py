@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from io import BytesIO
 from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
+from PIL import Image
 
 from paminsa_viz.model import APPENDIX_4, Design, solve_field, xy_grid
-from paminsa_viz.model.design import KneeBranch
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import LEG_COLORS
-from paminsa_viz.plots.map_data import MapData, Provenance, map_data
+from paminsa_viz.plots.map_data import MapData, map_data
+from paminsa_viz.plots.map_figure import LiveMaps
+from paminsa_viz.plots.map_panel import FloorPath
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import TORQUES
 
-SOURCE = Provenance(
-    "Sample", KneeBranch.LOWER, "0.0.1", (("M", 1.25, "N"),), (("links.b3 [kg]", 0.4),)
-)
+SAMPLE = replace(APPENDIX_4, name="Sample")
 
 
 def made_up(nx: int = 31, ny: int = 27, panels: int = 3, **changes: Any) -> MapData:
@@ -42,7 +44,7 @@ def made_up(nx: int = 31, ny: int = 27, panels: int = 3, **changes: Any) -> MapD
         "colors": LEG_COLORS[:panels],
         "pose": (0.05, -0.03, 1.0, -0.5),
         "singular_radius": 0.25,
-        "provenance": SOURCE,
+        "design": SAMPLE,
         "title": "Made-up torques",
         "margin": margin,
         "leg": np.where(margin > 0, -1, 1).astype(np.int8),
@@ -78,3 +80,38 @@ def scales(draw: st.DrawFn) -> Scale:
     threshold = draw(st.floats(1e-4, 0.9)) * max(abs(low), abs(high))
     table = draw(st.sampled_from(["blue-vermillion", "RdBu_r", "PuOr_r", "viridis", "cividis"]))
     return Scale(low, high, kind, threshold, table)
+
+
+SCALE = Scale(-5.0, 5.0)
+SCALES = (SCALE,) * 3
+OWN = (Scale(-1.0, 1.0), Scale(-2.0, 2.0), Scale(-3.0, 3.0))
+SWEEP = np.stack([np.linspace(-0.6, 0.6, 200), np.linspace(-0.1, 0.1, 200)], axis=1)
+PATH = FloorPath(SWEEP[:150], SWEEP[149:])
+EMPTY = made_up(
+    values=np.full((3, 27, 31), np.nan),
+    status=np.full((27, 31), 2, np.uint8),
+    margin=np.full((27, 31), -0.1),
+)
+
+
+def pixels(content: bytes) -> np.ndarray:
+    return np.asarray(Image.open(BytesIO(content)).convert("RGB"))
+
+
+def crop(image: np.ndarray, place: Any, scale: float = 1.0) -> np.ndarray:
+    """Return the pixels inside a panel, without its frame."""
+    left, right, top, bottom = (
+        round(scale * edge) for edge in (place.left, place.right, place.top, place.bottom)
+    )
+    return image[top + 2 : bottom - 2, left + 2 : right - 2]
+
+
+def panel_and_same(panel: int) -> tuple[MapData, MapData]:
+    """Return maps, and maps whose panels are all one of them."""
+    data = made_up(nx=61, ny=61)
+    values = np.repeat(data.values[panel : panel + 1], 3, axis=0)
+    return data, made_up(nx=61, ny=61, values=values)
+
+
+def live(data: MapData, scales: Any, width: int, ratio: float = 1.0, **options: Any) -> np.ndarray:
+    return LiveMaps().draw(data, scales, width, ratio, **options)

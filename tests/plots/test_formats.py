@@ -29,7 +29,7 @@ def jpeg(monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_a_registered_format_is_found_everywhere(jpeg: str, tmp_path: Path) -> None:
-    file = exports.figure(initial_state(), MapStore(), jpeg, False, 85.0, 60.0)
+    file = exports.figure(initial_state(), MapStore(), jpeg)
     assert file.name.endswith(".jpg")
     drawn = tmp_path / "map.jpg"
     assert main(["map", "--cells", "20", "--dpi", "60", "--out", str(drawn)]) == 0

@@ -17,7 +17,8 @@ from paminsa_viz.files.tables import table_csv, table_npz
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.plots.map_data import MapData, difference
 from paminsa_viz.plots.map_table import map_table, value_columns
-from tests.plots.samples import SOURCE, made_up, real
+from paminsa_viz.quantities import TORQUES
+from tests.plots.samples import SAMPLE, made_up, real
 
 COLUMNS = ["x_m", "y_m", "theta_rad", "z_m", "tau1_Nm", "tau2_Nm", "tau3_Nm", "status"]
 
@@ -61,13 +62,12 @@ def check(data: MapData) -> None:
 
 @given(st.integers(0, 2**32 - 1), st.floats(1e-300, 1e300))
 def test_numbers_come_back_bit_by_bit(seed: int, size: float) -> None:
-    values = size * np.random.default_rng(seed).standard_normal((3, 27, 31))
-    check(made_up(values=values))
+    check(made_up(values=size * np.random.default_rng(seed).standard_normal((3, 27, 31))))
 
 
-def test_computed_maps_come_back() -> None:
-    check(real(15))
-    check(real(15, quantities=("condition",)))
+@pytest.mark.parametrize("quantities", [TORQUES, ("condition",)], ids=["torques", "condition"])
+def test_computed_maps_come_back(quantities: tuple[str, ...]) -> None:
+    check(real(15, quantities=quantities))
 
 
 def test_columns_have_units_and_rows_have_a_status() -> None:
@@ -84,13 +84,9 @@ def test_columns_have_units_and_rows_have_a_status() -> None:
 
 @pytest.mark.parametrize(
     ("quantity", "name"),
-    [
-        ("f_4", "f4_N"),
-        ("max_torque", "max_tau_Nm"),
-        ("condition", "kappa"),
-        ("reach_margin", "margin_m"),
-    ],
-)
+    [("f_4", "f4_N"), ("max_torque", "max_tau_Nm"), ("condition", "kappa"),
+     ("reach_margin", "margin_m")],
+)  # fmt: skip
 def test_names_are_plain(quantity: str, name: str) -> None:
     assert value_columns(real(5, quantities=(quantity,))) == (name,)
 
@@ -117,7 +113,7 @@ def test_provenance_of_both_files_is_the_same() -> None:
 
 @pytest.mark.parametrize("name", ["two\nlines", "tab\t, comma", "\u2028", "日本", "\x00\x1b[31m"])
 def test_a_hostile_name_stays_on_its_line(name: str) -> None:
-    data: Any = made_up(provenance=replace(SOURCE, design=name))
+    data: Any = made_up(design=replace(SAMPLE, name=name))
     said, names, rows = read(table_csv(map_table(data)))
     assert names == COLUMNS
     assert len(rows) == 27 * 31

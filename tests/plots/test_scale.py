@@ -1,4 +1,4 @@
-"""Scales against matplotlib's own, their levels and ticks, and what they refuse."""
+"""Scales against matplotlib's own, round levels and ticks, and impossible scales."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import INK, rgb
-from paminsa_viz.plots import colors
+from paminsa_viz.plots import colors, ticks
 from paminsa_viz.plots.ranges import ScaleChoice
 from paminsa_viz.plots.scale import (
     OVER,
@@ -30,25 +30,20 @@ NAN, INF = float("nan"), float("inf")
 
 
 @given(scales(), st.integers(0, 2**32 - 1))
-def test_positions_are_those_of_matplotlib_s_norm(scale: Scale, seed: int) -> None:
+def test_positions_and_pixels_are_those_of_matplotlib(scale: Scale, seed: int) -> None:
     span = scale.high - scale.low
-    values = np.random.default_rng(seed).uniform(scale.low - span, scale.high + span, 200)
-    norm, _ = scale.matplotlib_colors()
-    assert np.allclose(scale.position(values), np.ma.getdata(norm(values)), rtol=0, atol=1e-9)
-
-
-@given(scales())
-def test_position_rises_from_zero_to_one(scale: Scale) -> None:
-    values = np.linspace(scale.low, scale.high, 101)
+    values = np.random.default_rng(seed).uniform(scale.low - span, scale.high + span, (12, 17))
+    values.flat[:2] = scale.low, scale.high
+    norm, table = scale.matplotlib_colors()
     where = scale.position(values)
-    assert (where[0], where[-1]) == (0.0, pytest.approx(1.0))
-    assert (np.diff(where) > 0).all()
-
-
-@given(scales())
-def test_symmetric_log_is_odd(scale: Scale) -> None:
-    values = np.linspace(scale.low, scale.high, 31)
+    assert where.flat[0] == 0.0
+    assert np.allclose(where, np.ma.getdata(norm(values)), rtol=0, atol=1e-9)
+    assert (np.diff(where.ravel()[np.argsort(values, axis=None)]) >= 0).all()
     assert np.array_equal(scale.stretch(-values), -scale.stretch(values))
+    # Where a value falls on the edge of two colors, rounding may decide either way.
+    sure = np.abs(256 * where - np.round(256 * where)) > 1e-6
+    gap = map_pixels(values, None, scale)[sure] / 255 - table(norm(values))[sure]
+    assert np.abs(gap).max() <= 0.5 / 255 + 1e-6
 
 
 @given(scales())
@@ -79,14 +74,17 @@ def test_a_positive_range_takes_one_arm_of_a_diverging_table() -> None:
     assert (table[:, 0] > table[:, 2]).all()
 
 
-def test_contours_can_be_left_out() -> None:
-    assert Scale(-1.0, 1.0, contours=0).levels == ()
-    assert Scale(-1.0, 1.0, contours=4).levels == (-0.5, 0.0, 0.5)
-
-
-def test_decades_of_a_symmetric_log() -> None:
-    scale = Scale(-1000.0, 1000.0, "symlog", 1.0)
-    assert scale.levels == (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)
+@pytest.mark.parametrize(
+    ("scale", "levels"),
+    [
+        (Scale(-1.0, 1.0, contours=0), ()),
+        (Scale(-1.0, 1.0, contours=4), (-0.5, 0.0, 0.5)),
+        (Scale(-1e3, 1e3, "symlog", 1.0), (-100.0, -10.0, -1.0, 0.0, 1.0, 10.0, 100.0)),
+    ],
+    ids=["none", "linear", "symlog"],
+)
+def test_contour_levels(scale: Scale, levels: tuple[float, ...]) -> None:
+    assert scale.levels == levels
 
 
 def test_contours_are_white_on_the_dark_end_of_a_magnitude_only() -> None:
@@ -96,63 +94,36 @@ def test_contours_are_white_on_the_dark_end_of_a_magnitude_only() -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments",
+    ("field", "arguments"),
     [
-        (1.0, 1.0),
-        (2.0, 1.0),
-        (NAN, 1.0),
-        (0.0, NAN),
-        (-INF, 1.0),
-        (0.0, INF),
-        (0.0, "1"),
-        (False, True),
-        (1.0, 1.0 + 1e-15),
-        (0.0, 1e-300),
-        (-1e308, 1e308),
-        (0.0, 1.0, "log"),
-        (0.0, 1.0, "symlog", 0.0),
-        (0.0, 1.0, "symlog", NAN),
-        (0.0, 1.0, "linear", 1.0, "jet"),
+        ("high", (1.0, 1.0)), ("high", (2.0, 1.0)), ("low", (NAN, 1.0)), ("high", (0.0, NAN)),
+        ("low", (-INF, 1.0)), ("high", (0.0, INF)), ("high", (0.0, "1")), ("low", (False, True)),
+        ("high", (1.0, 1.0 + 1e-15)), ("high", (0.0, 1e-300)), ("high", (-1e308, 1e308)),
+        ("kind", (0.0, 1.0, "log")), ("threshold", (0.0, 1.0, "symlog", 0.0)),
+        ("threshold", (0.0, 1.0, "symlog", NAN)), ("colors", (0.0, 1.0, "linear", 1.0, "jet")),
     ],
-)
-def test_nonsense_is_refused(arguments: tuple[Any, ...]) -> None:
+)  # fmt: skip
+def test_an_impossible_scale_names_its_field(field: str, arguments: tuple[Any, ...]) -> None:
     with pytest.raises(InvalidScale) as caught:
         Scale(*arguments)
     assert isinstance(caught.value, PaminsaError)
+    assert caught.value.argument == field
     assert caught.value.problem in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    "choice",
+    ("field", "choice"),
     [
-        {"low": 1.0},
-        {"high": 1.0},
-        {"low": 1.0, "high": 0.0},
-        {"low": NAN, "high": 1.0},
-        {"contours": -1},
-        {"contours": 1000},
-        {"kind": "cubic"},
-        {"threshold": -1.0},
-        {"colors": "rainbow"},
+        ("high", {"low": 1.0}), ("low", {"high": 1.0}), ("high", {"low": 1.0, "high": 0.0}),
+        ("low", {"low": NAN, "high": 1.0}), ("contours", {"contours": -1}),
+        ("contours", {"contours": 1000}), ("kind", {"kind": "cubic"}),
+        ("threshold", {"threshold": -1.0}), ("colors", {"colors": "rainbow"}),
     ],
-)
-def test_nonsense_choices_are_refused(choice: dict[str, Any]) -> None:
-    with pytest.raises(InvalidScale):
+)  # fmt: skip
+def test_an_impossible_choice_names_its_field(field: str, choice: dict[str, Any]) -> None:
+    with pytest.raises(InvalidScale) as caught:
         ScaleChoice(**choice)
-
-
-@given(scales(), st.integers(0, 2**32 - 1))
-def test_pixels_are_those_of_matplotlib(scale: Scale, seed: int) -> None:
-    span = scale.high - scale.low
-    values = np.random.default_rng(seed).uniform(scale.low - span, scale.high + span, (12, 17))
-    values.flat[:2] = scale.low, scale.high
-    norm, table = scale.matplotlib_colors()
-    theirs = table(norm(values))
-    ours = map_pixels(values, None, scale)
-    # Where a value falls on the edge of two colors, rounding may decide either way.
-    where = scale.position(values) * 256
-    sure = np.abs(where - np.round(where)) > 1e-6
-    assert np.abs(ours[sure] / 255 - theirs[sure]).max() <= 0.5 / 255 + 1e-6
+    assert caught.value.argument == field
 
 
 @given(scales(), st.integers(0, 2**32 - 1))
@@ -190,3 +161,44 @@ def test_row_zero_of_the_pixels_is_the_smallest_y() -> None:
     assert (pixels.shape, pixels.dtype) == ((27, 31, 4), np.uint8)
     assert pixels[0, 0, 2] > pixels[0, 0, 0]  # negative, blue
     assert pixels[-1, 0, 0] > pixels[-1, 0, 2]  # positive, red
+
+
+spans = st.floats(1e-12, 1e12)
+
+
+def significant(value: float) -> str:
+    """Return the digits of a number without its power of ten."""
+    return f"{value:.10e}".split("e")[0].rstrip("0").rstrip(".")
+
+
+@given(spans, st.integers(1, 30))
+def test_a_step_is_round_and_makes_no_more_parts_than_asked(span: float, count: int) -> None:
+    step = ticks.nice_step(span, count)
+    assert significant(step) in {"1", "2", "2.5", "5"}
+    assert span / step <= count * (1 + 1e-6)
+    assert span / step >= count / 2.6
+
+
+@given(spans)
+def test_a_limit_is_round_and_holds_the_value_or_is_the_nearest(value: float) -> None:
+    limit = ticks.nice_limit(value)
+    assert value * (1 - 1e-6) <= limit <= 1.51 * value
+    assert len(significant(limit)) <= 3
+    assert value / 1.3 < ticks.nice_limit(value, nearest=True) < 1.3 * value
+
+
+@given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3))
+def test_multiples_are_all_inside_and_none_is_missing(low: float, step: float) -> None:
+    high = low + 7.3 * step
+    found = ticks.multiples(low, high, step)
+    assert len(found) in (7, 8)
+    assert low - 1e-6 * step <= found[0] < low + step
+    assert high - step < found[-1] <= high + 1e-6 * step
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "count", "step"),
+    [(-20, 20, 8, 5), (-30, 30, 6, 10), (0, 25, 8, 5), (0, 0.225, 4, None), (-25, 25, 2, 25)],
+)
+def test_dividing_steps(low: float, high: float, count: int, step: float | None) -> None:
+    assert ticks.dividing_step(low, high, count) == step

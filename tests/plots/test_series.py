@@ -25,7 +25,8 @@ from paminsa_viz.plots.series import (
     thinned,
 )
 from paminsa_viz.plots.series_builders import build_series
-from paminsa_viz.plots.series_figure import draw_series, figure_bytes, value_range
+from paminsa_viz.plots.series_figure import draw_series, figure_bytes
+from paminsa_viz.plots.series_panel import value_range
 from paminsa_viz.trajectory import (
     PRESET,
     Controller,
@@ -80,42 +81,40 @@ def _series(kind, analysis, **others):
 def test_torques_are_those_of_the_analysis(analysis, everything) -> None:
     data = _series("torques", analysis, **everything)
     for j, panel in enumerate(data.panels):
-        *beside, own = panel.traces
-        np.testing.assert_array_equal(own.values, analysis.torque[:, j])
-        np.testing.assert_array_equal(beside[0].values, everything["reference"].torque[:, j])
-        np.testing.assert_array_equal(beside[1].values, everything["published"].torque[:, j])
-        summary = analysis.summary[j]
-        assert own.peak == (summary.peak_t, summary.peak)
-        assert own.level == np.copysign(summary.rms, summary.peak)
+        reference, published, own = (trace.values for trace in panel.traces)
+        np.testing.assert_array_equal(own, analysis.torque[:, j])
+        np.testing.assert_array_equal(reference, everything["reference"].torque[:, j])
+        np.testing.assert_array_equal(published, everything["published"].torque[:, j])
+        summary, drawn = analysis.summary[j], panel.traces[-1]
+        assert drawn.peak == (summary.peak_t, summary.peak)
+        assert drawn.level == np.copysign(summary.rms, summary.peak)
         assert len(panel.notes) == 3
 
 
-def test_parts_add_up_to_the_last_curve(analysis) -> None:
+def test_parts_add_up_to_the_last_curve_with_friction_only_where_there_is_some(
+    motion, analysis
+) -> None:
     for panel in _series("breakdown", analysis).panels:
         *parts, whole = (trace.values for trace in panel.traces)
         assert len(parts) == len(series_builders.CAUSES)
         np.testing.assert_allclose(sum(parts), whole, atol=1e-12)
+    smooth = _series("breakdown", analyze(APPENDIX_4, motion)).panels[0]
+    labels = [trace.label for trace in smooth.traces]
+    assert labels == ["gravity", "inertia", "centrifugal and Coriolis", "total"]
 
 
-def test_friction_is_left_out_where_there_is_none(motion) -> None:
-    panel = _series("breakdown", analyze(APPENDIX_4, motion)).panels[0]
-    assert [trace.label for trace in panel.traces] == [
-        "gravity", "inertia", "centrifugal and Coriolis", "total",
-    ]  # fmt: skip
+def test_energies_balance(analysis) -> None:
+    robot, balance = _series("energy", analysis).panels[-2:]
+    work, gained = (trace.values for trace in robot.traces)
+    residual = balance.traces[0].values
+    assert np.diff(work - gained - residual).min() > -1e-8  # friction only takes
+    assert np.abs(residual).max() < 1e-5
 
 
 def test_no_figure_claims_to_be_the_papers(analysis) -> None:
     data = _series("pose", analysis)
     assert "It is not the motion of the paper's Figs. 8-11" in series_text.caption(data)
     assert "Fig" not in data.title
-
-
-def test_energies_balance(analysis) -> None:
-    robot, balance = _series("energy", analysis).panels[-2:]
-    work, gained = (trace.values for trace in robot.traces)
-    lost = work - gained - balance.traces[0].values
-    assert np.diff(lost).min() > -1e-8  # friction only takes; but for the integration
-    assert np.abs(balance.traces[0].values).max() < 1e-5
 
 
 def test_differences_are_against_the_engine_first(analysis, everything) -> None:
@@ -237,32 +236,27 @@ def test_without_title_and_caption_the_figure_is_lower(analysis) -> None:
 
 
 @pytest.mark.parametrize(
-    ("kind", "more", "field"),
+    ("field", "kind", "more"),
     [
-        ("tracking", {}, "simulation"),
-        ("comparison", {}, "engine"),
-        ("pictures", {}, "kind"),
-        ("torques", {"engine": EngineTorques("x", np.zeros((3, 4)))}, "engine"),
+        ("simulation", "tracking", {}),
+        ("engine", "comparison", {}),
+        ("kind", "pictures", {}),
+        ("engine", "torques", {"engine": EngineTorques("x", np.zeros((3, 4)))}),
+        ("width_mm", "pose", {"width_mm": 55.0}),
+        ("dpi", "pose", {"dpi": 5.0}),
+        ("format", "pose", {"format": "gif"}),
     ],
+    ids=["no simulation", "no second source", "kind", "size", "width", "dpi", "format"],
 )
-def test_what_is_missing_is_named(kind, more, field, analysis) -> None:
+def test_an_impossible_figure_names_its_argument(field, kind, more, analysis) -> None:
     with pytest.raises(InvalidInput) as caught:
-        _series(kind, analysis, **more)
+        figure_bytes(kind, analysis, **more)
     assert caught.value.argument == field
 
 
 def test_another_motion_is_refused(analysis, failing) -> None:
     with pytest.raises(InvalidInput, match="same trajectory"):
         _series("torques", analysis, reference=failing)
-
-
-@pytest.mark.parametrize(("field", "changes"), [("width_mm", {"width_mm": 55.0}),
-                                                ("dpi", {"dpi": 5.0}),
-                                                ("format", {"format": "gif"})])  # fmt: skip
-def test_impossible_files_are_refused(field, changes, analysis) -> None:
-    with pytest.raises(InvalidInput) as caught:
-        figure_bytes("pose", analysis, **changes)
-    assert caught.value.argument == field
 
 
 @given(st.lists(st.one_of(st.floats(-1e6, 1e6), st.just(np.nan)), min_size=1, max_size=300),

@@ -1,4 +1,4 @@
-"""Any documents and states, for tests of what is done with them."""
+"""Any documents and states."""
 
 from __future__ import annotations
 
@@ -8,9 +8,13 @@ import numpy as np
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.motion.description import Kind, Motion, Timing
 from paminsa_viz.explorer.state import Document, State, initial_state
 from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, KneeBranch
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from paminsa_viz.trajectory import PRESETS, MotionLimits, Profile
 from tests.support.samples import possible_values, random_design, random_poses
 
 COUNTERWEIGHTS = st.builds(
@@ -20,38 +24,66 @@ COUNTERWEIGHTS = st.builds(
     st.floats(-0.5, 0.5),
     possible_values(PARAMETER["links.b3"]),
 )
+LOADS = st.builds(
+    LoadCase,
+    force_x=st.floats(-100, 100),
+    moment_z=st.floats(-10, 10),
+    point_y=st.floats(-1, 1),
+    frame=st.sampled_from(LoadFrame),
+)
+DRIVE = Drive("motor", 1e-6, envelope=((0.0, 1.0), (9.0, 0.5)))
 
 
 @st.composite
 def designs(draw: st.DrawFn) -> Design:
-    """Draw any robot, with any counterweights and name, and the stroke set or not."""
+    """Draw any robot, with any counterweights, load, drives and name, and the stroke set or not."""
     design = random_design(np.random.default_rng(draw(st.integers(0, 10**6))))
     if draw(st.booleans()):
         stroke = draw(st.sampled_from([APPENDIX_4.geometry.stroke, 0.2, 0.417]))
         design = design.vary({"geometry.guide_stroke": stroke})
     printable = st.characters(exclude_categories=("C", "Z"))
-    weights = tuple(draw(st.lists(COUNTERWEIGHTS, max_size=3)))
-    return replace(design, counterweights=weights, name=draw(st.text(printable, max_size=30)))
-
-
-COORDINATE = st.floats(-3, 3)
-
-
-def _document(knee: KneeBranch, document: Document) -> Document:
-    reference = document.reference
     return replace(
-        document,
-        design=document.design.with_knee(knee),
-        reference=None if reference is None else reference.with_knee(knee),
+        design,
+        counterweights=tuple(draw(st.lists(COUNTERWEIGHTS, max_size=3))),
+        load=draw(st.just(LoadCase()) | LOADS),
+        drives=draw(st.sampled_from([(None,) * 4, (DRIVE, None, None, None)])),
+        name=draw(st.text(printable, max_size=30)),
     )
 
 
-DOCUMENTS = st.builds(
-    Document,
-    design=designs(),
-    pose=st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE),
-    reference=st.none() | designs(),
-).flatmap(lambda document: st.sampled_from(KneeBranch).map(lambda k: _document(k, document)))
+COORDINATE = st.floats(-3, 3)
+POSES = st.tuples(COORDINATE, COORDINATE, COORDINATE, COORDINATE)
+LIMIT = st.none() | st.floats(0.01, 100)
+MOTIONS = st.builds(
+    Motion,
+    kind=st.sampled_from([kind for kind in Kind if kind is not Kind.TABLE]),
+    preset=st.sampled_from([preset.key for preset in PRESETS]),
+    start=st.none() | POSES,
+    goal=st.none() | POSES,
+    height=st.floats(0, 1),
+    waypoints=st.lists(POSES, max_size=5).map(tuple),
+    center=st.none() | POSES,
+    radius=st.floats(0.001, 1),
+    profile=st.sampled_from(Profile),
+    timing=st.sampled_from(Timing),
+    duration=st.floats(0.1, 100),
+    limits=st.builds(MotionLimits, speed=LIMIT, turn_jerk=LIMIT, torque=LIMIT, force=LIMIT),
+    back=st.booleans(),
+    rate=st.floats(50, 10_000),
+)
+
+
+@st.composite
+def documents(draw: st.DrawFn) -> Document:
+    """Draw any document; design and reference have the same knee."""
+    knee = draw(st.sampled_from(KneeBranch))
+    with_knee = designs().map(lambda design: design.with_knee(knee))
+    return Document(
+        design=draw(with_knee),
+        pose=draw(POSES),
+        reference=draw(st.none() | with_knee),
+        motion=draw(st.just(Motion()) | MOTIONS),
+    )
 
 
 def state_at_random_pose(seed: int) -> State:
@@ -59,8 +91,7 @@ def state_at_random_pose(seed: int) -> State:
     rng = np.random.default_rng(seed)
     design = random_design(rng)
     x, y, theta, z = (float(v) for v in random_poses(rng, design)[0])
-    state = initial_state(design)
-    return actions.move(state, x=x, y=y, theta=theta, z=z)
+    return actions.move(initial_state(design), x=x, y=y, theta=theta, z=z)
 
 
 def assert_same(a: Document, b: Document) -> None:

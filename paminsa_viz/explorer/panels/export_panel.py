@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from paminsa_viz.explorer import exports
@@ -14,6 +14,7 @@ from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -72,39 +73,19 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
     """
     exporter = Exporter()
 
-    def map_figure(kind: str, session: Session) -> exports.File:
-        state = session.state
-        chosen = state.export
-        return exports.figure(state, store, kind, chosen.single, chosen.width, chosen.dpi)
+    def export(what: str, make: Callable[[State], exports.File]) -> Run:
+        return exporter.run(what, lambda session: make(session.state))
 
-    def map_table(kind: str, session: Session) -> exports.File:
-        return exports.table(session.state, store, kind, session.state.export.single)
-
-    def curves(kind: str, session: Session) -> exports.File:
-        state = session.state
-        return exports.motion_figure(state, kind, state.export.width, state.export.dpi)
-
-    def series(kind: str, session: Session) -> exports.File:
-        return exports.motion_table(session.state, kind)
-
-    def view(session: Session) -> exports.File:
-        return exports.view(session.state, session.client, session.state.export.view_size)
-
-    def figures(make: Callable[[str, Session], exports.File]) -> dict[str, Run]:
+    def choices(
+        what: str, labels: Mapping[str, str], make: Callable[..., exports.File]
+    ) -> dict[str, Run]:
         return {
-            each.label: exporter.run(f"a figure as {each.label}", partial(make, name))
-            for name, each in FIGURE_FORMATS.items()
+            label: export(f"{what} as {label}", partial(make, kind=kind))
+            for kind, label in labels.items()
         }
 
-    def tables(make: Callable[[str, Session], exports.File]) -> dict[str, Run]:
-        return {
-            name.upper(): exporter.run(f"data as {name.upper()}", partial(make, name))
-            for name in TABLE_FORMATS
-        }
-
-    def model(meshes: bool) -> Make:
-        return lambda session: exports.mujoco_model(session.state, meshes)
-
+    figures = {name: each.label for name, each in FIGURE_FORMATS.items()}
+    tables = {name: name.upper() for name in TABLE_FORMATS}
     return (
         Html("export.maps_heading", content=_maps_heading),
         Dropdown(
@@ -114,21 +95,23 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             **attribute("export.single"),
         ),
         Number(
-            "export.width", "width [mm]", range=exports.WIDTHS, step=1.0,
+            "export.width", "width [mm]", range=(80.0, 400.0), step=1.0,
             hint="Width of the figure on paper: 85 mm is a column, 170 mm a page",
             **attribute("export.width"),
         ),
         Number(
-            "export.dpi", "dpi", range=exports.RESOLUTIONS, step=10.0,
+            "export.dpi", "dpi", range=(50.0, 600.0), step=10.0,
             hint="Pixels per inch of a PNG, and of the colored cells in SVG and PDF",
             **attribute("export.dpi"),
         ),
         ButtonGroup(
-            "export.figure", "figure", choices=figures(map_figure),
+            "export.figure", "figure",
+            choices=choices("a figure", figures, partial(exports.figure, store=store)),
             hint="Title, units, design and pose are in it",
         ),
         ButtonGroup(
-            "export.table", "data", choices=tables(map_table),
+            "export.table", "data",
+            choices=choices("data", tables, partial(exports.table, store=store)),
             hint="SI units, with every number of the design",
         ),
         Html(
@@ -146,35 +129,36 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
         ButtonGroup(
             "export.scene", "export",
             choices={
-                "View as PNG": exporter.run("the 3D view as PNG", view),
-                "Robot as GLB": exporter.run(
-                    "the robot as GLB", lambda session: exports.robot(session.state)
+                "View as PNG": exporter.run(
+                    "the 3D view as PNG",
+                    lambda session: exports.view(session.state, session.client),
                 ),
+                "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
             },
             hint="The 3D view as it is, or the posed robot",
         ),
         ButtonGroup(
             "export.mujoco", "MuJoCo",
             choices={
-                "MJCF": exporter.run("the MuJoCo model", model(meshes=False)),
-                "MJCF with meshes": exporter.run("the MuJoCo model", model(meshes=True)),
+                "MJCF": export(
+                    "the MuJoCo model", partial(exports.mujoco_model, meshes=False)
+                ),
+                "MJCF with meshes": export(
+                    "the MuJoCo model", partial(exports.mujoco_model, meshes=True)
+                ),
             },
             hint="All masses, loops and actuators for MuJoCo: one XML file, or a ZIP with the "
             "real shapes",
         ),
         Html("export.motion_heading", content=_motion_heading),
         ButtonGroup(
-            "export.curves", "figure", choices=figures(curves),
+            "export.curves", "figure", choices=choices("a figure", figures, exports.motion_figure),
             hint="The curves of “Motion plots”, width as above",
         ),
         ButtonGroup(
             "export.series", "data",
-            choices=tables(series) | {
-                "HTML page": exporter.run(
-                    "a page that plays the motion",
-                    lambda session: exports.motion_page(session.state),
-                )
-            },
+            choices=choices("data", tables, exports.motion_table)
+            | {"HTML page": export("a page that plays the motion", exports.motion_page)},
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
         ),
     )  # fmt: skip

@@ -102,6 +102,10 @@ def _pose_text(pose: Pose) -> str:
     return f"x {mm[0]}, y {mm[1]}, z {mm[2]} mm, θ {number(round(math.degrees(theta), 1))}°"
 
 
+UPLOAD_TIMEOUT = 10.0
+"""How long an uploaded table may take to read [s]; the largest possible one takes some seconds."""
+
+
 def _open(session: Session, name: str, content: bytes) -> None:
     """Run the trajectory in an uploaded CSV file.
 
@@ -113,7 +117,8 @@ def _open(session: Session, name: str, content: bytes) -> None:
         raise TableFileError(name, "is empty, or larger than 10 MB")
     text = content.decode("utf-8-sig", errors="surrogateescape")
     rest = session.state.table_at_rest
-    table = parse_trajectory(io.StringIO(text, newline=""), name, rest=rest)
+    lines = io.StringIO(text, newline="")
+    table = parse_trajectory(lines, name, rest=rest, timeout=UPLOAD_TIMEOUT)
     session.dispatch("motion.table", lambda state: motions.use_table(state, table))
     session.notify("Motion opened", f"{table.name}, {table.size} rows")
 

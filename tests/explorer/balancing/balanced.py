@@ -1,32 +1,35 @@
-"""Balancing tasks done at once, for tests of their outcomes."""
+"""Balancing tasks done at once, for tests of their results."""
 
 from __future__ import annotations
 
-from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
-from paminsa_viz.explorer.balancing.jobs import Task
+from paminsa_viz.explorer.balancing.jobs import Job, Task
 from paminsa_viz.explorer.balancing.solving import run
 from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_text import status_html
-from paminsa_viz.explorer.state import State
-from paminsa_viz.model import Design
+from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model.parameters import Counterweight
 
-HANGING = Counterweight("b8", 8, 0.1, 1.0)
+ATTACHED = Counterweight("b8", 8, 0.1, 1.0)
+
+START = motions.choose_preset(initial_state(), "arch")
+"""The state at the start, with a motion in the shape of an arch."""
+
+
+def started(state: State, task: Task) -> tuple[State, Job]:
+    """Return the state while a task runs, and its job."""
+    running = balancing.start(state, task)
+    assert running.balancing.running is not None
+    return running, running.balancing.running
 
 
 def solved(state: State, task: Task = Task.OPTIMUM) -> State:
-    """Return the state after a task, done at once."""
-    started = balancing.start(state, task)
-    assert started.balancing.running is not None
-    return balancing.receive_result(started, run(started.balancing.running))
-
-
-def with_design(state: State, design: Design) -> State:
-    """Return the state with another design."""
-    return actions.load_design(state, design)
+    """Return the state after a task."""
+    running, job = started(state, task)
+    return balancing.receive_result(running, run(job))
 
 
 def status(state: State) -> str:
-    """Return what the page says of the last optimization."""
+    """Return what the page shows of the last optimization."""
     return status_html(compute(state))

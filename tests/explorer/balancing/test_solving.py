@@ -1,73 +1,78 @@
-"""Balancing as pure functions of the state, and its outcomes in words."""
+"""Balancing as pure functions of the state: optima, their texts, what cannot be balanced."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from paminsa_viz.balancing import InfeasibleBounds
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, FreeMasses, Goal, Task
-from paminsa_viz.explorer.balancing.solving import plane, run, static_torque
+from paminsa_viz.explorer.balancing.solving import plane, run, static_torque, tidied
 from paminsa_viz.explorer.frame import compute, near_singularity
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_text import details_html
+from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import (
     APPENDIX_4,
+    InvalidDesign,
     InvalidInput,
     Limit,
     measure_singularity,
     static_imbalance,
 )
+from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, Counterweight
 from paminsa_viz.trajectory import analyze
-from tests.explorer.balancing.balanced import solved, status
+from tests.explorer.balancing.balanced import ATTACHED, START, solved, started, status
 
 
-def test_the_papers_balance_pins_the_design_before(start: State) -> None:
-    start = actions.move(start, x=0.1, y=-0.05, theta=0.3)
+def test_papers_balance_pins_the_design_before() -> None:
+    start = actions.move(START, x=0.1, y=-0.05, theta=0.3)
     after = balancing.balance_now(start)
     assert after.balancing.running is None
     assert static_imbalance(after.document.design) == pytest.approx(0, abs=1e-12)
     assert after.document.reference == start.document.design
     assert after.document.design.joints.j7 == pytest.approx(3.063)
+    assert after.document.design.name != start.document.design.name
     frame = compute(after)
     assert np.abs(frame.torques[:3]).max() < 1e-9
     assert frame.reference_torques is not None
     assert np.abs(frame.reference_torques[:3]).max() > 0.1
-    assert after.document.design.name != start.document.design.name
     # Once balanced there is nothing to change, and the reference stays what it was.
     again = balancing.balance_now(after)
     assert again.document == after.document
     assert "nothing was changed" in status(again)
-    taken_back = actions.restore(after, start.document)
-    assert "the one before is shown again" in status(taken_back)
+    assert "the one before is shown again" in status(actions.restore(after, start.document))
 
 
-def test_its_numbers_are_the_models(start: State) -> None:
-    after = balancing.balance_now(start)
-    outcome = after.balancing.outcome
+def test_numbers_of_a_result_are_the_models() -> None:
+    after = balancing.balance_now(START)
+    outcome, motion = after.balancing.outcome, motions.planned(START).trajectory
     assert outcome is not None
-    effects = {item.label: item for item in outcome.effects}
-    motion = motions.planned(start).trajectory
-    assert motion is not None
-    for design, side in ((start.document.design, "before"), (after.document.design, "after")):
-        torque = np.abs(analyze(design, motion).torque[:, :3])
-        assert getattr(effects["peak dynamic torque"], side) == pytest.approx(torque.max())
-    mass = effects["mass of the robot"]
-    assert mass.after - mass.before == pytest.approx(8.349)
     assert outcome.optimum is not None
+    assert motion is not None
+    effects = {item.label: item for item in outcome.effects}
+    peak, mass = effects["peak dynamic torque"], effects["mass of the robot"]
+    for state, found in ((START, peak.before), (after, peak.after)):
+        torque = analyze(state.document.design, motion).torque[:, :3]
+        assert found == pytest.approx(np.abs(torque).max())
+    assert mass.after - mass.before == pytest.approx(outcome.optimum.objective)
     assert outcome.optimum.objective == pytest.approx(8.349)
 
 
-def test_standing_is_looked_at_where_no_singularity_is_near(start: State) -> None:
-    turned = actions.move(start, theta=0.5)
-    job = balancing.make_job(turned, Task.OPTIMUM)
+def test_static_torque_is_that_of_all_poses_away_from_singularities() -> None:
+    job = balancing.make_job(actions.move(START, theta=0.5), Task.OPTIMUM)
     field = plane(job)
     used = field.status == Limit.OK
-    assert used.any()
     poses = field.grid.poses()
+    assert used.any()
     assert (poses[..., 2] == 0.5).all()
     assert not near_singularity(measure_singularity(field.geometry, poses[used])).any()
     torque = field.torques(APPENDIX_4)[:3][:, used]
@@ -75,75 +80,152 @@ def test_standing_is_looked_at_where_no_singularity_is_near(start: State) -> Non
     assert static_torque(job, APPENDIX_4) == pytest.approx(wanted)
 
 
-@pytest.mark.parametrize("goal", list(Goal))
+@pytest.mark.parametrize("goal", Goal)
 @pytest.mark.parametrize("movable", [FreeMasses.NONE, FreeMasses.ALL])
-def test_every_goal_is_reached_within_its_bounds(
-    start: State, goal: Goal, movable: FreeMasses
-) -> None:
-    wished = balancing.change_settings(
-        balancing.choose_goal(start, goal), movable=movable, max_decrease=0.1
-    )
-    after = solved(wished)
-    outcome = after.balancing.outcome
+def test_every_goal_is_optimal_within_its_bounds(goal: Goal, movable: FreeMasses) -> None:
+    chosen = balancing.choose_goal(START, goal)
+    after = solved(balancing.change_settings(chosen, movable=movable, max_decrease=0.1))
+    outcome, design = after.balancing.outcome, after.document.design
     assert outcome is not None
     assert outcome.optimum is not None
     assert outcome.optimum.gap < 1e-6
-    # The numbers of the table are those that were made small.
     effects = {item.label: item.after for item in outcome.effects}
     label = {Goal.PEAK: "peak dynamic torque", Goal.RMS: "RMS dynamic torque"}.get(goal)
     if label is not None:
         assert effects[label] == pytest.approx(outcome.optimum.objective, rel=1e-9)
-    design = after.document.design
     for weight in design.counterweights:
         assert 0 <= weight.beyond <= 0.1
         assert 0 < weight.mass <= 5
     for path in ("links.b3", "joints.j7", "links.b1"):
-        held = APPENDIX_4.value(path)
-        low, high = (0.9 * held, held + 5) if movable is FreeMasses.ALL else (held, held)
+        given = APPENDIX_4.value(path)
+        low, high = (0.9 * given, given + 5) if movable is FreeMasses.ALL else (given, given)
         assert low - 1e-9 <= design.value(path) <= high + 1e-9
     if goal.static:
         assert static_imbalance(design) == pytest.approx(0, abs=1e-9)
-    else:
-        assert wished.balancing.settings.exact is False
+    assert chosen.balancing.settings.exact is goal.static
     text = status(after) + details_html(outcome)
     assert "Certified optimal" in text
     assert "nan" not in text
 
 
-def test_what_did_not_change_keeps_its_last_digit(start: State) -> None:
-    wished = balancing.change_settings(
-        start, movable=FreeMasses.PANTOGRAPH, slot_b8=CounterweightSlot(0.1, 0)
-    )
-    design = solved(wished).document.design
-    assert design.inertias == APPENDIX_4.inertias
+def test_unchanged_numbers_keep_their_last_digit() -> None:
+    slot = CounterweightSlot(0.1, 0)
+    wanted = balancing.change_settings(START, movable=FreeMasses.PANTOGRAPH, slot_b8=slot)
+    assert solved(wanted).document.design.inertias == APPENDIX_4.inertias
 
 
-def test_a_design_changed_in_the_meantime_is_not_overwritten(start: State) -> None:
-    started = balancing.start(start, Task.OPTIMUM)
-    job = started.balancing.running
-    assert job is not None
+def test_result_for_another_design_or_a_stopped_job_is_dropped() -> None:
+    running, job = started(START, Task.OPTIMUM)
     with pytest.raises(InvalidInput, match="still runs"):
-        balancing.start(started, Task.FRONT)
-    changed = actions.vary(started, {"links.b4": 0.9})
+        balancing.start(running, Task.FRONT)
+    changed = actions.vary(running, {"links.b4": 0.9})
     after = balancing.receive_result(changed, run(job))
     assert after.document == changed.document
     assert "changed in the meantime" in status(after)
-    # And one that was stopped is dropped.
-    stopped = balancing.stop(started)
+    stopped = balancing.stop(running)
     assert balancing.receive_result(stopped, run(job)) is stopped
 
 
-def test_one_scale_suits_both_designs(start: State) -> None:
-    after = balancing.balance_now(start)
-    held = hold_range(after)
+def test_common_range_suits_both_designs() -> None:
+    after = balancing.balance_now(START)
+    held, store = hold_range(after), MapStore()
     assert held.map_view.range_mode is RangeMode.MANUAL
     assert held.map_view.high == -held.map_view.low > 1
-    store = MapStore()
     shown = [held, actions.swap_reference(held), toggle_difference(held)]
-    scales = [store.scales(s, store.data(s)) for s in shown]
-    assert scales[0] == scales[1] == scales[2]
+    first, *others = (store.scales(s, store.data(s)) for s in shown)
+    assert others == [first, first]
     # Where nothing can be negative, no colors are spent on it.
-    quantities, alone = ("max_torque",), hold_range(start)
+    quantities, alone = ("max_torque",), hold_range(START)
     (scale,) = store.scales(alone, store.data(alone, COARSE, quantities), quantities)
     assert scale.low == 0
     assert not toggle_difference(toggle_difference(held)).map_view.difference
+
+
+def slots(b3: float, b8: float) -> State:
+    """Return the start with these largest counterweights [kg], no other mass free."""
+    b3_slot, b8_slot = (CounterweightSlot(0.1, mass) for mass in (b3, b8))
+    return balancing.change_settings(START, slot_b3=b3_slot, slot_b8=b8_slot)
+
+
+def test_infeasible_bounds_are_reported_with_what_to_relax() -> None:
+    after = solved(slots(0.0, 0.5))
+    outcome = after.balancing.outcome
+    assert after.document == START.document
+    assert outcome is not None
+    assert isinstance(outcome.problem, InfeasibleBounds)
+    text = status(after)
+    assert "The bounds do not allow it" in text
+    assert "<b>raise</b> weight on B8 past 8 from 0.5 to 3.896 kg" in text
+    assert details_html(outcome) == ""
+    # What is suggested suffices; the report goes once something is changed, and only then.
+    relaxed = balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 3.897))
+    assert relaxed.balancing.outcome is None
+    assert static_imbalance(solved(relaxed).document.design) == pytest.approx(0, abs=1e-9)
+    assert balancing.change_settings(after, slot_b8=CounterweightSlot(0.1, 0.5)) is after
+    near = solved(balancing.change_settings(after, exact=False))
+    assert static_imbalance(near.document.design) == pytest.approx(7.93255, abs=1e-5)
+    assert "As near to balance" in status(near)
+
+
+def test_missing_motion_and_missing_freedom_are_reported() -> None:
+    table = motions.choose_kind(START, motions.Kind.TABLE)
+    assert "CSV" in status(solved(balancing.choose_goal(table, Goal.PEAK)))
+    balanced = balancing.balance_now(table)  # needs no motion
+    assert "Statically balanced" in status(balanced)
+    assert "–" in details_html(balanced.balancing.outcome)
+    assert "give counterweights a mass" in status(solved(slots(0.0, 0.0)))
+
+
+def test_existing_counterweights_may_be_replaced() -> None:
+    poor = replace(APPENDIX_4, counterweights=(Counterweight("b4", 5, 0, 2.0),))
+    design = solved(actions.load_design(START, poor)).document.design
+    assert all(weight.bar != "b4" for weight in design.counterweights)
+
+
+@given(
+    st.lists(
+        st.builds(
+            Counterweight,
+            st.just("b3"), st.just(7),
+            st.sampled_from([0.0, 0.1, 0.2]), st.sampled_from([0.0, 0.3, 1.1]),
+        ),
+        max_size=5,
+    )
+)  # fmt: skip
+def test_merged_counterweights_keep_the_imbalance(weights: list[Counterweight]) -> None:
+    design = replace(APPENDIX_4, counterweights=tuple(weights))
+    tidy = tidied(design)
+    assert static_imbalance(tidy) == pytest.approx(static_imbalance(design), abs=1e-9)
+    kept = [(weight.bar, weight.joint, weight.beyond) for weight in tidy.counterweights]
+    assert len(kept) == len(set(kept))
+    assert all(weight.mass > 0 for weight in tidy.counterweights)
+
+
+def test_counterweights_are_attached_changed_and_removed() -> None:
+    def weights(state: State) -> tuple[Counterweight, ...]:
+        return state.document.design.counterweights
+
+    one = balancing.add_counterweight(START, "b8", 8)
+    assert weights(one) == (ATTACHED,)
+    moved = balancing.change_counterweight(balancing.add_counterweight(one, "b3", 7), 1, 2.5, 0.15)
+    other = Counterweight("b3", 7, 0.15, 2.5)
+    assert weights(moved) == (ATTACHED, other)
+    assert balancing.change_counterweight(moved, 5, 1.0, 0.1) is moved
+    assert weights(balancing.remove_counterweight(moved, 0)) == (other,)
+    assert balancing.remove_counterweight(moved, -1) is moved
+    assert balancing.set_counterweights(moved, ()).document == START.document
+    full = balancing.set_counterweights(START, (ATTACHED,) * MOST_COUNTERWEIGHTS)
+    for impossible in (
+        lambda: balancing.change_counterweight(moved, 0, -1.0, 0.1),
+        lambda: balancing.add_counterweight(full, "b8", 8),
+    ):
+        with pytest.raises(InvalidDesign):
+            impossible()
+
+
+def test_comparison_names_counterweights() -> None:
+    design = replace(APPENDIX_4, counterweights=(ATTACHED,))
+    text = differences_html(design, APPENDIX_4, "App. 4")
+    assert "on B8, 100 mm beyond joint 8" in text
+    assert "1 number differs" in text
+    assert "No number differs" in differences_html(design, design, "reference")

@@ -1,4 +1,4 @@
-"""What is plotted: the same numbers as the model's, few points, gaps where there is nothing."""
+"""What is plotted: the model's numbers, few points, gaps where there is nothing; simulations."""
 
 from __future__ import annotations
 
@@ -9,10 +9,9 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind
+from paminsa_viz.explorer.motion.description import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.motion.jobs import SimulationSettings, make_job, run
-from paminsa_viz.explorer.motion.playback import PLOTS, SIMULATED, PlotView
-from paminsa_viz.explorer.motion.results import MotionStore, split_path
+from paminsa_viz.explorer.motion.results import MotionResults, MotionStore, split_path
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Misprint
@@ -33,24 +32,30 @@ def state() -> State:
 def failing() -> State:
     """A line out of the workspace and back."""
     state = motions.choose_kind(initial_state(), Kind.LINE)
-    state = motions.change(state, start=(0.0, 0.0, 0.0, -0.55), goal=(0.6, 0.0, 0.0, -0.55))
-    return motions.change(state, back=True)
+    ends = {"start": (0.0, 0.0, 0.0, -0.55), "goal": (0.6, 0.0, 0.0, -0.55)}
+    return motions.change(state, **ends, back=True)
 
 
-def test_curves_are_the_models(state: State) -> None:
+def results(state: State) -> MotionResults:
     found = MotionStore().all(state)
     assert found is not None
+    return found
+
+
+def test_curves_are_the_models_torques_of_all_that_is_compared(state: State) -> None:
+    found = results(state)
     turning, lifting = drawn_charts(state, found)
     motion, design = found.analysis.trajectory, state.document.design
     assert state.document.reference is not None
-    for offset, torque in (
-        (0, analyze(design, motion).torque),
-        (3, analyze(state.document.reference, motion).torque),
-        (6, analyze(design, motion, misprints=Misprint.ALL).torque),
-    ):
-        for j in range(3):
-            np.testing.assert_allclose(turning.traces[offset + j].values, torque[:, j], atol=1e-12)
-        np.testing.assert_allclose(lifting.traces[offset // 3].values, torque[:, 3], atol=1e-10)
+    analyses = (
+        analyze(design, motion),
+        analyze(state.document.reference, motion),
+        analyze(design, motion, misprints=Misprint.ALL),
+    )
+    torques = np.concatenate([analysis.torque[:, :3].T for analysis in analyses])
+    np.testing.assert_allclose([trace.values for trace in turning.traces], torques, atol=1e-12)
+    forces = [analysis.torque[:, 3] for analysis in analyses]
+    np.testing.assert_allclose([trace.values for trace in lifting.traces], forces, atol=1e-10)
     own = (*turning.traces[:3], lifting.traces[0])
     for trace, summary in zip(own, found.analysis.summary, strict=True):
         peak, peak_t, mean = statistics(turning.t, trace, turning.until)
@@ -58,16 +63,12 @@ def test_curves_are_the_models(state: State) -> None:
         assert mean == pytest.approx(summary.rms, rel=1e-12)
 
 
-ALONE = [plot for plot in PLOTS.values() if plot not in (*SIMULATED, "differences")]
-"""Plots of the formulas alone."""
-
-
-@pytest.mark.parametrize("plot", ALONE)
+@pytest.mark.parametrize(
+    "plot", [plot for plot in PLOTS.values() if plot not in (*SIMULATED, "differences")]
+)
 def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
     state = replace(state, plots=PlotView(plot, actuator=2, published=True))
-    found = MotionStore().all(state)
-    assert found is not None
-    drawn = drawn_charts(state, found)
+    drawn = drawn_charts(state, results(state))
     assert drawn
     for chart in drawn:
         for trace in chart.traces:
@@ -76,15 +77,7 @@ def test_every_plot_has_numbers(plot: SeriesKind, state: State) -> None:
             assert chart.value_at(trace, chart.t[7]) == trace.values[7]
 
 
-def test_parts_add_up(state: State) -> None:
-    found = MotionStore().all(state)
-    assert found is not None
-    (chart,) = drawn_charts(state.updated("plots", plot="breakdown", actuator=1), found)
-    *parts, whole = (trace.values for trace in chart.traces)
-    np.testing.assert_allclose(np.sum(parts, axis=0), whole, atol=1e-12)
-
-
-def test_a_mass_costs_one_product(state: State) -> None:
+def test_masses_reuse_the_solved_motion_and_the_reference(state: State) -> None:
     store = MotionStore()
     before, after = store.all(state), store.all(actions.vary(state, {"links.b4": 3.0}))
     assert before is not None
@@ -94,45 +87,41 @@ def test_a_mass_costs_one_product(state: State) -> None:
     assert np.abs(after.analysis.torque - before.analysis.torque).max() > 0.1
 
 
-def test_what_is_drawn_has_peaks_and_gaps(failing: State) -> None:
-    found = MotionStore().all(failing)
-    assert found is not None
-    for chart in drawn_charts(failing, found):
+def test_drawn_points_are_few_and_keep_peaks_and_gaps(failing: State) -> None:
+    for chart in drawn_charts(failing, results(failing)):
         shape = series_uplot.chart_shape(chart)
         assert shape.pieces == 2
         series = series_uplot.uplot_data(chart, shape.pieces)
         assert len(series) == len(series_uplot.uplot_options(shape)["series"])
         assert series[0].size <= 1.1 * series_uplot.MOST_POINTS
+        drawn = np.isin(chart.t, series[0])
         for number, trace in enumerate(chart.traces):
             curve = series_uplot.shown_curve(series, shape, number)
-            known = np.isin(chart.t, series[0])
-            np.testing.assert_array_equal(curve, trace.values[known])
+            np.testing.assert_array_equal(curve, trace.values[drawn])
             assert np.nanmax(curve) == np.nanmax(trace.values)
             assert np.nanmin(curve) == np.nanmin(trace.values)
-        np.testing.assert_array_equal(series[2], chart.failing[np.isin(chart.t, series[0])])
+        np.testing.assert_array_equal(series[2], chart.failing[drawn])
         assert series[2].any()
 
 
 def test_no_curve_is_drawn_over_a_gap() -> None:
     values = np.array([np.nan, 1.0, 2.0, np.nan, np.nan, 3.0, np.nan, 4.0])
     assert runs(values) == [slice(1, 3), slice(5, 6), slice(7, 8)]
-    chart = Chart(
-        "a", "b", np.arange(8.0), (Trace("c", values, "#000000"),), np.isnan(values), 0
-    )  # fmt: skip
+    trace = Trace("c", values, "#000000")
+    chart = Chart("a", "b", np.arange(8.0), (trace,), np.isnan(values), 0)
     pieces = series_uplot.uplot_data(chart, 3)[3:]
     assert [int((~np.isnan(piece)).sum()) for piece in pieces] == [2, 1, 1]
-    assert np.isnan(statistics(chart.t, chart.traces[0], 0).peak)
+    assert np.isnan(statistics(chart.t, trace, 0).peak)
     assert series_uplot.bounds(chart.traces) == (1.0, 4.0)
 
 
-def test_nothing_and_next_to_nothing_have_a_range() -> None:
-    nothing = Trace("c", np.full(3, np.nan), "#000000")
-    assert series_uplot.bounds((nothing,)) == (0.0, 1.0)
-    low, high = series_uplot.bounds((Trace("c", np.array([0.0, 1e-15]), "#000000"),))
-    assert low < 0 < high
+@pytest.mark.parametrize("values", [[np.nan] * 3, [0.0, 1e-15]], ids=["nothing", "tiny"])
+def test_any_curve_has_a_range(values: list[float]) -> None:
+    low, high = series_uplot.bounds((Trace("c", np.array(values), "#000000"),))
+    assert low <= 0 < high
 
 
-def test_a_path_is_cut_where_it_fails(failing: State) -> None:
+def test_path_is_split_where_it_fails(failing: State) -> None:
     analysis = MotionStore().analysis(failing)
     assert analysis is not None
     path = split_path(analysis)
@@ -146,7 +135,7 @@ def test_a_path_is_cut_where_it_fails(failing: State) -> None:
     assert path.bad[0].start == path.good[0].stop - 1
 
 
-def test_simulations_say_what_came_of_them() -> None:
+def test_result_of_a_simulation_is_plotted_and_holds_for_its_design_only() -> None:
     state = motions.simulate(initial_state())
     job = state.simulating.running
     assert job is not None
@@ -157,18 +146,15 @@ def test_simulations_say_what_came_of_them() -> None:
     assert motions.simulation_is_current(done)
     assert not motions.simulation_is_current(actions.vary(done, {"links.b4": 3.0}))
     assert motions.receive_simulation(done, run(job)) is done
-    found = MotionStore().all(done)
-    assert found is not None
-    place, turn = drawn_charts(done, found)
+    place, turn = drawn_charts(done, results(done))
     assert "10⁻³ mm" in place.title
     error = np.degrees(outcome.simulation.error[:, 2])
     np.testing.assert_allclose(turn.traces[0].values, 1e3 * error, rtol=1e-12)
 
 
-def test_an_impossible_load_and_an_impossible_path_are_told(failing: State) -> None:
+def test_impossible_load_or_path_of_a_simulation_is_explained(failing: State) -> None:
     motion = motions.planned(initial_state()).trajectory
     design = initial_state().document.design
     lighter = make_job(design, motion, SimulationSettings(payload_mismatch=-1.0))
     assert "payload" in run(lighter).problem
-    job = motions.wanted_job(failing)
-    assert "cannot be run" in run(job).problem
+    assert "cannot be run" in run(motions.wanted_job(failing)).problem

@@ -1,0 +1,296 @@
+"""Catalogs of motors, gears, screws and belts: CSV files with a row each.
+
+The column ``kind`` says what a row is, ``motor``, ``gear``, ``screw`` or ``belt``, and ``source``
+where its values are from. All other columns are fields of `Drive`, with their unit at the end of
+the name as in design files (``rotor_inertia_kg_m2``) or another one of `UNITS`
+(``rotor_inertia_g_cm2``, ``rated_speed_rpm``). A cell may be empty where the kind does not need it.
+An envelope is a cell of pairs, speed and torque, such as ``0 0.95; 3000 0.95; 5000 0.4``, with both
+units in the column's name: ``envelope_rpm_Nm``.
+"""
+
+from __future__ import annotations
+
+import csv
+import difflib
+import io
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from paminsa_viz.actuation.drive_table import DriveTable, pair_table
+from paminsa_viz.errors import InvalidDesign, PaminsaError
+from paminsa_viz.model.drive import Drive
+
+KINDS = ("motor", "gear", "screw", "belt")
+"""What a row can be."""
+
+_TURN = 2 * math.pi
+UNITS: dict[str, dict[str, float]] = {
+    "kg m^2": {"kg_m2": 1.0, "kg_cm2": 1e-4, "g_cm2": 1e-7},
+    "N m": {"Nm": 1.0, "mNm": 1e-3, "Ncm": 1e-2},
+    "rad/s": {"rad_per_s": 1.0, "rpm": _TURN / 60},
+    "N m s/rad": {"Nm_s_per_rad": 1.0, "mNm_per_rpm": 1e-3 * 60 / _TURN},
+    "s": {"s": 1.0, "min": 60.0},
+    "m": {"m": 1.0, "mm": 1e-3},
+    "kg": {"kg": 1.0, "g": 1e-3},
+}
+"""Endings of columns by SI unit, and what they multiply a number by."""
+
+NEEDED = {
+    "motor": ("rotor_inertia", "rated_torque", "peak_torque", "rated_speed", "top_speed"),
+    "gear": ("gear_ratio", "efficiency"),
+    "screw": ("lead", "lead_efficiency"),
+    "belt": ("lead", "lead_efficiency"),
+}
+"""Fields that a row of each kind has to have."""
+
+LARGEST_CATALOG = 5_000_000
+"""Largest catalog that is read [bytes]."""
+
+MOST_ROWS = 20_000
+"""Most rows of a catalog."""
+
+_FIELDS = {item.name: item for item in fields(Drive)}
+_TEXTS = ("name", "source", "kind")
+
+
+class CatalogError(PaminsaError):
+    """A catalog that cannot be used.
+
+    Attributes:
+        source: Name of the file.
+        row: Line of the file, counted from 1, or None.
+        column: Name of the column, or None.
+        problem: What is wrong and what is allowed.
+    """
+
+    def __init__(
+        self, source: str, problem: str, *, row: int | None = None, column: str | None = None
+    ) -> None:
+        self.source = source
+        self.row = row
+        self.column = column
+        self.problem = problem
+        place = [f"row {row}"] * (row is not None) + [f"column {column}"] * (column is not None)
+        super().__init__(f"{source}{': ' if place else ''}{', '.join(place)}: {problem}")
+
+
+@dataclass(frozen=True)
+class Catalog:
+    """Parts that drives can be made of.
+
+    Attributes:
+        name: Of the file.
+        motors, gears, transmissions: `Drive` objects of which only that part counts. The inertia
+            and friction of gears are at their input, those of screws and belts at their own shaft.
+        sources: Where the values of each part are from, by its name.
+    """
+
+    name: str
+    motors: tuple[Drive, ...]
+    gears: tuple[Drive, ...]
+    transmissions: tuple[Drive, ...]
+    sources: dict[str, str]
+
+    def pairs(self, actuator: int) -> DriveTable:
+        """Return every motor with every gear as columns, for M4 (3) with every screw and belt.
+
+        Raises:
+            CatalogError: If the catalog lacks what the actuator needs.
+        """
+        lacking = [
+            kind for kind, parts in (("motor", self.motors), ("gear", self.gears)) if not parts
+        ]
+        if actuator == 3 and not self.transmissions:
+            lacking.append("screw or belt")
+        if lacking:
+            raise CatalogError(self.name, f"it has no {' and no '.join(lacking)}")
+        screws = self.transmissions if actuator == 3 else ()
+        return pair_table(self.motors, self.gears, screws)
+
+
+@cache
+def generic_catalog() -> Catalog:
+    """Return the catalog that comes with the program: generic sizes, no products."""
+    text = files("paminsa_viz.actuation").joinpath("generic_drives.csv").read_text("utf-8")
+    return read_catalog(text, "generic sizes")
+
+
+def load_catalog(path: str | os.PathLike[str]) -> Catalog:
+    """Read a catalog file.
+
+    Raises:
+        CatalogError: If it cannot be read, or a row or a column is not possible.
+    """
+    name = os.fspath(path)
+    try:
+        with open(path, "rb") as file:
+            data = file.read(LARGEST_CATALOG + 1)
+    except OSError as error:
+        raise CatalogError(name, f"cannot be read: {error.strerror or error}") from error
+    return read_catalog(data, Path(name).name)
+
+
+def read_catalog(content: str | bytes, source: str) -> Catalog:
+    """Return the catalog of a CSV text; lines that begin with ``#`` are comments.
+
+    Args:
+        content: The file's text or bytes (UTF-8).
+        source: The file's name, for messages.
+
+    Raises:
+        CatalogError: If a row or a column is not possible.
+    """
+    if len(content) > LARGEST_CATALOG:
+        raise CatalogError(source, f"is larger than {LARGEST_CATALOG // 1_000_000} MB")
+    if isinstance(content, bytes):
+        try:
+            content = content.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            raise CatalogError(source, "is not a text file (UTF-8)") from error
+    lines = [(number, line) for number, line in enumerate(content.splitlines(), 1)]
+    lines = [(n, line) for n, line in lines if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise CatalogError(source, "has no rows; its first line names the columns")
+    if len(lines) > MOST_ROWS:
+        raise CatalogError(source, f"has more than {MOST_ROWS} rows")
+    try:
+        table = [next(csv.reader(io.StringIO(line), strict=True)) for _, line in lines]
+    except csv.Error as error:
+        raise CatalogError(source, f"is no CSV: {error}") from error
+    columns = [_Column.named(name.strip(), source, lines[0][0]) for name in table[0]]
+    _check_columns(columns, source, lines[0][0])
+    parts: dict[str, list[Drive]] = {kind: [] for kind in KINDS}
+    sources: dict[str, str] = {}
+    for (number, _), cells in zip(lines[1:], table[1:], strict=True):
+        kind, part, origin = _part(columns, cells, source, number)
+        parts[kind].append(part)
+        sources[part.name] = origin
+    return Catalog(
+        source, tuple(parts["motor"]), tuple(parts["gear"]),
+        tuple(parts["screw"] + parts["belt"]), sources,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Column:
+    """A column: the field of a drive, and the factors to SI of its numbers."""
+
+    name: str
+    field: str
+    factors: tuple[float, ...]
+
+    @classmethod
+    def named(cls, name: str, source: str, row: int) -> _Column:
+        """Return the column of a heading."""
+        if name in _TEXTS:
+            return cls(name, name, ())
+        for field, item in _FIELDS.items():
+            if not item.metadata and field != "brake":
+                continue
+            units = UNITS.get(item.metadata.get("unit", ""), {"": 1.0})
+            for ending, factor in units.items():
+                if name == (f"{field}_{ending}" if ending else field):
+                    return cls(name, field, (factor,))
+        speeds, torques = UNITS["rad/s"], UNITS["N m"]
+        for speed, first in speeds.items():
+            for torque, second in torques.items():
+                if name == f"envelope_{speed}_{torque}":
+                    return cls(name, "envelope", (first, second))
+        raise CatalogError(source, _unknown(name), row=row, column=name)
+
+
+def _unknown(name: str) -> str:
+    for field, item in _FIELDS.items():
+        unit = item.metadata.get("unit")
+        if unit and (name == field or name.startswith(f"{field}_")):
+            return f"its unit is missing or not known; there are {_columns_of(field)}"
+    if name.startswith("envelope"):
+        return "its units are missing or not known; there is for example envelope_rpm_Nm"
+    known = [*_TEXTS, *_FIELDS]
+    near = difflib.get_close_matches(name, known, 1, 0.5)
+    hint = f"did you mean {_columns_of(near[0])}?" if near else f"there are {', '.join(known)}"
+    return f"there is no such column; {hint}"
+
+
+def _columns_of(field: str) -> str:
+    item = _FIELDS.get(field)
+    if field == "envelope":
+        return "envelope_rpm_Nm"
+    units = UNITS.get(item.metadata.get("unit", ""), {}) if item else {}
+    return ", ".join(f"{field}_{ending}" for ending in units) or field
+
+
+def _check_columns(columns: Sequence[_Column], source: str, row: int) -> None:
+    names = [column.field for column in columns]
+    twice = next((c.name for c in columns if names.count(c.field) > 1), None)
+    if twice is not None:
+        raise CatalogError(source, "this value has two columns", row=row, column=twice)
+    for name in _TEXTS:
+        if name not in names:
+            raise CatalogError(source, f"the column {name} is missing", row=row, column=name)
+
+
+def _part(
+    columns: Sequence[_Column], cells: Sequence[str], source: str, row: int
+) -> tuple[str, Drive, str]:
+    """Return kind, part and origin of a row."""
+    if len(cells) != len(columns):
+        problem = f"has {len(cells)} cells, and there are {len(columns)} columns"
+        raise CatalogError(source, problem, row=row)
+    texts = {c.field: cell.strip() for c, cell in zip(columns, cells, strict=True)}
+    kind = texts["kind"].lower()
+    if kind not in KINDS:
+        problem = f"{texts['kind'][:40]!r} is no kind; there are {', '.join(KINDS)}"
+        raise CatalogError(source, problem, row=row, column="kind")
+    if not texts["name"].isprintable() or not texts["name"]:
+        raise CatalogError(source, "a name is needed", row=row, column="name")
+    if not texts["source"]:
+        problem = 'where the values are from is needed, or "generic"'
+        raise CatalogError(source, problem, row=row, column="source")
+    held = {c.field: c for c in columns}
+    for field in NEEDED[kind]:
+        if field not in held:
+            problem = f"the column {_columns_of(field)} is missing; each {kind} needs it"
+            raise CatalogError(source, problem, row=row, column=field)
+        if not texts[field]:
+            raise CatalogError(source, f"each {kind} needs it", row=row, column=held[field].name)
+    values: dict[str, Any] = {"name": texts["name"]}
+    for column in columns:
+        if column.field not in _TEXTS and texts[column.field]:
+            values[column.field] = _value(column, texts[column.field], source, row)
+    if kind in ("screw", "belt"):
+        values["transmission"] = kind
+    try:
+        return kind, Drive(**values), texts["source"]
+    except InvalidDesign as error:
+        field = error.field.rpartition(".")[2]
+        name = held[field].name if field in held else field
+        raise CatalogError(source, error.allowed, row=row, column=name) from error
+
+
+def _value(column: _Column, text: str, source: str, row: int) -> Any:
+    def refused(problem: str) -> CatalogError:
+        return CatalogError(source, f"{problem}, not {text[:40]!r}", row=row, column=column.name)
+
+    if column.field == "brake":
+        if text.lower() not in ("yes", "no"):
+            raise refused("yes or no is needed")
+        return text.lower() == "yes"
+    try:
+        if column.field == "envelope":
+            pairs = [pair.split() for pair in text.split(";") if pair.strip()]
+            return tuple(
+                (float(speed) * column.factors[0], float(torque) * column.factors[1])
+                for speed, torque in pairs
+            )
+        return float(text) * column.factors[0]
+    except ValueError:
+        if column.field == "envelope":
+            raise refused("pairs are needed, 0 0.9; 3000 0.9; 5000 0.4") from None
+        raise refused("a number is needed") from None

@@ -1,0 +1,274 @@
+"""What drives have to give on a duty cycle, and how much of their limits that is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.actuation.drive_table import DriveTable
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
+from paminsa_viz.actuation.thermal import thermal_share
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+
+BLOCK = 100_000
+"""Blocks of samples of all drives, or samples, worked on at a time: they stay in the cache."""
+
+ROUNDING = 1e-12
+"""Relative rounding of a bound."""
+
+LIMITS = (
+    "RMS torque", "torque-speed envelope", "top speed", "mean speed", "inertia ratio",
+    "winding temperature", "RMS torque of the gear", "peak torque of the gear",
+)  # fmt: skip
+"""What a drive is measured by, in the order of `Sizing.shares`."""
+
+Order = Literal["mass", "cost", "margin"]
+
+
+def rms_torque(load: ActuatorLoad, table: DriveTable, ratio: Array | None = None) -> Array:
+    """Return the RMS motor torque over the cycle, (n,) [N m]."""
+    factors = table.factors(ratio)
+    square = np.einsum("pi,ij,pj->p", factors, load.means, factors)
+    square += np.where(table.holds, 0.0, load.held_square * factors[:, Signal.REST] ** 2)
+    return np.sqrt(np.maximum(square, 0.0))
+
+
+def envelope_share(
+    load: ActuatorLoad, table: DriveTable, ratio: Array | None = None
+) -> tuple[Array, NDArray[np.intp]]:
+    """Return the largest share of the torque-speed envelope that is used, and at which sample.
+
+    For a concave envelope it is the largest of (|tau| + k |speed|)/a over its lines, for another
+    |tau| over the torque at that speed; at most 1 either way where the envelope is kept.
+
+    Returns:
+        (n,) share, infinite beyond the top speed of an envelope that is not concave, and (n,)
+        index of the sample.
+    """
+    share, worst = np.zeros(len(table)), np.zeros(len(table), np.intp)
+    factors = table.factors(ratio)
+    n = table.ratio if ratio is None else ratio
+    for concave in (True, False):
+        chosen = np.flatnonzero(table.concave == concave)
+        look, size = (_largest_of_lines, load.blocks.count) if concave else (_largest, load.size)
+        step = max(1, BLOCK // size)
+        for start in range(0, len(chosen), step):
+            rows = chosen[start : start + step]
+            share[rows], worst[rows] = look(load, table[rows], factors[rows], n[rows])
+    return share, worst
+
+
+def _torques(factors: Array, signals: Array) -> Array:
+    """Return motor torques, (n, m); not a matrix product, whose threads wait for each other."""
+    return np.einsum("ni,im->nm", factors, signals)
+
+
+def _largest_of_lines(
+    load: ActuatorLoad, table: DriveTable, factors: Array, n: Array
+) -> tuple[Array, NDArray[np.intp]]:
+    """Return the largest share of concave envelopes, looking only where it can be.
+
+    A block of neighboring samples bounds its own share from above by the middles and half ranges
+    of its signals; its middle sample bounds the largest share of all from below.
+    """
+    blocks = load.blocks
+    a, k = table.lines
+    a, k = a[:, :, None], k[:, :, None] * n[:, None, None]
+
+    def share(torque: Array, speed: Array, rows: NDArray[np.intp] | slice = slice(None)) -> Array:
+        found = np.abs(torque) / a[rows, 0]
+        if k.any() or a.shape[1] > 1:
+            found = (np.abs(torque) + k[rows, 0] * speed) / a[rows, 0]
+            for line in range(1, a.shape[1]):
+                more = (np.abs(torque) + k[rows, line] * speed) / a[rows, line]
+                np.maximum(found, more, out=found)
+        return found
+
+    below = share(_torques(factors, blocks.sample), blocks.speed_sample).max(axis=1)
+    middle, range_ = _torques(factors, blocks.middle), _torques(factors, blocks.half_range)
+    above = share(np.abs(middle) + range_, blocks.speed_top)
+    # a rising line falls with the speed: its bound is that at the least speed
+    if (k < 0).any():
+        above = np.maximum(above, share(np.abs(middle) + range_, blocks.speed_least))
+    rows, places = np.nonzero(above >= (1 - ROUNDING) * below[:, None])
+    torque = sum(
+        factors[rows, i, None] * blocks.signals[i, places] for i in range(factors.shape[1])
+    )
+    exact = share(np.asarray(torque), blocks.speed[places], rows)
+    within = exact.argmax(axis=1)
+    best = exact[np.arange(len(rows)), within]
+    starts = np.searchsorted(rows, np.arange(len(table)))
+    largest = np.maximum.reduceat(best, starts)
+    first = np.flatnonzero(best == largest[rows])
+    _, picked = np.unique(rows[first], return_index=True)
+    chosen = first[picked]
+    sample = places[chosen] * blocks.width + within[chosen]
+    return largest, np.minimum(sample, load.size - 1)
+
+
+def _largest(
+    load: ActuatorLoad, table: DriveTable, factors: Array, n: Array
+) -> tuple[Array, NDArray[np.intp]]:
+    """Return the largest share of any envelopes, by looking at all samples."""
+    torque = np.abs(_torques(factors, load.signals))
+    turning = n[:, None] * np.abs(load.signals[Signal.SPEED])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.nan_to_num(torque / _limit(table, turning), nan=0.0, posinf=np.inf)
+    worst = shares.argmax(axis=1)
+    return shares[np.arange(len(table)), worst], worst
+
+
+def _limit(table: DriveTable, speed: Array) -> Array:
+    """Return the torque of envelopes at motor speeds (n, m); 0 beyond their last corner."""
+    limit = np.zeros_like(speed)
+    slopes = table.slopes
+    for place in range(slopes.shape[1]):
+        first, last = table.corner_speed[:, place, None], table.corner_speed[:, place + 1, None]
+        slope = np.nan_to_num(slopes[:, place, None])
+        torque = table.corner_torque[:, place, None] + slope * (speed - first)
+        limit = np.where((speed >= first) & (speed <= last) & (last > first), torque, limit)
+    return limit
+
+
+@dataclass(frozen=True, eq=False)
+class Sizing:
+    """Drives measured on the load of an actuator.
+
+    Attributes:
+        load: The load.
+        table: The drives.
+        rms: RMS torque of the motor over the cycle (n,) [N m].
+        envelope: Largest share of the torque-speed envelope (n,).
+        inertia_ratio: The robot's inertia over the motor's, at the motor's shaft (n,).
+        most_inertia: Largest inertia ratio that is taken.
+    """
+
+    load: ActuatorLoad
+    table: DriveTable
+    rms: Array
+    envelope: Array
+    inertia_ratio: Array
+    most_inertia: float
+
+    @cached_property
+    def shares(self) -> Array:
+        """Share of each limit that is used, (n, 8), in the order of `LIMITS`; at most 1 is kept.
+
+        The winding's is exact where it is the largest; otherwise it is an upper bound, the mean
+        heat times x/(1 - exp(-x)) with x the period in time constants.
+        """
+        load, table = self.load, self.table
+        held = np.where(table.holds, 0.0, load.held / table.ratio / table.corner_torque[:, 0])
+        shares = np.stack(
+            [
+                self.rms / table.rated_torque,
+                np.maximum(self.envelope, held),
+                table.ratio * load.top_speed / table.top_speed,
+                table.ratio * load.mean_speed / table.rated_speed,
+                self.inertia_ratio / self.most_inertia
+                if np.isfinite(self.most_inertia)
+                else np.zeros(len(table)),
+                np.zeros(len(table)),
+                load.rms / table.gear_rated,
+                load.peak / table.gear_peak,
+            ],
+            axis=1,
+        )
+        place = LIMITS.index("winding temperature")
+        timed = np.isfinite(table.thermal_time) & np.isfinite(table.rated_torque)
+        x = load.period / table.thermal_time[timed]
+        shares[timed, place] = shares[timed, 0] ** 2 * x / -np.expm1(-x)
+        rows = np.flatnonzero(timed & (shares.argmax(axis=1) == place) & (shares[:, 0] <= 1))
+        shares[rows, place] = thermal_share(load, table[rows])
+        return shares
+
+    @property
+    def use(self) -> Array:
+        """Largest share of any limit, (n,)."""
+        return self.shares.max(axis=1)
+
+    @property
+    def feasible(self) -> NDArray[np.bool_]:
+        """Which drives keep all limits, (n,)."""
+        return np.asarray(self.use <= 1.0)
+
+    def limit(self, index: int) -> str:
+        """Return the limit that a drive uses most, one of `LIMITS`."""
+        return LIMITS[int(self.shares[index].argmax())]
+
+    def ordered(self, order: Order = "mass") -> NDArray[np.intp]:
+        """Return the feasible drives: the lightest, the cheapest, or that with most margin first.
+
+        Drives without mass or cost come last; equals are in the order of their margin.
+        """
+        if order not in ("mass", "cost", "margin"):
+            raise InvalidInput("order", f"mass, cost or margin is needed, not {order!r}")
+        use = self.use
+        rows = np.flatnonzero(use <= 1.0)
+        if order == "margin":
+            return rows[np.argsort(use[rows], kind="stable")]
+        first = getattr(self.table, order)[rows]
+        return rows[np.lexsort((use[rows], np.nan_to_num(first, nan=np.inf)))]
+
+    @property
+    def nearest(self) -> int:
+        """Index of the drive that exceeds its limits least."""
+        return int(self.use.argmin())
+
+
+def size_drives(load: ActuatorLoad, table: DriveTable, *, inertia_ratio: float = np.inf) -> Sizing:
+    """Measure drives on a load.
+
+    Args:
+        load: What the actuator has to do.
+        table: The drives, with their ratios.
+        inertia_ratio: Largest inertia of the robot over that of the motor, at the motor's shaft.
+
+    Raises:
+        InvalidInput: If there is no drive, or the ratio of inertias is not positive.
+    """
+    if not len(table):
+        raise InvalidInput("table", "at least one drive is needed")
+    if not inertia_ratio > 0:
+        raise InvalidInput("inertia_ratio", f"a number above 0 is needed, not {inertia_ratio!r}")
+    with np.errstate(divide="ignore", invalid="ignore"):
+        own = load.inertia / (table.ratio**2 * table.inertia)
+    return Sizing(
+        load, table, rms_torque(load, table), envelope_share(load, table)[0], own, inertia_ratio
+    )
+
+
+SLOWEST = 1e3
+"""Largest factor on the time that is tried."""
+
+
+def fitting_time(
+    cycle: DutyCycle, actuator: int, table: DriveTable, *, inertia_ratio: float = np.inf
+) -> float:
+    """Return the least factor on the motions' durations with which some drive is feasible.
+
+    It is found by bisection between 1 and `SLOWEST`, for one drive after the other the more time
+    the better; infinite if none is feasible even then: gravity alone asks too much.
+    """
+
+    def fits(slower: float) -> bool:
+        load = cycle.stretched(slower * cycle.slower).loads[actuator]
+        return bool(size_drives(load, table, inertia_ratio=inertia_ratio).feasible.any())
+
+    if fits(1.0):
+        return 1.0
+    good = 2.0
+    while not fits(good):
+        good *= 2.0
+        if good > SLOWEST:
+            return float("inf")
+    bad = good / 2.0
+    while good - bad > 1e-3 * good:
+        middle = 0.5 * (good + bad)
+        good, bad = (middle, bad) if fits(middle) else (good, middle)
+    return good

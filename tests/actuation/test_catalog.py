@@ -1,0 +1,96 @@
+"""Catalogs of drives: the shipped one, a user's own, and what is refused, with row and column."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.actuation.catalog import CatalogError, generic_catalog, load_catalog, read_catalog
+from paminsa_viz.actuation.duty import Duty, duty_cycle
+from paminsa_viz.actuation.sizing import size_drives
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.trajectory import PRESETS
+
+HEAD = "kind,name,source,rotor_inertia_g_cm2,rated_torque_mNm,peak_torque_Nm,rated_speed_rpm,"
+HEAD += "top_speed_rad_per_s,envelope_rpm_Nm,gear_ratio,efficiency,brake"
+MOTOR = "motor,one,own measurement,30,320,0.95,3000,600,0 0.95; 3000 0.95; 6000 0.4,,,yes"
+
+
+def test_numbers_are_read_in_the_units_of_their_columns() -> None:
+    found = read_catalog(f"# mine\n{HEAD}\n\n{MOTOR}\n gear ,two,x,,,,,,,50,0.8,\n", "my.csv")
+    (motor,), (gear,) = found.motors, found.gears
+    assert motor.rotor_inertia == pytest.approx(3e-6)
+    assert motor.rated_torque == pytest.approx(0.32)
+    assert motor.rated_speed == pytest.approx(3000 * 2 * math.pi / 60)
+    assert motor.envelope[2] == pytest.approx((6000 * 2 * math.pi / 60, 0.4))
+    assert motor.brake
+    assert not gear.brake
+    assert (gear.gear_ratio, gear.efficiency) == (50.0, 0.8)
+    assert found.sources == {"one": "own measurement", "two": "x"}
+    assert found.pairs(0).drive(0).reflected_inertia == pytest.approx(2500 * 3e-6)
+
+
+def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
+    catalog = generic_catalog()
+    parts = [*catalog.motors, *catalog.gears, *catalog.transmissions]
+    assert set(catalog.sources.values()) == {"generic"}
+    assert all("generic" in part.name or part.name == "no gear" for part in parts)
+    for preset in PRESETS:
+        motion = preset.build(APPENDIX_4.geometry).sample(200)
+        for j, load in enumerate(duty_cycle(APPENDIX_4, [Duty(motion)]).loads):
+            feasible = size_drives(load, catalog.pairs(j)).feasible
+            assert 1 <= feasible.sum() < len(feasible)
+
+
+@pytest.mark.parametrize(
+    ("text", "row", "column", "told"),
+    [
+        ("", None, None, "first line names the columns"),
+        (HEAD.replace("rated_torque_mNm", "rated_torque"), 1, "rated_torque", "rated_torque_Nm"),
+        (HEAD.replace("_g_cm2", "_oz_in2"), 1, "rotor_inertia_oz_in2", "rotor_inertia_kg_cm2"),
+        (HEAD.replace("efficiency", "efficency"), 1, "efficency", "did you mean efficiency"),
+        (HEAD.replace("envelope_rpm_Nm", "envelope"), 1, "envelope", "envelope_rpm_Nm"),
+        (f"{HEAD},peak_torque_mNm", 1, "peak_torque_Nm", "two columns"),
+        (HEAD.replace(",source", ""), 1, "source", "missing"),
+        (f"{HEAD}\n{MOTOR},3", 2, None, "13 cells, and there are 12 columns"),
+        (f"{HEAD}\n{MOTOR.replace('motor', 'engine')}", 2, "kind", "there are motor, gear"),
+        (f"{HEAD}\n{MOTOR.replace('own measurement', '')}", 2, "source", '"generic"'),
+        (f"{HEAD}\n{MOTOR.replace('320', '')}", 2, "rated_torque_mNm", "each motor needs it"),
+        (f"{HEAD}\n{MOTOR.replace('320', '0,32')}", 2, None, "cells"),
+        (f"{HEAD}\n{MOTOR.replace('320', '0.3 Nm')}", 2, "rated_torque_mNm", "a number is needed"),
+        (f"{HEAD}\n{MOTOR.replace('30,', '-30,', 1)}", 2, "rotor_inertia_g_cm2", "at least 0"),
+        (f"{HEAD}\n{MOTOR.replace('320', 'inf')}", 2, "rated_torque_mNm", "finite"),
+        (f"{HEAD}\n{MOTOR.replace('6000', '2000')}", 2, "envelope_rpm_Nm", "increase"),
+        (f"{HEAD}\n{MOTOR.replace('0.4', '')}", 2, "envelope_rpm_Nm", "pairs"),
+        (f"{HEAD}\n{MOTOR.replace('yes', 'maybe')}", 2, "brake", "yes or no"),
+        (f"{HEAD}\ngear,two,x,,,,,,,50,1.2,", 2, "efficiency", "at most 1"),
+        (f"{HEAD}\ngear,two,x,,,,,,,0,0.9,", 2, "gear_ratio", "above 0"),
+        (f"{HEAD}\nscrew,two,x,,,,,,,,,", 2, "lead", "lead_mm"),
+    ],
+    ids=range(21),
+)
+def test_impossible_catalogs_are_refused_in_one_line(
+    text: str, row: int | None, column: str | None, told: str
+) -> None:
+    with pytest.raises(CatalogError) as caught:
+        read_catalog(text, "my.csv")
+    assert (caught.value.row, caught.value.column) == (row, column)
+    assert told in caught.value.problem
+    assert str(caught.value).startswith("my.csv: ")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_catalog_without_a_part_says_which(tmp_path: Path) -> None:
+    path = tmp_path / "motors.csv"
+    path.write_text(f"{HEAD}\n{MOTOR}\n")
+    with pytest.raises(CatalogError, match="no gear"):
+        load_catalog(path).pairs(0)
+    with pytest.raises(CatalogError, match="no gear and no screw or belt"):
+        load_catalog(path).pairs(3)
+    with pytest.raises(CatalogError, match="cannot be read"):
+        load_catalog(tmp_path / "none.csv")
+    path.write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(CatalogError, match="UTF-8"):
+        load_catalog(path)

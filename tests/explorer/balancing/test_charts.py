@@ -1,0 +1,103 @@
+"""The Pareto front point by point, and the sensitivity to each number of the design."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import OUTPUTS
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import actions as balancing
+from paminsa_viz.explorer.balancing.jobs import Task
+from paminsa_viz.explorer.balancing.solving import middle, run, static_torque
+from paminsa_viz.explorer.frame import compute, near_singularity
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.panels.balance_charts import clicked_point, front_figure, tornado_figure
+from paminsa_viz.explorer.panels.balance_text import sensitivity_html
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import (
+    APPENDIX_4,
+    InvalidInput,
+    check_reach,
+    measure_singularity,
+    static_imbalance,
+)
+from paminsa_viz.trajectory import analyze
+from tests.explorer.balancing.balanced import START, solved, started
+
+
+def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
+    steps: list[float] = []
+    running, job = started(START, Task.FRONT)
+    outcome: Any = run(job, lambda done: bool(steps.append(done)))
+    assert steps == sorted(steps)
+    assert steps[-1] == 1
+    after = balancing.receive_result(running, outcome)
+    assert after.document == START.document
+    points = outcome.front.points
+    assert len(outcome.designs) == len(points) > 5
+    assert balancing.chosen_point(after) is None
+    for index in (0, 4, len(points) - 1):
+        first, second = points[index].first, points[index].second
+        after = balancing.choose_point(after, index)
+        assert balancing.chosen_point(after) == index
+        assert after.document.reference == START.document.design
+        assert job.trajectory is not None
+        torque = analyze(after.document.design, job.trajectory).torque[:, :3]
+        assert np.abs(torque).max() == pytest.approx(first, rel=1e-6)
+        still = static_torque(job, after.document.design)[0]
+        assert still == pytest.approx(second, rel=1e-6, abs=1e-7)
+        assert clicked_point({"x": first, "y": second}, outcome) == index
+        marks = front_figure(after)["data"][0]["marker"]["size"]
+        assert marks.index(max(marks)) == index
+    with pytest.raises(InvalidInput, match="no such point"):
+        balancing.choose_point(after, len(points))
+    for elsewhere in ({"x": 1e6, "y": 0}, {"x": "1", "y": 0}, [1]):
+        assert clicked_point(elsewhere, outcome) is None
+
+
+def test_front_that_is_stopped_stops() -> None:
+    _, job = started(START, Task.FRONT)
+    outcome = run(job, lambda _: True)
+    assert outcome.front is not None
+    assert len(outcome.front.points) < 3
+
+
+def text(state: State) -> str:
+    """Return what the page shows of the sensitivity."""
+    return sensitivity_html(compute(state))
+
+
+def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
+    loaded = balancing.add_counterweight(balancing.add_counterweight(START, "b8", 8), "b3", 7)
+    after = solved(loaded, Task.SENSITIVITY)
+    outcome = after.balancing.tornado
+    assert outcome is not None
+    assert outcome.tornado is not None
+    for output in range(len(OUTPUTS)):
+        traces = tornado_figure(after.updated("balancing", output=output))["data"]
+        lengths = np.abs([trace["x"] for trace in traces]).max(axis=0)
+        assert len(lengths) > 5
+        assert (np.diff(lengths) <= 1e-12).all()
+        assert len(set(traces[0]["y"])) == len(traces[0]["y"])
+    assert "counterweight 2" in str(tornado_figure(after))
+    bar = next(bar for bar in outcome.tornado.bars if bar.path == "joints.j7")
+    more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
+    assert bar.plus[0] == pytest.approx(static_imbalance(more))
+    assert "Of an earlier design" in text(balancing.set_counterweights(after, ()))
+
+
+def test_sensitivity_is_that_of_poses_away_from_limits() -> None:
+    poses = middle(balancing.make_job(START, Task.SENSITIVITY)).poses()
+    assert check_reach(APPENDIX_4.geometry, poses).ok.all()
+    assert not near_singularity(measure_singularity(APPENDIX_4.geometry, poses)).any()
+    far = solved(actions.move(START, z=-3.0), Task.SENSITIVITY)
+    assert "no pose around the middle is clear" in text(far)
+
+
+def test_without_a_motion_the_sensitivity_is_static() -> None:
+    after = solved(motions.choose_kind(START, motions.Kind.TABLE), Task.SENSITIVITY)
+    assert "Nothing to show" not in text(after)
+    assert "Nothing to show" in text(after.updated("balancing", output=3))

@@ -1,0 +1,144 @@
+"""Live maps: their layout, and that pictures follow data, scales and size."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.plots.contours import NO_LINE
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.map_figure import PAGE_EM, LiveMaps
+from paminsa_viz.plots.map_layout import MapLayout, map_layout
+from paminsa_viz.plots.map_panel import FloorPath
+from paminsa_viz.plots.scale import Scale, map_pixels
+from tests.plots.samples import (
+    EMPTY,
+    OWN,
+    PATH,
+    SCALE,
+    SCALES,
+    SWEEP,
+    crop,
+    live,
+    made_up,
+    panel_and_same,
+    real,
+)
+
+pytestmark = pytest.mark.slow
+
+
+def layout_of(data: MapData, scales: Any = SCALES, width: int = 700) -> MapLayout:
+    return map_layout(data, scales, width, PAGE_EM)
+
+
+@pytest.mark.parametrize(("width", "ratio"), [(300, 1.0), (599, 1.0), (901, 1.5), (700, 2.0)])
+@pytest.mark.parametrize("panels", [1, 3])
+def test_a_live_picture_has_the_size_of_its_layout(width: int, ratio: float, panels: int) -> None:
+    data = made_up(panels=panels)
+    image = live(data, SCALES[:panels], width, ratio)
+    height = layout_of(data, SCALES[:panels], width).height
+    assert image.dtype == np.uint8
+    assert image.shape == (round(height * ratio), round(width * ratio), 3)
+
+
+def test_live_cells_lie_where_the_layout_says() -> None:
+    data = made_up(margin=None, singular_radius=None)
+    bare = (replace(SCALE, contours=0),) * 3
+    image, place = live(data, bare, 700), layout_of(data).panels[2]
+    colors = map_pixels(data.values[2], data.status, SCALE)[:, :, :3]
+    inside = np.argwhere(data.status == 0)
+    x = place.left + (inside[:, 1] + 0.5) / data.x.size * place.width
+    y = place.bottom - (inside[:, 0] + 0.5) / data.y.size * place.height
+    hits = (image[y.astype(int), x.astype(int)] == colors[tuple(inside.T)]).all(axis=1)
+    assert hits.mean() > 0.85  # the rest lies under the boundary
+
+
+@pytest.mark.parametrize("panel", range(3))
+def test_each_live_panel_shows_its_own_values_and_contours(panel: int) -> None:
+    data, same = panel_and_same(panel)
+    places = layout_of(data).panels
+    mixed, alike = (crop(live(each, SCALES, 700), places[panel]) for each in (data, same))
+    assert np.array_equal(mixed, alike)
+    other = crop(live(data, SCALES, 700), places[panel - 1])
+    rows, columns = np.minimum(mixed.shape, other.shape)[:2]
+    assert (mixed[:rows, :columns] != other[:rows, :columns]).any()
+
+
+def test_the_pose_moves_over_a_picture_that_does_not_change() -> None:
+    data = made_up()
+    there = data.with_pose((0.1, 0.1, 1.0, -0.5))
+    assert np.array_equal(live(data, SCALES, 700), live(there, SCALES, 700))
+    layout = layout_of(data)
+    left, right, bottom, top = data.extent
+    for shown in (data, there):
+        for (across, down), place in zip(layout.positions(shown), layout.panels, strict=True):
+            x = left + (across * layout.width - place.left) / place.width * (right - left)
+            y = bottom + (place.bottom - down * layout.height) / place.height * (top - bottom)
+            np.testing.assert_allclose((x, y), shown.pose[:2], atol=1e-12)
+    assert layout.positions(made_up(pose=(9.0, 9.0, 1.0, -0.5))) == []
+
+
+def test_kept_backgrounds_follow_data_scales_and_size_in_any_thread() -> None:
+    maps = LiveMaps()
+    requests: list[Any] = [
+        (made_up(), SCALES, 500),
+        (made_up(), OWN, 500),
+        (made_up(), (Scale(-5.0, 6.0),) * 3, 500),
+        (made_up(unit="N"), SCALES, 500),
+        (made_up(names=("a", "b", "c")), SCALES, 500),
+        (real(31), SCALES, 500),
+        (made_up(), SCALES, 620),
+        (EMPTY, SCALES, 500),
+        *((made_up(), (Scale(-1.5 - i, 1.5 + i),) * 3, 500) for i in range(10)),
+    ]
+    alone = [LiveMaps().draw(*request) for request in requests]
+    kept = [maps.draw(*request) for request in [*requests, *requests]]
+    with ThreadPoolExecutor(4) as pool:
+        together = list(pool.map(lambda request: maps.draw(*request), requests))
+    for found in (kept[: len(alone)], kept[len(alone) :], together):
+        assert all(np.array_equal(a, b) for a, b in zip(found, alone, strict=True))
+    assert len({picture.tobytes() for picture in alone}) == len(requests)
+    assert not np.shares_memory(kept[0], maps.draw(*requests[0]))
+
+
+def test_a_motion_is_drawn_inside_every_map() -> None:
+    data = made_up()
+    plain, drawn = live(data, SCALES, 900), live(data, SCALES, 900, path=PATH)
+    changed = (plain != drawn).any(axis=2)
+    for place in layout_of(data, width=900).panels:
+        rows = slice(int(place.top), int(place.bottom) + 1)
+        inside = changed[rows, int(place.left) : int(place.right) + 1]
+        assert inside.sum() > 0.5 * place.width
+        inside[:] = False
+    assert not changed.any()
+    assert (live(data, SCALES, 900, path=FloorPath(NO_LINE, SWEEP)) != drawn).any()
+
+
+@pytest.mark.parametrize("width", [300, 420, 620, 1400])
+@pytest.mark.parametrize("scales", [SCALES, OWN], ids=["shared", "own"])
+def test_panels_and_bars_do_not_overlap_and_stay_inside(width: int, scales: Any) -> None:
+    data = made_up()
+    layout = layout_of(data, scales, width)
+    left, right, bottom, top = data.extent
+    assert len(layout.bars) == (1 if scales is SCALES else 3)
+    for place in layout.panels + layout.bars:
+        assert place.left >= 0 <= place.top
+        assert place.right <= layout.width
+        assert place.bottom <= layout.height
+    for a, b in zip(layout.panels, layout.panels[1:], strict=False):
+        assert a.right < b.left
+        assert a.height / a.width == pytest.approx((top - bottom) / (right - left))
+    for bar in layout.bars:
+        assert bar.left > layout.panels[-1].right or bar.top > layout.panels[0].bottom
+
+
+@pytest.mark.parametrize("width", [0, -5, 199])
+def test_impossible_live_widths_are_refused(width: int) -> None:
+    with pytest.raises(InvalidInput, match="width"):
+        live(made_up(), SCALES, width)
