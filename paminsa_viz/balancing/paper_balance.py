@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from paminsa_viz.balancing.changes import Changes, MassRange, MassSpace, mass_space
+from paminsa_viz.balancing.changes import MOST, Changes, MassRange, MassSpace, mass_space
 from paminsa_viz.balancing.convex import MaxAbs
 from paminsa_viz.balancing.optimum import (
     ActiveConstraint,
@@ -51,7 +51,7 @@ def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
     """
     held = {path: design.value(path) for path in PANTOGRAPH}
     return Changes(
-        tuple(MassRange(path, m, m + most, inertia_follows=False) for path, m in held.items())
+        tuple(MassRange(p, m, min(m + most, MOST), inertia_follows=False) for p, m in held.items())
     )
 
 
