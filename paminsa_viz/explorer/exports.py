@@ -14,7 +14,7 @@ import viser
 from paminsa_viz.explorer.browser.style import over_backdrop
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.playback import FIGURES, SIMULATED
+from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import table_bytes

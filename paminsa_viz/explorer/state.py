@@ -7,9 +7,8 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
-from paminsa_viz.explorer.motion.description import Motion, Pose
+from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
-from paminsa_viz.explorer.motion.playback import Playback, PlotView
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose

@@ -8,10 +8,17 @@ from typing import Any
 
 from paminsa_viz.explorer.actions import with_document
 from paminsa_viz.explorer.motion import planning
-from paminsa_viz.explorer.motion.description import Kind, Pose, Timing, require_possible
+from paminsa_viz.explorer.motion.description import (
+    SIMULATED,
+    Kind,
+    Pose,
+    Timing,
+    advanced,
+    require_possible,
+    started,
+)
 from paminsa_viz.explorer.motion.jobs import Answer, SimulationJob, SimulationOutcome, make_job
 from paminsa_viz.explorer.motion.planning import Planned
-from paminsa_viz.explorer.motion.playback import SIMULATED, advanced, started
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import PRESET, Trajectory

@@ -205,8 +205,10 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
     from paminsa_viz.plots.verified import engine_torques
 
     try:
-        kept, motion = _thinned(analysis.trajectory)
-        thinned = analyze(analysis.design, motion)
+        trajectory = analysis.trajectory
+        count = min(trajectory.size, MOST_SAMPLES)
+        kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
+        thinned = analyze(analysis.design, trajectory.take(kept))
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
         engine = replace(engine_torques(thinned), samples=kept)
@@ -215,10 +217,3 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:
         return Answer(analysis, None, str(error))
-
-
-def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
-    """Return evenly spread samples, both ends among them, and the motion of these alone."""
-    count = min(trajectory.size, MOST_SAMPLES)
-    kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
-    return kept, trajectory.take(kept)

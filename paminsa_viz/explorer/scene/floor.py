@@ -89,7 +89,7 @@ class FloorMap:
         layers, standing = state.layers, state.standing
         self._stand(layout(standing.geometry).ground)
         x, y = standing.pose[:2]
-        _put(self._ring, x, y, self._height + ABOVE["ring"])
+        self._ring.position = (x, y, self._height + ABOVE["ring"])
         if not moving or time.monotonic() >= self._due:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
             if "floor_map" in layers:
@@ -97,19 +97,15 @@ class FloorMap:
             if layers & {"workspace", "singularity"}:
                 self._draw_curves(state, moving)
         for node in (self._map, self._legend, self._ring):
-            _show(node, "floor_map" in layers)
-        for curve, visible in (
-            (self._boundary, "workspace" in layers),
-            (self._circle, "singularity" in layers),
-        ):
-            if curve.visible != visible:
-                curve.visible = visible
+            node.visible = "floor_map" in layers
+        self._boundary.visible = "workspace" in layers
+        self._circle.visible = "singularity" in layers
 
     def _stand(self, height: float) -> None:
         if height == self._height:
             return
         self._height = height
-        _put(self._map, 0.0, 0.0, height + ABOVE["map"])
+        self._map.position = (0.0, 0.0, height + ABOVE["map"])
         self._curves_key = self._legend_key = ()
 
     def _draw_map(self, state: State, moving: bool) -> None:
@@ -124,8 +120,7 @@ class FloorMap:
         scale = self._store.scales(state, data, quantities)[0]
         self._map.image = floor_image(data, scale, opacity)
         side = 2 * half_width(document.design.geometry)
-        if self._map.scale != (side, side, 1.0):
-            self._map.scale = (side, side, 1.0)
+        self._map.scale = (side, side, 1.0)
         self._draw_legend(data, scale, state)
         self._key = (shown, not moving)
 
@@ -196,13 +191,3 @@ def where_on_floor(
         return None
     x, y = (origin[i] + way * direction[i] for i in (0, 1))
     return (x, y) if math.isfinite(x) and math.isfinite(y) else None
-
-
-def _put(node: Any, x: float, y: float, z: float) -> None:
-    if tuple(node.position) != (x, y, z):
-        node.position = (x, y, z)
-
-
-def _show(node: Any, visible: bool) -> None:
-    if node.visible != visible:
-        node.visible = visible

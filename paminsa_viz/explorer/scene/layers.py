@@ -148,7 +148,7 @@ register(
     ),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer(
-        "gizmo", "Platform handle", "Drag the platform in the scene", "gizmo:Gizmo", shortcut="G"
+        "gizmo", "Platform handle", "Drag the platform in the scene", "stage:Gizmo", shortcut="G"
     ),
     Layer(
         "fine", "Fine detail",

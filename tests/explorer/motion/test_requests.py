@@ -12,8 +12,16 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import MOST_SAMPLES, MOST_WAYPOINTS, Kind, Timing
-from paminsa_viz.explorer.motion.playback import SPEEDS, Playback, advanced, started
+from paminsa_viz.explorer.motion.description import (
+    MOST_SAMPLES,
+    MOST_WAYPOINTS,
+    SPEEDS,
+    Kind,
+    Playback,
+    Timing,
+    advanced,
+    started,
+)
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
 from paminsa_viz.trajectory import PRESETS, Profile, Trajectory, from_samples
