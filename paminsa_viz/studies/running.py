@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.metrics import METRICS, MOTION_METRICS, RUNS, Metric
+from paminsa_viz.studies.metrics import MOTION_METRICS, RUNS, Metric
 from paminsa_viz.studies.study import OK, Study
 
 PART = 8
@@ -73,7 +73,7 @@ class StudySummary:
         self.rows += 1
         row = dict(zip(self.study.columns, cells, strict=True))
         if _count(self.status, row["status"]) == OK:
-            self._accumulate(row, METRICS)
+            self._accumulate(row, self.study.region_metrics)
         if row.get("motion") and _count(self.motion, row["motion"]) == RUNS:
             self._accumulate(row, MOTION_METRICS)
 
