@@ -248,4 +248,6 @@ def samples_hash(trajectory: Trajectory) -> str:
     arrays = (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration)
     for array in arrays if trajectory.load is None else (*arrays, trajectory.load):
         found.update(array.astype("<f8").tobytes())
+    if trajectory.load is not None:
+        found.update(trajectory.load.astype("<f8").tobytes())
     return found.hexdigest()[:32]
