@@ -9,7 +9,6 @@ import importlib
 import logging
 import sys
 import threading
-import time
 import warnings
 import webbrowser
 from dataclasses import dataclass
@@ -132,7 +131,7 @@ class App:
         self.design = design
         self.sessions: dict[int, Session] = {}
         self._first_tab = threading.Event()
-        self._closed_page = threading.Event()
+        self._closed_page, self._stopped = threading.Event(), threading.Event()
         wanted = options.token == "on" or (options.token == "auto" and options.exposed)
         self.token = AccessToken() if wanted else None
         self.server = open_server(
@@ -169,9 +168,7 @@ class App:
         A page of viser and its callbacks hold each other, so only the garbage collector frees them;
         on its own it would do so after hundreds of megabytes.
         """
-        while True:
-            self._closed_page.wait()
-            time.sleep(COLLECTION_DELAY)  # pages closed together are freed together
+        while self._closed_page.wait() and not self._stopped.wait(COLLECTION_DELAY):
             self._closed_page.clear()
             gc.collect()
             call_allocator("malloc_trim", 0)
@@ -181,6 +178,8 @@ class App:
         for session in list(self.sessions.values()):
             session.close()
         self.server.stop()
+        self._stopped.set()
+        self._closed_page.set()
 
 
 def call_allocator(function: str, *arguments: int) -> None:
