@@ -106,9 +106,9 @@ def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
 def test_load_of_the_command_line_is_the_designs(capsys) -> None:
     flags = ["--theta", "10", "--z", "-550", "--cells", "20"]
     load = ["--load", "30", "-20", "-50", "9", "8", "2", "--load-point", "50", "0", "0"]
-    plain, loaded = told(capsys, *flags), told(capsys, *flags, *load)
+    plain, loaded = run_json(capsys, *flags), run_json(capsys, *flags, *load)
     assert loaded["maps"] != plain["maps"]
-    bearings = told(capsys, *flags, *load[:4], "0", "0", *load[6:])  # carry these moments alone
+    bearings = run_json(capsys, *flags, *load[:4], "0", "0", *load[6:])  # carry these moments alone
     assert bearings["maps"] == loaded["maps"]
-    turned = told(capsys, *flags, *load, "--load-frame", "platform")
+    turned = run_json(capsys, *flags, *load, "--load-frame", "platform")
     assert turned["maps"] != loaded["maps"]
