@@ -172,11 +172,10 @@ def effects(job: Job, after: Design) -> tuple[Effect, ...]:
 def static_torque(job: Job, design: Design) -> tuple[float, float]:
     """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
     field = plane(job)
-    gamma = field.gamma[:3, field.status == Limit.OK]
-    if gamma.size == 0:
+    torque = field.torques(design)[:3, field.status == Limit.OK]
+    if torque.size == 0:
         return np.nan, np.nan
-    size = abs(static_imbalance(design))
-    return size * float(np.abs(gamma).max()), size * float(np.sqrt(np.mean(gamma**2)))
+    return float(np.abs(torque).max()), float(np.sqrt(np.mean(torque**2)))
 
 
 def dynamic_torque(job: Job, design: Design) -> tuple[float, float]:

@@ -53,7 +53,8 @@ def planned(motion: Motion, design: Design) -> Planned:
     """Return the trajectory of a described motion for a robot; raises nothing."""
     # Masses matter only where torques bound the duration: other trajectories stay while a mass
     # changes, and with them all that was solved along them.
-    shown = motion.timing is Timing.SHORTEST and motion.limits.needs_torques
+    bounded = motion.limits.needs_torques or any(design.drives)
+    shown = motion.timing is Timing.SHORTEST and bounded
     return _planned(motion, design.geometry, design if shown else None)
 
 
