@@ -2,70 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
-
 import numpy as np
 from hypothesis import given
 
-from paminsa_viz.model import APPENDIX_4, Geometry, KneeBranch, closure, inverse_kinematics
+from paminsa_viz.model import APPENDIX_4, closure, inverse_kinematics
 from paminsa_viz.model.kinematics import HEADINGS, LEG_AXES
 from tests.model import paper
-from tests.support.cases import BOTH, BY_HAND, OTHER, Case, assert_within, cases
-from tests.support.samples import with_knee
-
-
-def typed_knees(geometry: Geometry, pose: Any, actuators: Any) -> Any:
-    """P_9k of Appendix 1, letter by letter, (..., 3 legs, 3)."""
-    x, y, theta, z = np.moveaxis(pose, -1, 0)
-    k, lb3, lb4 = geometry.magnification, geometry.crank_length, geometry.coupler_length
-    rpl, rb = geometry.platform_radius, geometry.base_radius
-    x5 = [x - rpl * np.cos(theta + np.pi / 6), x + rpl * np.cos(-theta + np.pi / 6)]
-    y5 = [y - rpl * np.sin(theta + np.pi / 6), y - rpl * np.sin(-theta + np.pi / 6)]
-    x5.append(x - rpl * np.sin(theta))
-    y5.append(y + rpl * np.cos(theta))
-    e1 = [-np.sqrt(3) / 2 * rb, np.sqrt(3) / 2 * rb, 0.0]
-    e2 = [-rb / 2, -rb / 2, rb]
-    beta = [
-        actuators[..., 0] + np.pi / 6,
-        actuators[..., 1] + 5 * np.pi / 6,
-        actuators[..., 2] + 3 * np.pi / 2,
-    ]
-    knees = []
-    for i in range(3):
-        Z1 = z + geometry.platform_joint_height
-        X1 = np.sqrt((x5[i] - e1[i]) ** 2 + (y5[i] - e2[i]) ** 2)
-        X4 = -X1 / (k - 1)
-        A = (lb4**2 - lb3**2 - X1**2 + X4**2 - Z1**2) / (2 * k * X4)
-        B = Z1 / (k * X4)
-        C = lb3**2 - X4**2 + 2 * A * X4 - A**2
-        D = 2 * B * (X4 - A)
-        E = -(B**2 + 1)
-        K = np.sqrt(D**2 - 4 * E * C)
-        F = -(D - K) / (2 * E) if geometry.knee is KneeBranch.LOWER else -(D + K) / (2 * E)
-        H = A + B * F
-        knees.append([e1[i] + H * np.cos(beta[i]), e2[i] + H * np.sin(beta[i]), F])
-    return np.moveaxis(np.array(knees), (0, 1), (-2, -1))
-
-
-@given(case=cases())
-def test_the_published_formulas_give_joint_9(case: Case) -> None:
-    pose = case.poses(32)
-    configuration = inverse_kinematics(case.geometry, pose)
-    knees = typed_knees(case.geometry, pose, configuration.actuators)
-    assert_within(configuration.points[9], knees, 1e-12 * case.geometry.coupler_length)
-
-
-@BOTH
-def test_the_printed_root_is_the_lower_knee(knee: KneeBranch) -> None:
-    """Of the two roots of F in one configuration; both close the pantograph."""
-    geometry = with_knee(APPENDIX_4.geometry, knee)
-    actuators = inverse_kinematics(geometry, BY_HAND).actuators
-    knees = typed_knees(geometry, BY_HAND, actuators)
-    others = typed_knees(with_knee(geometry, OTHER[knee]), BY_HAND, actuators)
-    assert np.all((knees[..., 2] < others[..., 2]) == (knee is KneeBranch.LOWER))
-    solved = inverse_kinematics(geometry, BY_HAND).points
-    assert_within(solved[9], knees, 1e-14)
+from tests.support.cases import Case, assert_within, cases
 
 
 @given(case=cases())
@@ -116,24 +59,3 @@ def test_leg_planes_face_the_center_at_zero() -> None:
     assert_within(np.cos(configuration.beta - HEADINGS), np.ones(3), 1e-15)
     towards = np.stack([np.cos(HEADINGS), np.sin(HEADINGS)], axis=-1)
     assert_within(towards, -LEG_AXES, 1e-15)
-
-
-def test_no_length_of_appendix_4_is_written_into_the_formulas() -> None:
-    """A robot of twice the size has configurations of twice the size."""
-    g = APPENDIX_4.geometry
-    twice = replace(
-        g,
-        base_radius=2 * g.base_radius,
-        platform_radius=2 * g.platform_radius,
-        shaft_length=2 * g.shaft_length,
-        crank_length=2 * g.crank_length,
-        coupler_length=2 * g.coupler_length,
-        platform_joint_height=2 * g.platform_joint_height,
-        guide_link_length=2 * g.guide_link_length,
-    )
-    small = inverse_kinematics(g, BY_HAND)
-    large = inverse_kinematics(twice, BY_HAND * [2.0, 2.0, 1.0, 2.0])
-    for number, points in small.points.items():
-        assert_within(large.points[number], 2 * points, 1e-14)
-    assert_within(large.actuators[:, :3], small.actuators[:, :3], 1e-14)
-    assert_within(large.reach.margins, 2 * small.reach.margins, 1e-14)

@@ -63,18 +63,6 @@ def test_every_leg_is_the_pantograph_of_figure_2(case: Case) -> None:
 
 
 @given(case=cases())
-def test_joint_5_turns_with_the_platform(case: Case) -> None:
-    pose = case.poses()
-    g = case.geometry
-    p5 = inverse_kinematics(g, pose).points[5]
-    angle = pose[:, 2:3] + oracle.AXIS_ANGLES
-    x = pose[:, 0:1] + g.platform_radius * np.cos(angle)
-    y = pose[:, 1:2] + g.platform_radius * np.sin(angle)
-    z = np.broadcast_to(pose[:, 3:] + g.platform_joint_height, x.shape)
-    assert_within(p5, np.stack([x, y, z], -1), 1e-14)
-
-
-@given(case=cases())
 def test_points_and_actuators_are_those_of_first_principles(case: Case) -> None:
     pose = case.poses()
     configuration = inverse_kinematics(case.geometry, pose)

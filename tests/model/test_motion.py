@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from hypothesis import given
 
-from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics, joint_rates
-from paminsa_viz.model.kinematics import LEG_AXES, wrap
+from paminsa_viz.model import APPENDIX_4, Design, joint_rates
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import leg_motion, leg_position, mechanism
 from tests import oracle
-from tests.support.cases import BOTH, BY_HAND, Case, assert_within, cases
-from tests.support.samples import with_knee
+from tests.support.cases import Case, assert_within, cases
 
 JOINTS = (2, 3, 4, 5, 7, 8, 9)
 
@@ -69,42 +67,6 @@ def test_bars_turn_as_first_principles_say(case: Case) -> None:
     assert_within(motion.actuators_acceleration[:, 3], top.second, 1e-12)
 
 
-def differences(f: Callable[[float], Any], h: float = 5e-4) -> tuple[Any, Any]:
-    """First and second derivative of f at 0, from seven values."""
-    v = {n: f(n * h) for n in range(-3, 4)}
-    first = (45 * (v[1] - v[-1]) - 9 * (v[2] - v[-2]) + (v[3] - v[-3])) / (60 * h)
-    second = 270 * (v[1] + v[-1]) - 27 * (v[2] + v[-2]) + 2 * (v[3] + v[-3]) - 490 * v[0]
-    return first, second / (180 * h * h)
-
-
-@given(case=cases())
-def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
-    """Nothing but `inverse_kinematics` itself, a little before and after."""
-    pose, v, a = case.states()
-    motion = joint_rates(case.geometry, pose, v, a)
-    now = inverse_kinematics(case.geometry, pose)
-
-    def at(t: float, of: Callable[[Any], Any]) -> Any:
-        return of(inverse_kinematics(case.geometry, pose + v * t + a * t * t / 2))
-
-    def check(of: Callable[[Any], Any], rate: Any, second: Any) -> None:
-        first, twice = differences(lambda t: at(t, of))
-        assert_within(rate, first, 1e-6 * largest(first))
-        assert_within(second, twice, 1e-4 * largest(twice))
-
-    for number in JOINTS:
-        check(lambda p, i=number: p.points[i], motion.velocity[number], motion.acceleration[number])
-    check(
-        lambda p: np.concatenate(
-            [wrap(p.actuators[:, :3] - now.actuators[:, :3]), p.actuators[:, 3:]], -1
-        ),
-        motion.actuators_velocity,
-        motion.actuators_acceleration,
-    )
-    check(lambda p: wrap(p.psi - now.psi), motion.psi_rate, motion.psi_acceleration)
-    check(lambda p: wrap(p.phi - now.phi), motion.phi_rate, motion.phi_acceleration)
-
-
 @given(case=cases())
 def test_the_formulas_carry_complex_steps(case: Case) -> None:
     """`leg_position` on complex numbers differentiates itself, to rounding."""
@@ -135,29 +97,6 @@ def test_the_formulas_carry_complex_steps(case: Case) -> None:
         partial = getattr(position, f"{name}_rho") * motion.rho_rate
         partial = partial + getattr(position, f"{name}_zeta") * motion.zeta_rate
         assert_within(partial, getattr(motion, f"{name}_rate"), 1e-11 * largest(v, partial))
-
-
-@BOTH
-def test_a_robot_at_rest_does_not_move(knee: KneeBranch) -> None:
-    still = np.zeros(4)
-    motion = joint_rates(with_knee(APPENDIX_4.geometry, knee), BY_HAND, still, still)
-    for points in (*motion.velocity.values(), *motion.acceleration.values()):
-        np.testing.assert_array_equal(points, np.zeros((3, 3, 3)))
-    np.testing.assert_array_equal(motion.actuators_velocity, np.zeros((3, 4)))
-    np.testing.assert_array_equal(motion.configuration.pose, BY_HAND)
-    assert motion.configuration.geometry.knee is knee
-
-
-def test_the_lift_copies_the_height_divided_by_k() -> None:
-    """The decoupling of the paper: x, y, theta do not move Z, and z does not move M1..M3."""
-    level = joint_rates(APPENDIX_4.geometry, BY_HAND, [0.4, -0.3, 0.8, 0.0], [1.0, 2.0, 3.0, 0.0])
-    np.testing.assert_array_equal(level.actuators_velocity[:, 3], 0.0)
-    np.testing.assert_array_equal(level.actuators_acceleration[:, 3], 0.0)
-    upright = joint_rates(APPENDIX_4.geometry, BY_HAND, [0.0, 0.0, 0.0, 0.6], [0.0, 0.0, 0.0, 1.5])
-    np.testing.assert_array_equal(upright.actuators_velocity[:, :3], 0.0)
-    assert_within(upright.actuators_velocity[:, 3], np.full(3, 0.2), 1e-15)
-    assert_within(upright.actuators_acceleration[:, 3], np.full(3, 0.5), 1e-15)
-    np.testing.assert_array_equal(upright.velocity[8], 0.0)
 
 
 def test_joints_that_do_not_hang_on_the_knee_are_known_out_of_reach() -> None:

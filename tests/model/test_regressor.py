@@ -39,12 +39,6 @@ def test_both_routes_agree_with_any_of_the_misprints(case: Case, flags: Misprint
     assert_close(torque, expected, 1e-11)
 
 
-@given(case=cases())
-def test_the_route_agrees_with_first_principles(case: Case) -> None:
-    y = torque_regressor(case.geometry, *case.states(), gravity=case.design.gravity)
-    assert_close(y @ lumped_coefficients(case.design), case.driving_torques(), 1e-11)
-
-
 @given(case=cases(), other=st.integers(0, 10000))
 def test_one_regressor_serves_all_masses(case: Case, other: int) -> None:
     """Another robot's masses on the same trajectory: one product, and no new Y."""
