@@ -1,4 +1,4 @@
-"""Works a job out; pure functions, run on any thread."""
+"""Solves the tasks of the balance; pure functions, run on any thread."""
 
 from __future__ import annotations
 
@@ -61,11 +61,11 @@ SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
 Progress = Callable[[float], bool]
-"""Is told what part is done, and says whether to stop."""
+"""Takes what part is done, and returns whether to stop."""
 
 
 def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
-    """Work a job out; what cannot be done is part of the outcome."""
+    """Solve a task; what cannot be done is part of the outcome."""
     try:
         if job.task is Task.FRONT:
             return _front(job, progress)
