@@ -48,15 +48,15 @@ def test_the_robot_stands_in_the_pose_asked_for() -> None:
 def test_without_a_pose_it_is_one_that_can_be_taken(knee) -> None:
     design = APPENDIX_4.with_knee(knee)
     assert robot_view(design).content
-    z = map_view(design, cells=10)
-    assert z.data
+    assert map_view(design, cells=10).data
 
 
-def test_a_pose_out_of_reach_is_refused() -> None:
-    with pytest.raises(UnreachablePose):
-        robot_view(APPENDIX_4, (1.0, 0.0, 0.0, -0.5))
-    with pytest.raises(InvalidInput):
-        robot_view(APPENDIX_4, np.zeros((2, 4)))
+@pytest.mark.parametrize(
+    ("error", "pose"), [(UnreachablePose, (1.0, 0.0, 0.0, -0.5)), (InvalidInput, np.zeros((2, 4)))]
+)
+def test_an_impossible_pose_is_refused(error, pose) -> None:
+    with pytest.raises(error):
+        robot_view(APPENDIX_4, pose)
 
 
 def test_a_motion_is_the_page_of_the_export(motion) -> None:

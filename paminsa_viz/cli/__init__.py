@@ -28,6 +28,7 @@ COMMANDS: dict[str, str] = {
     "design": "check, show, compare design files; write Appendix 4's",
     "map": "map torques and other quantities over the workspace, as figures and tables",
     "trajectory": "required actuator torques of a motion; draw, simulate, write it",
+    "drives": "find motors and gears for a motion; their feasible ratios",
     "sweep": "measure many designs over the workspace, into a resumable table",
     "balance": "find the masses that balance the robot best, certified optimal",
     "verify": "check the formulas against MuJoCo and Pinocchio",

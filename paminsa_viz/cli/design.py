@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
-import numpy as np
 import tyro
 
 from paminsa_viz import __version__
@@ -17,11 +16,8 @@ from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.design_file import load_design, save_design
 from paminsa_viz.files.design_schema import CHOICE_MEANINGS, CHOICES, KEYS, choice
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.model.dynamics import inverse_dynamics
-from paminsa_viz.model.reach import Limit, home_pose
 
 DESCRIPTION = """\
 Work with design files: a robot's lengths, masses and inertias as readable TOML.
@@ -33,9 +29,6 @@ Work with design files: a robot's lengths, masses and inertias as readable TOML.
   paminsa-viz design show robot.toml            every value with the paper's symbol
 
 A file may leave values out; they are then Appendix 4's."""
-
-_CHECKED_ACCELERATION = (1.0, 1.0, 1.0, 1.0)
-"""Acceleration at which torques are checked for overflow [m/s^2, rad/s^2]."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +46,6 @@ class Check:
         for file in self.files:
             try:
                 design = load_design(file)
-                _require_finite_torques(design, file)
             except PaminsaError as error:
                 print_error(error)
                 code = 2
@@ -208,15 +200,3 @@ def _drives(design: Design) -> dict[str, Any]:
     """Return the drives by actuator, for JSON."""
     pairs = zip(ACTUATORS, design.drives, strict=True)
     return {name: asdict(drive) for name, drive in pairs if drive is not None}
-
-
-def _require_finite_torques(design: Design, file: Path) -> None:
-    """Refuse a design whose numbers, each possible alone, overflow together.
-
-    Raises:
-        DesignFileError: If a torque at the home pose is not finite, at rest or accelerated.
-    """
-    pose = home_pose(design.geometry)
-    found = inverse_dynamics(design, pose, np.zeros(4), np.array(_CHECKED_ACCELERATION))
-    if found.status == Limit.OK and not np.isfinite(found.torque).all():
-        raise DesignFileError(str(file), "its numbers overflow: the torques are not finite")

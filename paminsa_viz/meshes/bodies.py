@@ -7,7 +7,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Final
 
@@ -46,14 +46,12 @@ STANDING: Final = ("ground", "base", "m1", "m2", "m3", "m4")
 SMALL: Final = 0.028
 """Pieces smaller than this are left out of plain bodies [m]."""
 
-ACTUATOR_NAMES: Final = ("m1", "m2", "m3", "m4")
-
 
 def color_of(body: str) -> str:
     """Return the color (``#rrggbb``) of a body's colored faces."""
     if body.startswith("leg"):
         return palette.LEG_COLORS[int(body[3]) - 1]
-    if body in ACTUATOR_NAMES:
+    if body in STANDING[2:]:
         return palette.ACTUATOR_COLORS[int(body[1]) - 1]
     return palette.LIFT_COLOR if body == "carriage" else palette.PLATFORM
 
@@ -94,27 +92,9 @@ def make_body(body: str, geometry: Geometry) -> MeshPart:
         KeyError: If there is no such body.
     """
     kind = _kind(body)
-    if kind in ACTUATOR_NAMES:
-        return frame.actuators(geometry)[ACTUATOR_NAMES.index(kind)][0]
-    if kind == "ground":
-        return frame.ground(geometry)
-    if kind == "base":
-        return frame.base(geometry)
-    if kind == "slider":
-        return fixed_part(kind)
-    if kind == "swivel":
-        return fixed_part("swivel_disc").join(fixed_part("swivel_head"))
-    makers: dict[str, Callable[..., MeshPart]] = {
-        "carriage": carriage,
-        "platform": platform,
-        "guide": guide,
-        "shaft": shaft,
-        "b3": bar_b3,
-        "b4": bar_b4,
-        "b7": bar,
-        "b8": bar,
-    }
-    return _made(makers[kind], lengths_of(body, geometry), is_plain()).copy()
+    if kind in _STANDING_MAKERS:
+        return _STANDING_MAKERS[kind](geometry)
+    return _made(_MOVING_MAKERS[kind], lengths_of(body, geometry), is_plain()).copy()
 
 
 @lru_cache(maxsize=64)
@@ -261,6 +241,27 @@ def platform(radius: float, joint_height: float) -> MeshPart:
     part.add("platform", plate)
     part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0, 28))
     return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - 0.010)))
+
+
+def slider() -> MeshPart:
+    """Return the slider; origin at joint 8."""
+    return fixed_part("slider")
+
+
+def swivel() -> MeshPart:
+    """Return the swivel of the platform; origin at joint 5."""
+    return fixed_part("swivel_disc").join(fixed_part("swivel_head"))
+
+
+_STANDING_MAKERS: Final[dict[str, Callable[[Geometry], MeshPart]]] = {
+    "ground": frame.ground, "base": frame.base, "m1": partial(frame.motor, 0),
+    "m2": partial(frame.motor, 1), "m3": partial(frame.motor, 2), "m4": frame.lift,
+}  # fmt: skip
+_MOVING_MAKERS: Final[dict[str, Callable[..., MeshPart]]] = {
+    "carriage": carriage, "platform": platform, "guide": guide, "shaft": shaft, "slider": slider,
+    "swivel": swivel, "b3": bar_b3, "b4": bar_b4, "b7": bar, "b8": bar,
+}  # fmt: skip
+"""Makers of bodies by kind; those of moving bodies take what `lengths_of` returns."""
 
 
 def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:

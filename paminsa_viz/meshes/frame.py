@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz import palette
 from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, FrameLayout, layout
 from paminsa_viz.meshes.library import fixed_part
@@ -31,6 +30,7 @@ _ROUND = 2 * np.pi * np.arange(72) / 72
 
 CYLINDER_RADIUS = 0.034
 RAM_RADIUS = 0.016
+PLATE_OF_BRIDGE = 0.012
 
 FLIP = turn("y", np.pi)
 """Turns the base plate over; it keeps the three leg directions where they are."""
@@ -62,26 +62,38 @@ def ground(geometry: Geometry) -> MeshPart:
 def base(geometry: Geometry) -> MeshPart:
     """Return the frame that does not move, without the actuators' bodies. World frame."""
     place = layout(geometry)
-    plate = _base_plate(geometry, place)
+    plate = _base_plate(geometry)
     if geometry.knee is KneeBranch.LOWER:
-        return plate.join(_mast(place), _arm(place), _column(place))
-    return plate.moved(rotation=FLIP).join(_mast(place), _stay(place), _bridge(place))
+        arm = _cantilever(place, 0.045, at.MOUNT + 0.0012, (0.036, 0.020), (0.054, 0.092))
+        return plate.join(_mast(place), arm, _column(place))
+    top = -at.MOUNT - 0.0012
+    arm = _cantilever(place, 0.045, top, (0.036, 0.020), (0.054, 0.092))
+    # Mirrored in the plane of its straight edge: deep side down.
+    arm = arm.moved((0.0, 0.0, 2 * top), FLIP @ turn("z", np.pi - 2 * MAST_ANGLE))
+    return plate.moved(rotation=FLIP).join(_mast(place), arm, _bridge(place))
 
 
-def actuators(geometry: Geometry) -> list[tuple[MeshPart, str]]:
-    """Return the bodies of M1..M4, each with its color, in the world frame."""
+def motor(leg: int, geometry: Geometry) -> MeshPart:
+    """Return the actuator of a leg (index 0 to 2) in the world frame."""
+    angle = AXIS_ANGLES[leg]
+    seat, rotation = polar(geometry.base_radius, angle, at.MOUNT + at.PLATE), turn("z", angle)
+    if geometry.knee is KneeBranch.UPPER:
+        # Turned over, legs 1 and 2 change places, so each motor goes to the other's seat.
+        seat, rotation = FLIP @ seat * [-1, 1, 1], rotation @ turn("x", np.pi)
+    return fixed_part("rotary_actuator").moved(seat, rotation)
+
+
+def lift(geometry: Geometry) -> MeshPart:
+    """Return the fixed body of M4 in the world frame; with the upper knee it has a cylinder."""
     place = layout(geometry)
-    out = []
-    for angle, color in zip(AXIS_ANGLES, palette.LEG_COLORS, strict=True):
-        seat = polar(geometry.base_radius, angle, at.MOUNT + at.PLATE)
-        motor = fixed_part("rotary_actuator").moved(seat, turn("z", angle))
-        if geometry.knee is KneeBranch.UPPER:
-            # Turned over, legs 1 and 2 change places, so each motor goes to the other's seat.
-            motor = fixed_part("rotary_actuator").moved(
-                FLIP @ seat * [-1, 1, 1], turn("z", angle) @ turn("x", np.pi)
-            )
-        out.append((motor, color))
-    return [*out, (_lift(place, geometry.knee), palette.LIFT_COLOR)]
+    if geometry.knee is KneeBranch.LOWER:
+        return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
+    foot = place.column_top + PLATE_OF_BRIDGE
+    top = foot + _cylinder_length(place)
+    part = fixed_part("lift_foot").moved((0.0, 0.0, foot - 0.002))
+    part.add("frame", rod(CYLINDER_RADIUS, foot, top, 0.002, 32))
+    part.add("accent", tube(0.03, CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 32))
+    return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
 
 
 def lift_motor_height(geometry: Geometry) -> float:
@@ -91,26 +103,12 @@ def lift_motor_height(geometry: Geometry) -> float:
     return place.column_top + stand + 0.104
 
 
-PLATE_OF_BRIDGE = 0.012
-
-
 def _cylinder_length(place: FrameLayout) -> float:
     """Return the length of M4's cylinder with the upper knee: it takes in the whole ram [m]."""
     return place.lift_high - place.lift_low + 0.03
 
 
-def _lift(place: FrameLayout, knee: KneeBranch) -> MeshPart:
-    if knee is KneeBranch.LOWER:
-        return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
-    foot = place.column_top + PLATE_OF_BRIDGE
-    top = foot + _cylinder_length(place)
-    part = fixed_part("lift_foot").moved((0.0, 0.0, foot - 0.002))
-    part.add("frame", moved(rod(CYLINDER_RADIUS, foot, top, 0.002, 32)))
-    part.add("accent", tube(0.03, CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 32))
-    return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
-
-
-def _base_plate(geometry: Geometry, place: FrameLayout) -> MeshPart:
+def _base_plate(geometry: Geometry) -> MeshPart:
     """The plate above the guides: hub, spokes to the motors, ring."""
     low, high = at.MOUNT, at.MOUNT + at.PLATE
     part = MeshPart().add("frame", rod(0.064, low, high, 0.002, 32))
@@ -126,8 +124,7 @@ def _base_plate(geometry: Geometry, place: FrameLayout) -> MeshPart:
     for angle in AXIS_ANGLES:
         start, end = angle + gap, angle + 2 * np.pi / 3 - gap
         if end > start:
-            ring = arc_beam(radius, 0.026, low + 0.0008, low + 0.0152, start, end)
-            part.add("frame", ring)
+            part.add("frame", arc_beam(radius, 0.026, low + 0.0008, low + 0.0152, start, end))
     return part
 
 
@@ -151,20 +148,6 @@ def _mast(place: FrameLayout) -> MeshPart:
     return part.add("dark", moved(cap, where, spin))
 
 
-def _arm(place: FrameLayout) -> MeshPart:
-    """The arm that carries the base plate with the lower knee, deeper toward the mast."""
-    low = at.MOUNT + 0.0012
-    return _cantilever(place, 0.045, low, (0.036, 0.020), (0.054, 0.092))
-
-
-def _stay(place: FrameLayout) -> MeshPart:
-    """The arm below the guides that carries the base plate with the upper knee."""
-    top = -at.MOUNT - 0.0012
-    part = _cantilever(place, 0.045, top, (0.036, 0.020), (0.054, 0.092))
-    # Mirrored in the plane of its straight edge: deep side down.
-    return part.moved((0.0, 0.0, 2 * top), FLIP @ turn("z", np.pi - 2 * MAST_ANGLE))
-
-
 def _cantilever(
     place: FrameLayout,
     start: float,
@@ -184,11 +167,10 @@ def _cantilever(
         height = low + size[1] / 2 + flat[:, 1]
         return np.stack([np.full(len(flat), x), flat[:, 0], height], axis=1)
 
-    flange = (outer[0] + 0.012, outer[1] + 0.012)
-    part = MeshPart().add(
-        "frame", moved(loft([loop(start, inner), loop(end, outer)]), rotation=spin)
-    )
-    plate = prism(rounded_rectangle(0.014, flange[0], 0.003), low - 0.006, low + outer[1] + 0.006)
+    arm = loft([loop(start, inner), loop(end, outer)])
+    part = MeshPart().add("frame", moved(arm, rotation=spin))
+    flange = rounded_rectangle(0.014, outer[0] + 0.012, 0.003)
+    plate = prism(flange, low - 0.006, low + outer[1] + 0.006)
     return part.add("body", moved(plate, polar(end - 0.006, MAST_ANGLE), spin))
 
 
@@ -207,5 +189,4 @@ def _bridge(place: FrameLayout) -> MeshPart:
     """The arm over the robot with the upper knee, which carries M4."""
     low, high = place.column_top, place.column_top + PLATE_OF_BRIDGE
     part = MeshPart().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
-    part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))
-    return part
+    return part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))

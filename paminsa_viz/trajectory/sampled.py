@@ -15,8 +15,14 @@ from paminsa_viz.trajectory.plant import hermite
 RATE = 1000.0
 """Default samples a second [1/s]."""
 
+STEPS = (1e-12, 1e12)
+"""Shortest and longest time between two samples [s]: splines take their fifth powers."""
+
 MOST_SAMPLES = 1_000_000
 """Longest list of samples; with all that is computed along it some 2 GB."""
+
+LARGEST = 1e12
+"""Largest pose and rate of a trajectory [SI], so that nothing overflows."""
 
 
 def sample_times(begin: float, end: float, rate: float) -> Array:
@@ -31,6 +37,25 @@ def sample_times(begin: float, end: float, rate: float) -> Array:
     if count > MOST_SAMPLES:
         raise InvalidInput("rate", f"{count:.3g} samples are more than {MOST_SAMPLES:,}")
     return np.linspace(begin, end, max(2, round(count) + 1))
+
+
+def _check_times(t: Array) -> None:
+    """Refuse times whose differences, or powers of these, are lost in the arithmetic.
+
+    Raises:
+        InvalidInput: If they are not finite, do not increase, or one of their steps is out of
+            `STEPS` or of the size of their own rounding.
+    """
+    with np.errstate(over="ignore", invalid="ignore"):
+        steps = np.diff(t)
+    if not (np.isfinite(t).all() and (steps > 0).all()):
+        raise InvalidInput("t", "times have to be finite and to increase")
+    shortest, longest = STEPS
+    if steps.min() < shortest or not steps.max() <= longest:
+        problem = f"times have to be from {shortest:g} s to {longest:g} s apart"
+        raise InvalidInput("t", problem)
+    if steps.min() < 4 * np.spacing(np.abs(t).max()):
+        raise InvalidInput("t", "times this far from zero are less exact than they are apart")
 
 
 class States(NamedTuple):
@@ -58,7 +83,8 @@ class Trajectory:
         notes: What a person should know about it, a sentence each.
 
     Raises:
-        InvalidInput: If shapes do not fit, a number is not finite, or times do not increase.
+        InvalidInput: If shapes do not fit, a number is not finite or too large, or times do not
+            increase in `STEPS`.
     """
 
     t: Array
@@ -74,8 +100,7 @@ class Trajectory:
         t = np.array(as_numbers(self.t, "t"))
         if t.ndim != 1 or t.size < 2:
             raise InvalidInput("t", f"a list of at least two times is needed; got {t.shape}")
-        if not (np.isfinite(t).all() and (np.diff(t) > 0).all()):
-            raise InvalidInput("t", "times have to be finite and to increase")
+        _check_times(t)
         found = {"t": t}
         for name in States._fields:
             array = np.array(as_vectors(getattr(self, name), name))
@@ -83,6 +108,8 @@ class Trajectory:
                 raise InvalidInput(name, f"the shape has to be {(t.size, 4)}, not {array.shape}")
             if not np.isfinite(array).all():
                 raise InvalidInput(name, "all numbers have to be finite")
+            if np.abs(array).max() > LARGEST:
+                raise InvalidInput(name, f"numbers up to {LARGEST:g} are possible; check the unit")
             found[name] = array
         if self.load is not None:
             found["load"] = load = np.array(as_vectors(self.load, "load", 6))

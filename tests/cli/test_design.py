@@ -3,93 +3,112 @@
 from __future__ import annotations
 
 import json
+import random
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from paminsa_viz.cli import main
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import load_design, read_design, save_design
-from paminsa_viz.files.design_schema import KEYS, TABLES
-from paminsa_viz.model.design import APPENDIX_4, PARAMETERS, KneeBranch
+from paminsa_viz.files.design_schema import KEYS
+from paminsa_viz.model import APPENDIX_4, PARAMETERS, KneeBranch, inverse_dynamics
+from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.model.reach import home_pose
+from tests.support import commands
+
+run = partial(commands.run, "design")
+run_json = partial(commands.run_json, "design")
 
 OTHER = APPENDIX_4.vary({"links.b3": 0.203, "payload.mass": 2.0})
+UPPER = APPENDIX_4.with_knee(KneeBranch.UPPER)
+WEIGHTED = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.2, 1.5),))
 
 
-@pytest.fixture
-def file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    return save_design(OTHER, "d.toml")
+@pytest.fixture(autouse=True)
+def designs(folder) -> None:
+    """Designs in files."""
+    for name, design in {"d": OTHER, "a": APPENDIX_4, "u": UPPER, "w": WEIGHTED}.items():
+        save_design(design, f"{name}.toml")
 
 
-def test_default_is_appendix_4_on_the_screen_and_in_a_file(file, capsys) -> None:
-    assert main(["design", "default"]) == 0
-    assert read_design(capsys.readouterr().out, "screen") == APPENDIX_4
-    assert main(["design", "default", "--out", "new.toml"]) == 0
+def test_default_is_appendix_4_on_the_screen_and_in_a_file(capsys) -> None:
+    assert read_design(run(capsys, "default")[1], "screen") == APPENDIX_4
+    assert run(capsys, "default", "--out", "new.toml")[1] == "new.toml: written\n"
     assert load_design("new.toml") == APPENDIX_4
-    assert capsys.readouterr().out == "new.toml: written\n"
 
 
-def test_check_goes_through_all_files(file, capsys) -> None:
-    assert main(["design", "check", "d.toml"]) == 0
-    assert capsys.readouterr().out == (
-        'd.toml: fine, "Appendix 4", 2 values differ from Appendix 4\n'
-    )
-    with open("bad.toml", "w") as bad:
-        bad.write("schema_version = 1\nnam = 2\n")
-    assert main(["design", "check", "bad.toml", "none.toml", "d.toml"]) == 2
-    said = capsys.readouterr()
-    assert said.out.startswith("d.toml: fine")
-    first, second = said.err.splitlines()
+def test_check_goes_through_all_files(capsys) -> None:
+    code, out, err = run(capsys, "check", "d.toml", "a.toml", "u.toml", "w.toml")
+    assert (code, err) == (0, "")
+    assert [line.partition('4", ')[2] for line in out.splitlines()] == [
+        "2 values differ from Appendix 4", "as Appendix 4",
+        "1 value differs from Appendix 4", "1 value differs from Appendix 4",
+    ]  # fmt: skip
+    Path("bad.toml").write_text("schema_version = 1\nnam = 2\n")
+    code, out, err = run(capsys, "check", "bad.toml", "none.toml", "d.toml")
+    assert code == 2
+    assert out.startswith('d.toml: fine, "Appendix 4"')
+    first, second = err.splitlines()
     assert first.startswith("paminsa-viz: bad.toml, line 2, nam: ")
     assert second.startswith("paminsa-viz: none.toml: cannot be read")
-    assert main(["design", "check"]) == 2
 
 
-def test_show_prints_every_number(file, capsys) -> None:
-    assert main(["design", "show", "d.toml"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "Appendix 4"
-    knee = lines.pop(1 + len(TABLES["geometry"]))
-    assert knee.split()[:3] == ["geometry", "knee", "printed"]
-    (frame,) = [line for line in lines if line.split()[:3] == ["load", "frame", "world"]]
-    lines.remove(frame)
-    for line, key in zip(lines[1:], KEYS, strict=True):
-        words = line.split()
-        assert key.name in words
-        assert f"{OTHER.value(key.parameter.path):.10g}" in words
-    assert main(["design", "show", "d.toml", "--json"]) == 0
-    values = json.loads(capsys.readouterr().out)["values"]
-    assert values == {key.path: OTHER.value(key.parameter.path) for key in KEYS}
-    assert main(["design", "show", "--json"]) == 0
-    assert list(json.loads(capsys.readouterr().out)["values"].values()) == [
-        parameter.default for parameter in PARAMETERS
-    ]
+def test_numbers_of_a_design_that_is_fine_do_not_overflow() -> None:
+    draw = random.Random(1)
+    for _ in range(1000):
+        chosen = draw.sample(PARAMETERS, draw.randint(1, len(PARAMETERS)))
+        values = {p.path: draw.choice([0.0, 1e-300, 1e-30, 1e-6, 1.0, p.largest]) for p in chosen}
+        try:
+            design = APPENDIX_4.vary(values)
+        except InvalidDesign:
+            continue
+        found = inverse_dynamics(design, home_pose(design.geometry), np.ones(4), np.ones(4))
+        assert found.status != 0 or np.isfinite(found.torque).all(), values
 
 
-def test_another_branch_of_the_knee_is_a_difference(file, capsys) -> None:
-    save_design(APPENDIX_4.with_knee(KneeBranch.UPPER), "upper.toml")
-    assert main(["design", "check", "upper.toml"]) == 0
-    assert "1 value differs" in capsys.readouterr().out
-    assert main(["design", "diff", "upper.toml"]) == 0
-    (row,) = capsys.readouterr().out.splitlines()[1:]
-    assert row.split()[:4] == ["geometry", "knee", "printed", "mirror"]
-    assert main(["design", "diff", "upper.toml", "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["differences"] == {
-        "geometry.knee": {"first": "printed", "second": "mirror"}
-    }
+def test_show_prints_every_number(capsys) -> None:
+    code, out, _ = run(capsys, "show", "d.toml")
+    assert code == 0
+    lines = [" ".join(line.split()) for line in out.splitlines()]
+    values = {key.path: OTHER.value(key.parameter.path) for key in KEYS}
+    wanted = [f"{key.table} {key.name} {values[key.path]:.10g} ".lstrip() for key in KEYS]
+    for words in (*wanted, "geometry knee printed ", "load frame world "):
+        assert sum(line.startswith(words) for line in lines) == 1, words
+    assert run_json(capsys, "show", "d.toml")["values"] == values
+    assert list(run_json(capsys, "show")["values"].values()) == [p.default for p in PARAMETERS]
+    assert "200 mm beyond joint 7" in run(capsys, "show", "w.toml")[1]
 
 
-def test_diff_compares_with_appendix_4_or_another_file(file, capsys) -> None:
-    save_design(APPENDIX_4, "a.toml")
-    assert main(["design", "diff", "d.toml"]) == 0
-    head, load, *rest = sorted(capsys.readouterr().out.splitlines())
-    assert head.split() == ["Appendix", "4", "d.toml", "change"]
-    assert load.split()[:5] == ["links", "b3_kg", "0.406", "0.203", "-50"]
-    assert rest[0].split()[:4] == ["payload", "mass_kg", "0", "2"]
-    assert main(["design", "diff", "d.toml", "a.toml", "--json"]) == 0
-    found = json.loads(capsys.readouterr().out)
+@pytest.mark.parametrize(
+    ("files", "rows", "differences"),
+    [
+        ("d.toml", ["links b3_kg 0.406 0.203 -50 %", "payload mass_kg 0 2 "],
+         {"links.b3_kg": (0.406, 0.203), "payload.mass_kg": (0.0, 2.0)}),
+        ("d.toml a.toml", ["links b3_kg 0.203 0.406 +100 %", "payload mass_kg 2 0 -100 %"],
+         {"links.b3_kg": (0.203, 0.406), "payload.mass_kg": (2.0, 0.0)}),
+        ("u.toml", ["geometry knee printed mirror "], {"geometry.knee": ("printed", "mirror")}),
+        ("w.toml", ["counterweights - 1.5 kg on B3, 200 mm"], {}),
+    ],
+    ids=["appendix 4", "another file", "knee", "counterweight"],
+)  # fmt: skip
+def test_diff_shows_what_differs(capsys, files, rows, differences) -> None:
+    code, out, _ = run(capsys, "diff", *files.split())
+    assert code == 0
+    found = [" ".join(line.split()) for line in out.splitlines()[1:]]
+    assert len(found) == len(rows)
+    assert all(line.startswith(row) for line, row in zip(found, rows, strict=True))
+    found = run_json(capsys, "diff", *files.split())
     assert found["differences"] == {
-        "links.b3_kg": {"first": 0.203, "second": 0.406},
-        "payload.mass_kg": {"first": 2.0, "second": 0.0},
+        key: {"first": first, "second": second} for key, (first, second) in differences.items()
     }
-    assert main(["design", "diff", "a.toml"]) == 0
-    assert capsys.readouterr().out == "the designs have the same values\n"
+    assert ("counterweights" in found) == (files == "w.toml")
+
+
+def test_equal_designs_have_no_differences(capsys) -> None:
+    assert run(capsys, "diff", "a.toml")[1] == "the designs have the same values\n"
+    assert main(["design", "diff", "a.toml", "a.toml", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["differences"] == {}

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 from paminsa_viz.cli import main
-from tests.support import commands
 
 pytestmark = pytest.mark.slow
 
@@ -23,16 +22,3 @@ def test_one_command_makes_it(folder, capsys) -> None:
     assert "Upper knee, pose x 30 mm" in text
     assert "pick-and-place arch" in text
     assert [path.name for path in folder.iterdir()] == ["r.html"]
-
-
-@pytest.mark.parametrize(
-    ("words", "complaint"),
-    [
-        ("", "--out"),
-        ("--out r.html --pose 0 0 0 -3000", "cannot be taken: the pantograph is over-stretched"),
-        ("--out no/r.html", "no/r.html: cannot be written: its folder does not exist"),
-        ("--out r.html --file no.csv", "no.csv: cannot be read: no such file"),
-    ],
-)
-def test_what_is_wrong_is_told_in_one_line_and_leaves_nothing(capsys, words, complaint) -> None:
-    commands.check_refused("report", capsys, *words.split(), place=complaint)

@@ -17,15 +17,18 @@ from paminsa_viz.explorer.maps import MapStore, choose, go_to
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
+    Design,
     KneeBranch,
+    Limit,
     check_reach,
-    measure_singularity,
     static_torques,
 )
 from paminsa_viz.plots import map_data
 from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half_width
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES
+from tests.support.measured import pointwise
+from tests.support.samples import loaded_designs
 
 CELLS = 31
 
@@ -81,19 +84,7 @@ def test_each_quantity_is_the_models(quantity: str) -> None:
     state, (row, column) = at(), (12, 17)
     data = MapStore().data(state, CELLS, (quantity,))
     pose, design = poses_of(data)[row, column], state.document.design
-    tau = static_torques(design, pose)
-    dexterity = measure_singularity(design.geometry, pose)
-    expected = {
-        "tau_1": tau[0],
-        "tau_2": tau[1],
-        "tau_3": tau[2],
-        "f_4": tau[3],
-        "max_torque": np.abs(tau[:3]).max(),
-        "rms_torque": np.sqrt((tau[:3] ** 2).mean()),
-        "condition": dexterity.condition,
-        "determinant": dexterity.determinant,
-        "reach_margin": check_reach(design.geometry, pose).margins.min(),
-    }[quantity]
+    expected = pointwise(design, pose)[quantity]
     assert data.values[0, row, column] == pytest.approx(float(expected), rel=1e-10)
     assert data.unit == QUANTITIES[quantity].unit
 
@@ -164,7 +155,7 @@ def test_difference_is_that_of_both_designs_where_both_reach(path: str) -> None:
     assert delta.reference == APPENDIX_4
     plain = state.updated("map_view", difference=False)
     np.testing.assert_array_equal(
-        store.present(state, CELLS).values, store.data(plain, CELLS).values
+        store.current(state, CELLS).values, store.data(plain, CELLS).values
     )
 
 
@@ -270,3 +261,15 @@ def test_map_with_nothing_in_reach_has_a_scale(mode: RangeMode) -> None:
     data = MapStore().data(at(z=-5.0), CELLS)
     assert np.isnan(data.values).all()
     assert len(choose(data, data, MapView(range_mode=mode))) == 3
+
+
+@given(design=loaded_designs(), mode=st.sampled_from(RangeMode), logarithmic=st.booleans())
+def test_any_possible_masses_have_maps_and_colors(
+    design: Design, mode: RangeMode, logarithmic: bool
+) -> None:
+    view = MapView(range_mode=mode, logarithmic=logarithmic)
+    state = initial_state(design).updated("map_view", range_mode=mode)
+    for quantities in (("tau_1", "tau_2", "tau_3"), ("f_4",)):
+        data = MapStore().data(state, COARSE, quantities)
+        assert np.isfinite(data.values[:, data.status == Limit.OK]).all()
+        assert len(choose(data, data, view)) == len(quantities)

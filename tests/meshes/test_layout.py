@@ -21,39 +21,31 @@ seeds = st.integers(0, 10_000)
 @given(seeds)
 def test_no_link_reaches_the_mast(seed: int) -> None:
     geometry = random_design(np.random.default_rng(seed)).geometry
-    place = layout(geometry)
-    mast = place.mast_radius * np.array([np.cos(MAST_ANGLE), np.sin(MAST_ANGLE)])
-    axes = geometry.base_radius * np.stack([np.cos(AXIS_ANGLES), np.sin(AXIS_ANGLES)], axis=1)
-    nearest = np.linalg.norm(axes - mast, axis=1).min()
-    assert nearest - np.hypot(*MAST) / 2 > geometry.guide_link_length
-    assert nearest - np.hypot(*MAST) / 2 > geometry.crank_length
+    mast = layout(geometry).mast_radius * np.exp(1j * MAST_ANGLE)
+    nearest = np.abs(geometry.base_radius * np.exp(1j * np.array(AXIS_ANGLES)) - mast).min()
+    room = nearest - np.hypot(*MAST) / 2
+    assert room > max(geometry.guide_link_length, geometry.crank_length)
 
 
 @given(seeds, st.sampled_from(KneeBranch))
-def test_the_ground_is_below_everything(seed: int, knee: KneeBranch) -> None:
+def test_the_robot_stays_above_the_ground_and_between_the_stops_of_m4(
+    seed: int, knee: KneeBranch
+) -> None:
     rng = np.random.default_rng(seed)
-    design = random_design(rng)
-    place = layout(with_knee(design.geometry, knee))
-    configuration = inverse_kinematics(
-        with_knee(design.geometry, knee), random_poses(rng, with_knee(design, knee), 20)
-    )
-    for points in configuration.points.values():
+    design = with_knee(random_design(rng), knee)
+    place = layout(design.geometry)
+    poses = random_poses(rng, design, 20)
+    for points in inverse_kinematics(design.geometry, poses).points.values():
         assert (points[..., 2] > place.ground).all()
     assert place.ground < place.platform_low - 0.1
-
-
-@given(seeds, st.sampled_from(KneeBranch))
-def test_the_arms_move_between_the_stops_of_m4(seed: int, knee: KneeBranch) -> None:
-    rng = np.random.default_rng(seed)
-    design = random_design(rng)
-    place = layout(with_knee(design.geometry, knee))
-    heights = np.array([place.platform_low, place.platform_high])
-    poses = np.array([[0.0, 0.0, 0.0, z] for z in heights])
-    lift = inverse_kinematics(with_knee(design.geometry, knee), poses).actuators[:, 3]
     assert place.platform_low <= place.platform_high
-    if knee is KneeBranch.LOWER and place.lift_low < design.geometry.shaft_length:
-        assert (lift >= place.lift_low - 1e-9).all()
-    assert (lift + at.CARRIAGE_HALF < place.column_top).all()
+    ends = [[0.0, 0.0, 0.0, z] for z in (place.platform_low, place.platform_high)]
+    arms = inverse_kinematics(design.geometry, ends).actuators[:, 3]
+    g = design.geometry
+    if knee is KneeBranch.LOWER and g.magnification * (g.shaft_length - place.lift_low) > 0.1:
+        # With a shorter shaft the frame is drawn for a depth of 0.1 m all the same.
+        assert (arms >= place.lift_low - 1e-9).all()
+    assert (arms + at.CARRIAGE_HALF < place.column_top).all()
 
 
 def test_heights_of_the_prototype() -> None:

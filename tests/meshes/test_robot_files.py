@@ -26,6 +26,7 @@ from tests.support.samples import with_knee
 
 BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 LOADED = APPENDIX_4.vary({"payload.mass": 2.0})
+LONGER = LOADED.vary({"geometry.shaft_length": 0.5})
 START = (0.06, -0.04, 0.3, -0.55)
 ELSEWHERE = (-0.05, 0.05, -0.2, -0.63)
 
@@ -35,13 +36,16 @@ def standing(pose: tuple[float, ...], knee: KneeBranch) -> list[float]:
 
 
 def files_of(
-    design: Design = LOADED,
-    pose: tuple[float, ...] = START,
-    text: str = "",
+    design: Design = LOADED, pose: tuple[float, ...] = START, text: str = ""
 ) -> dict[str, bytes]:
     place = standing(pose, design.geometry.knee)
     text = text or mjcf_text(design, pose=place)
     return robot_files(text, design, inverse_kinematics(design.geometry, place))
+
+
+@pytest.fixture(scope="module")
+def files() -> dict[str, bytes]:
+    return files_of()
 
 
 def written(files: dict[str, bytes], folder: Path) -> str:
@@ -149,8 +153,13 @@ def test_counterweights_stay_visible() -> None:
     assert all(g.get("group") is None for b in found for g in b.iter("geom"))
 
 
-def test_bars_have_the_colors_of_their_legs() -> None:
-    root = ET.fromstring(files_of()["robot.xml"])
+def test_every_mesh_is_named_and_used_and_bars_have_the_colors_of_their_legs(
+    files: dict[str, bytes],
+) -> None:
+    root = ET.fromstring(files["robot.xml"])
+    meshes = {mesh.attrib["name"]: mesh.attrib["file"] for mesh in root.iterfind("asset/mesh")}
+    assert {f"meshes/{file}" for file in meshes.values()} == set(files) - {"robot.xml"}
+    assert {geom.attrib["mesh"] for geom in root.iter("geom") if "mesh" in geom.attrib} == {*meshes}
     color = {m.attrib["name"]: m.attrib["rgba"] for m in root.iterfind("asset/material")}
     bars = root.findall(".//geom[@mesh='b4.accent']")
     assert [color[bar.attrib["material"]] for bar in bars] == [
@@ -158,31 +167,26 @@ def test_bars_have_the_colors_of_their_legs() -> None:
     ]  # fmt: skip
 
 
-def test_every_mesh_is_named_and_every_file_is_used() -> None:
-    files = files_of()
-    root = ET.fromstring(files["robot.xml"])
-    named = {f"meshes/{mesh.attrib['file']}" for mesh in root.iterfind("asset/mesh")}
-    assert named == set(files) - {"robot.xml"}
-    used = {geom.attrib["mesh"] for geom in root.iter("geom") if "mesh" in geom.attrib}
-    assert used == {mesh.attrib["name"] for mesh in root.iterfind("asset/mesh")}
-
-
-def test_a_zip_holds_all_in_one_folder_and_repeats() -> None:
-    files = files_of(APPENDIX_4)
+def test_a_zip_holds_all_in_one_folder_and_repeats(files: dict[str, bytes]) -> None:
     packed = zipped(files)
-    assert packed == zipped(files_of(APPENDIX_4))
+    assert packed == zipped(files_of())
     with zipfile.ZipFile(io.BytesIO(packed)) as archive:
         assert archive.testzip() is None
         assert {n: archive.read(f"robot/{n}") for n in files} == files
 
 
-def test_a_text_of_another_robot_or_pose_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="text"):
-        files_of(text=mjcf_text(LOADED, pose=standing(ELSEWHERE, KneeBranch.LOWER)))
-    with pytest.raises(InvalidInput, match="text"):
-        files_of(text="<mujoco/>")
-    other = LOADED.vary({"geometry.shaft_length": 0.5})
-    with pytest.raises(InvalidInput, match="configuration"):
-        robot_files(
-            mjcf_text(LOADED, pose=START), LOADED, inverse_kinematics(other.geometry, START)
-        )
+@pytest.mark.parametrize(
+    ("argument", "text", "design"),
+    [
+        ("text", mjcf_text(LOADED, pose=standing(ELSEWHERE, KneeBranch.LOWER)), LOADED),
+        ("text", "<mujoco/>", LOADED),
+        ("configuration", mjcf_text(LOADED, pose=START), LONGER),
+    ],
+    ids=["another pose", "empty", "another geometry"],
+)
+def test_a_text_of_another_robot_or_pose_is_refused(
+    argument: str, text: str, design: Design
+) -> None:
+    with pytest.raises(InvalidInput) as caught:
+        robot_files(text, LOADED, inverse_kinematics(design.geometry, START))
+    assert caught.value.argument == argument

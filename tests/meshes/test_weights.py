@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -46,11 +47,9 @@ def test_a_counterweight_is_placed_from_its_joint(
         assert drawn[:3] == pytest.approx(near[leg] + beyond * outward, abs=1e-9)
 
 
-@given(st.floats(0.02, 50), st.floats(0.02, 50))
-def test_disc_volumes_are_proportional_to_mass(one: float, other: float) -> None:
-    volume = [np.pi * disc_radius(m) ** 2 * at.BARREL for m in (one, other)]
-    assert volume[0] * STEEL == pytest.approx(one)
-    assert volume[0] / volume[1] == pytest.approx(one / other)
+@given(st.floats(0.02, 50))
+def test_disc_volumes_are_proportional_to_mass(mass: float) -> None:
+    assert STEEL * np.pi * disc_radius(mass) ** 2 * at.BARREL == pytest.approx(mass)
 
 
 @pytest.mark.parametrize("end", ENDS)
@@ -72,15 +71,13 @@ def test_the_file_holds_those_with_mass() -> None:
 
 
 def test_the_clearance_is_that_of_a_disc_of_the_mass() -> None:
-    light, heavy = (
-        clearance_text(APPENDIX_4.geometry, Counterweight("b3", 7, 0.2, mass))
-        for mass in (1.0, 5.0)
-    )
+    def text(*place: Any, knee: KneeBranch = KneeBranch.LOWER) -> str:
+        return clearance_text(with_knee(APPENDIX_4.geometry, knee), Counterweight(*place))
+
+    light, heavy = (text("b3", 7, 0.2, mass) for mass in (1.0, 5.0))
     assert light.startswith("A steel disc of 40 mm radius")
     assert heavy.startswith("A steel disc of 89 mm radius")
     assert "while the platform is below z = \N{MINUS SIGN}" in light
-    past_knee = Counterweight("b8", 8, 0.05, 0.1)
-    standing = clearance_text(with_knee(APPENDIX_4.geometry, KneeBranch.UPPER), past_knee)
-    assert "above z = " in standing or "It can meet neither" in standing
-    on_5 = Counterweight("b4", 5, 0.1, 1.0)
-    assert clearance_text(APPENDIX_4.geometry, on_5).endswith("at any height.")
+    upper = text("b8", 8, 0.05, 0.1, knee=KneeBranch.UPPER)
+    assert "above z = " in upper or "It can meet neither" in upper
+    assert text("b4", 5, 0.1, 1.0).endswith("at any height.")

@@ -32,6 +32,7 @@ from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import UNIT_TORQUES
 from paminsa_viz.quantities import QUANTITIES, find
 from tests.support.cases import BOTH, Case, cases
+from tests.support.measured import pointwise
 from tests.support.samples import with_knee
 
 VALUES = {
@@ -65,17 +66,7 @@ def check_field(field: Field, design: Design, pose: Any) -> None:
     near(field.condition, measured.condition, 1e-9)
     torque = np.moveaxis(static_torques(design, pose), -1, 0)
     near(field.torques(design), torque)
-    expected = {
-        "tau_1": torque[0],
-        "tau_2": torque[1],
-        "tau_3": torque[2],
-        "f_4": torque[3],
-        "max_torque": np.abs(torque[:3]).max(axis=0),
-        "rms_torque": np.sqrt((torque[:3] ** 2).sum(axis=0) / 3),
-        "condition": measured.condition,
-        "determinant": measured.determinant,
-        "reach_margin": reach.margins.min(axis=(-1, -2)),
-    }
+    expected = pointwise(design, pose)
     assert set(expected) == set(QUANTITIES)
     for quantity, values in expected.items():
         got = QUANTITIES[quantity].over(field, design)
@@ -237,23 +228,33 @@ def test_other_input_that_can_not_be_used() -> None:
 
 
 def test_a_formula_is_solved_at_the_first_call_and_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slider of a mass or a load, of any quantity, solves nothing again."""
     field = solve_field(APPENDIX_4.geometry, Grid.over(FIXED, x=VALUES["x"]))
     solved = QUANTITIES["condition"].over(field, APPENDIX_4)
+    loaded = APPENDIX_4.vary({"load.force_x": 1.0})
+    for quantity in QUANTITIES.values():
+        quantity.over(field, loaded)
     monkeypatch.setattr(grids, "_evaluate", None)
     assert np.shares_memory(field.solve(DEXTERITY), solved)
+    changed = APPENDIX_4.vary({"links.b3": 1.0, "load.force_y": 5.0, "load.point_x": 0.1})
     for quantity in QUANTITIES.values():
-        assert quantity.over(field, APPENDIX_4.vary({"links.b3": 1.0})).shape == field.grid.shape
+        assert quantity.over(field, changed).shape == field.grid.shape
 
 
 def test_units() -> None:
+    angles = dict.fromkeys(("pressure_1", "pressure_2", "pressure_3"), "rad")
+    numbers = ("condition", "transmission", "transmission_1", "transmission_2", "transmission_3")
+    numbers += ("selective_theta", "selective_z", "conditioning")
     assert {key: quantity.unit for key, quantity in QUANTITIES.items()} == {
-        "tau_1": "N m",
-        "tau_2": "N m",
-        "tau_3": "N m",
-        "f_4": "N",
-        "max_torque": "N m",
-        "rms_torque": "N m",
-        "condition": "1",
-        "determinant": "m",
-        "reach_margin": "m",
+        **dict.fromkeys(("tau_1", "tau_2", "tau_3", "max_torque", "rms_torque", "moment"), "N m"),
+        **dict.fromkeys(("f_4", "horizontal_force", "vertical_force"), "N"),
+        **dict.fromkeys(("determinant", "reach_margin"), "m"),
+        **dict.fromkeys(("selective_x", "selective_y"), "1/m"),
+        **dict.fromkeys(numbers, "1"),
+        **angles,
+        "payload": "kg",
+        "speed": "m/s",
+        "turn_speed": "rad/s",
+        "acceleration": "m/s^2",
+        "turn_acceleration": "rad/s^2",
     }

@@ -15,15 +15,15 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
+    Design,
     Grid,
     Limit,
     check_reach,
-    measure_singularity,
-    static_torques,
 )
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies.sweeps import sweep
 from tests.support.cases import Case, cases
+from tests.support.measured import pointwise
 
 pytestmark = pytest.mark.slow
 
@@ -38,22 +38,9 @@ AXES = {
 FIXED = (0.0, 0.0, 0.0, -0.5)
 
 
-def pointwise(case_design: Any, pose: Any) -> tuple[Any, dict[str, Any]]:
+def at_poses(design: Design, pose: Any) -> tuple[Any, dict[str, Any]]:
     """Status and every quantity at every pose, from the pointwise functions."""
-    torque = static_torques(case_design, pose)
-    reach = check_reach(case_design.geometry, pose)
-    measured = measure_singularity(case_design.geometry, pose)
-    return reach.status, {
-        "tau_1": torque[:, 0],
-        "tau_2": torque[:, 1],
-        "tau_3": torque[:, 2],
-        "f_4": torque[:, 3],
-        "max_torque": np.abs(torque[:, :3]).max(axis=-1),
-        "rms_torque": np.sqrt((torque[:, :3] ** 2).mean(axis=-1)),
-        "condition": measured.condition,
-        "determinant": measured.determinant,
-        "reach_margin": reach.margins.min(axis=(-1, -2)),
-    }
+    return check_reach(design.geometry, pose).status, pointwise(design, pose)
 
 
 @given(
@@ -74,7 +61,7 @@ def test_the_summary_is_that_of_numpy(
     grid = Grid.over(fixed, **axes)
     summary = sweep(design, grid, ALL, block=block, threads=threads)
     pose = grid.poses().reshape(-1, 4)
-    status, quantities = pointwise(design, pose)
+    status, quantities = at_poses(design, pose)
     assert summary.poses == len(pose) == grid.size
     assert list(summary.counts) == list(Limit)
     for limit in Limit:
@@ -97,7 +84,7 @@ def test_the_summary_is_that_of_numpy(
         assert summary.rms[quantity] == pytest.approx(rms, rel=rough, abs=spread)
         place = np.array(summary.largest_at[quantity])
         assert (np.abs(pose[ok] - place).max(axis=-1) == 0).sum() == 1
-        there = pointwise(design, place[None])[1][quantity][0]
+        there = at_poses(design, place[None])[1][quantity][0]
         assert there == pytest.approx(largest, rel=rough, abs=spread)
 
 

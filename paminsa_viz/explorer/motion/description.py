@@ -1,4 +1,4 @@
-"""A motion as plain numbers: what is possible, and how it is saved."""
+"""A motion as plain data: what is possible, how it is saved, played and plotted."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import msgspec
 
 from paminsa_viz.model import InvalidInput
+from paminsa_viz.plots.series import FigureKind, SeriesKind
 from paminsa_viz.trajectory import PRESET, PRESETS, MotionLimits, Profile, Trajectory
 
 Pose = tuple[float, float, float, float]
@@ -18,10 +19,10 @@ Pose = tuple[float, float, float, float]
 MOST_WAYPOINTS = 40
 
 DURATIONS = (0.05, 600.0)
-"""Shortest and longest duration that can be asked for [s]."""
+"""Shortest and longest possible duration [s]."""
 
 RATES = (50.0, 10_000.0)
-"""Lowest and highest rate of samples that can be asked for [1/s]."""
+"""Lowest and highest possible rate of samples [1/s]."""
 
 LENGTHS = (1e-4, 10.0)
 """Smallest and largest radius or height of a motion [m]."""
@@ -85,7 +86,7 @@ class Motion:
     Attributes:
         kind: How it is made.
         preset: Key of the preset.
-        start, goal: Ends of a move, a line (which keeps theta) or an arch; None for ends beside
+        start, goal: Ends of a move, a line (which keeps theta) or an arch; None for ends next to
             the middle of the workspace.
         height: How far an arch rises [m].
         waypoints: Poses to pass.
@@ -169,3 +170,105 @@ def motion_from_data(data: dict[str, Any]) -> Motion:
         raise InvalidInput("saved state", "there is no such motion")
     require_possible(motion)
     return motion
+
+
+SPEEDS = (0.1, 0.25, 0.5, 1.0, 2.0)
+"""How many times as fast as true time a motion can be played."""
+
+
+PLOTS: dict[str, SeriesKind] = {
+    "torques and force": "torques",
+    "difference to engine": "differences",
+    "parts of one actuator": "breakdown",
+    "power": "power",
+    "energy": "energy",
+    "pose": "pose",
+    "speed": "speed",
+    "acceleration": "acceleration",
+    "simulation: error": "errors",
+    "simulation: torques": "commands",
+}
+"""What can be plotted, by what a person reads."""
+
+FIGURES: dict[SeriesKind, FigureKind] = {
+    "differences": "comparison",
+    "speed": "pose",
+    "acceleration": "pose",
+    "errors": "tracking",
+    "commands": "tracking",
+}
+"""The figure that holds what is plotted, where it has another name."""
+
+SIMULATED: tuple[SeriesKind, ...] = ("errors", "commands")
+"""What is plotted of a simulation."""
+
+COMPARED: tuple[SeriesKind, ...] = ("torques", "power", "energy")
+"""What is plotted of a reference and of the formulas as published as well."""
+
+
+@dataclass(frozen=True)
+class Playback:
+    """The instant that is shown, and whether it moves on.
+
+    Attributes:
+        time: Since the motion's start [s].
+        playing: Whether it moves on.
+        following: Whether the robot is where the motion is at ``time``; it does not once a
+            person has moved it, until the motion is played or scrubbed again.
+        speed: Times as fast as true time.
+        loop: Whether the motion starts again at its end.
+    """
+
+    time: float = 0.0
+    playing: bool = False
+    following: bool = False
+    speed: float = 1.0
+    loop: bool = False
+
+
+def advanced(playback: Playback, passed: float, duration: float) -> Playback:
+    """Return a playback after some time has passed.
+
+    Args:
+        playback: A playback.
+        passed: True time [s].
+        duration: Of the motion [s]; without a loop, it stops there.
+    """
+    if not playback.playing:
+        return playback
+    time = playback.time + passed * playback.speed
+    if time < duration:
+        return replace(playback, time=time)
+    if playback.loop and duration > 0:
+        return replace(playback, time=time % duration)
+    return replace(playback, time=duration, playing=False)
+
+
+def started(playback: Playback, duration: float) -> Playback:
+    """Return a playback that runs: from where it is, or from the start if it is at the end."""
+    time = playback.time if playback.time < duration else 0.0
+    return replace(playback, time=time, playing=True, following=True)
+
+
+@dataclass(frozen=True)
+class PlotView:
+    """How a motion is shown.
+
+    Attributes:
+        plot: What the curves show.
+        actuator: Index 0 to 3 of the actuator whose parts are plotted.
+        published: Whether the formulas as published are plotted next to the corrected ones.
+        engine: Whether an engine's torques are plotted on the formulas'.
+        color: Index 0 to 3 of the actuator by whose torque the path is colored.
+    """
+
+    plot: SeriesKind = "torques"
+    actuator: int = 0
+    published: bool = False
+    engine: bool = False
+    color: int = 0
+
+    @property
+    def needs_engine(self) -> bool:
+        """Whether an engine's torques are part of what is shown."""
+        return self.plot == "differences" or (self.plot == "torques" and self.engine)

@@ -66,7 +66,7 @@ class SimulationSettings:
 
 @dataclass(frozen=True, eq=False)
 class SimulationJob:
-    """What was simulated, to tell whether a result is still that of the present state."""
+    """What was simulated, to compare a result with the current state."""
 
     design: Design
     trajectory: Trajectory
@@ -181,7 +181,7 @@ class Answer:
     Attributes:
         analysis: The design on the motion that it was asked about.
         found: Its torques, or None.
-        problem: Why there are none, in words.
+        problem: Why there are none.
         missing: Whether that is because there is no engine here, whatever the design.
     """
 
@@ -205,8 +205,10 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
     from paminsa_viz.plots.verified import engine_torques
 
     try:
-        kept, motion = _thinned(analysis.trajectory)
-        thinned = analyze(analysis.design, motion)
+        trajectory = analysis.trajectory
+        count = min(trajectory.size, MOST_SAMPLES)
+        kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
+        thinned = analyze(analysis.design, trajectory.take(kept))
         if not thinned.check.good.any():
             return Answer(analysis, None, "the robot cannot run any of the motion")
         engine = replace(engine_torques(thinned), samples=kept)
@@ -215,10 +217,3 @@ def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
         return Answer(analysis, None, str(error), missing=True)
     except PaminsaError as error:
         return Answer(analysis, None, str(error))
-
-
-def _thinned(trajectory: Trajectory) -> tuple[NDArray[np.intp], Trajectory]:
-    """Return evenly spread samples, both ends among them, and the motion of these alone."""
-    count = min(trajectory.size, MOST_SAMPLES)
-    kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
-    return kept, trajectory.take(kept)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, Misprint
 from paminsa_viz.plots.series import EngineTorques, SeriesSources, runs
-from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, TrajectoryAnalysis, analyze
+from paminsa_viz.trajectory import Simulation, Trajectory, TrajectoryAnalysis, analyze
 
 MOST_POINTS = 241
 """About how many points of a path are drawn."""
@@ -43,9 +44,8 @@ class MotionStore:
     """Analyses the motion of one session; used by its worker alone."""
 
     def __init__(self) -> None:
-        self._solved: dict[str, SolvedTrajectory] = {}
-        self._last: dict[str, tuple[tuple[object, ...], TrajectoryAnalysis]] = {}
-        self._results: tuple[tuple[object, ...], MotionResults] | None = None
+        self._last: dict[str, TrajectoryAnalysis] = {}
+        self._collect = lru_cache(maxsize=1)(_collect)
 
     def analysis(self, state: State) -> TrajectoryAnalysis | None:
         """Return the current design on the current motion, or None without a motion."""
@@ -70,29 +70,35 @@ class MotionStore:
         simulation = outcome.simulation if outcome else None
         if answer is not None and not answer.serves(current):
             answer = None
-        engine_wanted = state.plots.needs_engine
-        key = (current, reference, published, simulation, answer, engine_wanted)
-        if self._results is None or self._results[0] != key:
-            engine = None
-            if engine_wanted:
-                found = answer.found if answer else None
-                unknown = np.full(current.torque.shape, np.nan)
-                engine = found.engine if found else EngineTorques("engine", unknown)
-            sources = SeriesSources(current, reference, published, simulation, engine)
-            self._results = key, MotionResults(sources, answer)
-        return self._results[1]
+        return self._collect(
+            current, reference, published, simulation, answer, state.plots.needs_engine
+        )
 
     def _analysis(
         self, role: str, design: Design, trajectory: Trajectory, misprints: Misprint = Misprint.NONE
     ) -> TrajectoryAnalysis:
-        key = (design, trajectory, misprints)
-        known = self._last.get(role)
-        if known is not None and known[0] == key:
-            return known[1]
-        found = analyze(design, trajectory, misprints=misprints, keep=self._solved.get(role))
-        self._solved[role] = found.solved
-        self._last[role] = (key, found)
-        return found
+        last = self._last.get(role)
+        if last is None or last.trajectory is not trajectory or last.design != design:
+            keep = None if last is None else last.solved
+            last = analyze(design, trajectory, misprints=misprints, keep=keep)
+            self._last[role] = last
+        return last
+
+
+def _collect(
+    current: TrajectoryAnalysis,
+    reference: TrajectoryAnalysis | None,
+    published: TrajectoryAnalysis | None,
+    simulation: Simulation | None,
+    answer: Answer | None,
+    engine_wanted: bool,
+) -> MotionResults:
+    engine = None
+    if engine_wanted:
+        found = answer.found if answer else None
+        unknown = np.full(current.torque.shape, np.nan)
+        engine = found.engine if found else EngineTorques("engine", unknown)
+    return MotionResults(SeriesSources(current, reference, published, simulation, engine), answer)
 
 
 class PathSegments(NamedTuple):

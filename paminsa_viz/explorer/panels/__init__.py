@@ -20,6 +20,7 @@ _ENVIRONMENT = Environment(
 _ENVIRONMENT.filters |= {
     "fixed": units.fixed,
     "number": units.number,
+    "percent_change": units.percent_change,
     "symbol": lambda text: Markup(units.symbol_html(text)),
     "symbols": lambda text: Markup(units.symbols_html(text)),
     "unit": units.unit_text,

@@ -68,6 +68,7 @@ class BalanceChart:
     def __init__(
         self,
         session: Session,
+        *,
         key: Callable[[State], Hashable | None],
         figure: Callable[[State], Tree],
         aspect: float,
@@ -108,17 +109,9 @@ def front_key(state: State) -> Hashable | None:
     return outcome, balancing.chosen_point(state)
 
 
-def front_chart(session: Session) -> BalanceChart:
-    """Return the chart of the Pareto front."""
-    return BalanceChart(
-        session, front_key,
-        lambda state: front_figure(state.balancing.front, balancing.chosen_point(state)),
-        aspect=0.82,
-    )  # fmt: skip
-
-
-def front_figure(outcome: Outcome | None, chosen: int | None) -> Tree:
-    """Return the figure of a Pareto front with one of its points marked."""
+def front_figure(state: State) -> Tree:
+    """Return the figure of the Pareto front with the point that is worked on marked."""
+    outcome, chosen = state.balancing.front, balancing.chosen_point(state)
     if outcome is None or outcome.front is None:
         raise ValueError("there is no front")
     front = outcome.front
@@ -170,17 +163,9 @@ def tornado_key(state: State) -> Hashable | None:
     return None if outcome is None or outcome.tornado is None else (outcome, state.balancing.output)
 
 
-def tornado_chart(session: Session) -> BalanceChart:
-    """Return the tornado chart."""
-    return BalanceChart(
-        session, tornado_key,
-        lambda state: tornado_figure(state.balancing.tornado, state.balancing.output),
-        aspect=1.15,
-    )  # fmt: skip
-
-
-def tornado_figure(outcome: Outcome | None, output: int) -> Tree:
-    """Return the figure of one of `OUTPUTS`, the longest bar on top."""
+def tornado_figure(state: State) -> Tree:
+    """Return the figure of the chosen one of `OUTPUTS`, the longest bar on top."""
+    outcome, output = state.balancing.tornado, state.balancing.output
     if outcome is None or outcome.tornado is None:
         raise ValueError("there is no sensitivity")
     tornado = outcome.tornado

@@ -182,7 +182,13 @@ FRONT = (
     Folder(
         "front.place", visible=_has_front,
         entries=(
-            Custom("front.chart", make=charts.front_chart),
+            Custom(
+                "front.chart",
+                make=partial(
+                    charts.BalanceChart, key=charts.front_key, figure=charts.front_figure,
+                    aspect=0.82,
+                ),
+            ),
             Slider(
                 "balance.point", "Point", range=_points, step=1.0,
                 hint="Works on a point of the front; undo goes back",
@@ -211,7 +217,13 @@ SENSITIVITY = (
                 options={label: index for index, label in enumerate(charts.OUTPUT_LABELS)},
                 **attribute("balancing.output"),
             ),
-            Custom("tornado.chart", make=charts.tornado_chart),
+            Custom(
+                "tornado.chart",
+                make=partial(
+                    charts.BalanceChart, key=charts.tornado_key, figure=charts.tornado_figure,
+                    aspect=1.15,
+                ),
+            ),
         ),
     ),
 )  # fmt: skip
@@ -259,7 +271,7 @@ class BalancePanel(Panel):
         bridge.on("click", self._click)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the state, and start what is asked for."""
+        """Follow the state, and start what is requested."""
         self._job.request(frame.state.balancing.running)
         super().draw(frame, dragging)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from html import escape
 
 import numpy as np
 from markupsafe import Markup
@@ -24,9 +23,6 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.units import NONE, fixed, number, percent_change, symbol_html
-
-Cells = list[str | Markup]
 
 PIN: Mapping[str, Effect] = {"Pin current design": actions.pin_reference}
 
@@ -52,53 +48,25 @@ def torques_html(torques: Array, held: Array, design: Design, reference: Design,
         title: Heading of the reference's column.
     """
     rows = [
-        (f"m{j + 1}", symbol, unit, *_compared(float(torques[j]), float(held[j]), digits))
+        (f"m{j + 1}", symbol, unit, float(torques[j]), float(held[j]), digits)
         for j, (symbol, unit, digits) in enumerate(
             [("τ_1", "N·m", 3), ("τ_2", "N·m", 3), ("τ_3", "N·m", 3), ("F_4", "N", 2)]
         )
     ]
-    balances = _compared(static_imbalance(design), static_imbalance(reference), 4)
-    rows.append(("", "M_p2", "N", *balances))
+    rows.append(("", "M_p2", "N", static_imbalance(design), static_imbalance(reference), 4))
     return render(
         "compared_torques.j2", rows=rows, title=title, reachable=np.isfinite(held).all()
     )  # fmt: skip
 
 
-def _compared(now: float, then: float, digits: int) -> tuple[str, str, str, str]:
-    """Return the reference's value, the current one, and their difference, also in percent."""
-    if not np.isfinite(then):
-        return NONE, fixed(now, digits), NONE, NONE
-    tiny = abs(then) < 0.5 * 10**-digits  # shown as zero; a share of it says nothing
-    change = NONE if tiny else percent_change(then, now)
-    return fixed(then, digits), fixed(now, digits), fixed(now - then, digits), change
-
-
 def differences_html(design: Design, reference: Design, title: str) -> str:
     """Return a table of the numbers in which two designs differ; arguments as `torques_html`."""
-    rows: list[Cells] = [
-        [
-            Markup(f'<span title="{escape(p.label)}">{symbol_html(p.symbol)}</span>'),
-            _value(reference, p),
-            Markup("<b>{}</b>").format(_value(design, p)),
-            percent_change(reference.value(p.path), design.value(p.path)),
-        ]
-        for p in PARAMETERS
-        if is_changed(design, p.path, reference)
-    ]
-    frames = [which.load.frame.value for which in (reference, design)]
-    if frames[0] != frames[1]:
-        rows.append(["load fixed in", frames[0], Markup("<b>{}</b>").format(frames[1]), ""])
-    rows += [
-        [
-            f"on {place}",
-            f"{number(held, DIGITS)}\u202fkg",
-            Markup("<b>{}\u202fkg</b>").format(number(current, DIGITS)),
-            percent_change(held, current),
-        ]
-        for place, (held, current) in weights_by_place(reference, design).items()
-        if held != current
-    ]
-    return render("differences.j2", rows=rows, title=title)
+    weights = weights_by_place(reference, design).items()
+    return render(
+        "differences.j2", design=design, reference=reference, title=title, value=_value,
+        parameters=[p for p in PARAMETERS if is_changed(design, p.path, reference)],
+        weights=[(place, masses) for place, masses in weights if masses[0] != masses[1]],
+    )  # fmt: skip
 
 
 def _value(design: Design, parameter: Parameter) -> Markup:
@@ -122,7 +90,7 @@ def _compared_with(state: State) -> tuple[Design, str]:
 def _torques(frame: Frame) -> str:
     reference, title = _compared_with(frame.state)
     standing = frame.state.standing
-    # The frame's own torques are None both without a reference and where it cannot stand.
+    # The frame's own torques are None both without a reference and where it cannot be.
     held = static_torques(reference, standing.pose)
     return torques_html(frame.torques, held, frame.state.document.design, reference, title)
 

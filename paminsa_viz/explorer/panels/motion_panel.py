@@ -23,6 +23,7 @@ from paminsa_viz.explorer.inputs import (
     attribute,
 )
 from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import SPEEDS
 from paminsa_viz.explorer.motion.jobs import (
     BANDWIDTHS,
     DAMPINGS,
@@ -32,7 +33,6 @@ from paminsa_viz.explorer.motion.jobs import (
     SimulationOutcome,
     run,
 )
-from paminsa_viz.explorer.motion.playback import SPEEDS
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION

@@ -14,8 +14,8 @@ from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.motion.jobs import Answer, ask_engine
-from paminsa_viz.explorer.motion.playback import COMPARED, PLOTS, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor

@@ -23,7 +23,7 @@ def linear_colors(*colors: str) -> NDArray[np.uint8]:
     return np.rint(255 * np.array([srgb_to_linear(color) for color in colors])).astype(np.uint8)
 
 
-def segments(curve: ArrayLike, height: float = 0.0, closed: bool = False) -> Array:
+def segments(curve: ArrayLike, height: float = 0.0) -> Array:
     """Return the segments of a curve (n, 2) or (n, 3) as (m, 2, 3) [m].
 
     A plane curve lies at ``height``. A point that is not finite breaks the curve.
@@ -33,8 +33,6 @@ def segments(curve: ArrayLike, height: float = 0.0, closed: bool = False) -> Arr
         return np.zeros((0, 2, 3))
     if points.shape[1] == 2:
         points = np.hstack([points, np.full((len(points), 1), height)])
-    if closed and len(points) > 2:
-        points = np.vstack([points, points[:1]])
     pairs = np.stack([points[:-1], points[1:]], axis=1)
     return pairs[np.isfinite(pairs).all(axis=(1, 2))]
 
@@ -70,12 +68,6 @@ def _at(lines: Array, ends: Array, step: Array, distance: float) -> Array:
     return lines[i, 0] + part * (lines[i, 1] - lines[i, 0])
 
 
-def circle(radius: float, count: int = 128) -> Array:
-    """Return a circle about the origin, (count, 2) [m]."""
-    angle = 2 * np.pi * np.arange(count) / count
-    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-
-
 class Curve:
     """One or several curves drawn as one node, made when first drawn.
 
@@ -104,9 +96,9 @@ class Curve:
         self._visible = True
         self._empty = True
 
-    def draw(self, curves: Iterable[ArrayLike], height: float = 0.0, closed: bool = False) -> None:
+    def draw(self, curves: Iterable[ArrayLike], height: float = 0.0) -> None:
         """Draw curves (n, 2) at a height, or (n, 3) in space [m], in place of the last ones."""
-        parts = [segments(curve, height, closed) for curve in curves]
+        parts = [segments(curve, height) for curve in curves]
         if self._dash is not None:
             parts = [dashes(part, self._dash) for part in parts]
         lines = np.concatenate([np.zeros((0, 2, 3)), *parts]).astype(np.float32)
@@ -133,9 +125,3 @@ class Curve:
         self._visible = visible
         if self._node is not None:
             self._node.visible = visible and not self._empty
-
-    def remove(self) -> None:
-        """Take the curve out of the scene."""
-        if self._node is not None:
-            self._node.remove()
-            self._node = None

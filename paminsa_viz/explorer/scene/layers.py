@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     ViewFactory = Callable[["SceneContext"], View]
 
 
-def _ignore(source: str, intent: Callable[[Any], Any]) -> None:
+def _ignore(source: str, action: Callable[[Any], Any]) -> None:
     """Dispatch nothing: a scene without a session answers to nobody."""
 
 
@@ -148,7 +148,7 @@ register(
     ),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer(
-        "gizmo", "Platform handle", "Drag the platform in the scene", "gizmo:Gizmo", shortcut="G"
+        "gizmo", "Platform handle", "Drag the platform in the scene", "stage:Gizmo", shortcut="G"
     ),
     Layer(
         "fine", "Fine detail",

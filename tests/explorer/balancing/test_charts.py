@@ -50,7 +50,7 @@ def test_points_of_the_front_are_designs_with_the_torques_they_say() -> None:
         still = static_torque(job, after.document.design)[0]
         assert still == pytest.approx(second, rel=1e-6, abs=1e-7)
         assert clicked_point({"x": first, "y": second}, outcome) == index
-        marks = front_figure(outcome, index)["data"][0]["marker"]["size"]
+        marks = front_figure(after)["data"][0]["marker"]["size"]
         assert marks.index(max(marks)) == index
     with pytest.raises(InvalidInput, match="no such point"):
         balancing.choose_point(after, len(points))
@@ -77,12 +77,12 @@ def test_tornado_is_sorted_and_gives_the_models_numbers() -> None:
     assert outcome is not None
     assert outcome.tornado is not None
     for output in range(len(OUTPUTS)):
-        traces = tornado_figure(outcome, output)["data"]
+        traces = tornado_figure(after.updated("balancing", output=output))["data"]
         lengths = np.abs([trace["x"] for trace in traces]).max(axis=0)
         assert len(lengths) > 5
         assert (np.diff(lengths) <= 1e-12).all()
         assert len(set(traces[0]["y"])) == len(traces[0]["y"])
-    assert "counterweight 2" in str(tornado_figure(outcome, 0))
+    assert "counterweight 2" in str(tornado_figure(after))
     bar = next(bar for bar in outcome.tornado.bars if bar.path == "joints.j7")
     more = loaded.document.design.vary({"joints.j7": 1.05 * bar.value})
     assert bar.plus[0] == pytest.approx(static_imbalance(more))

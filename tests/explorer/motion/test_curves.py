@@ -9,9 +9,8 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import Kind
+from paminsa_viz.explorer.motion.description import PLOTS, SIMULATED, Kind, PlotView
 from paminsa_viz.explorer.motion.jobs import SimulationSettings, make_job, run
-from paminsa_viz.explorer.motion.playback import PLOTS, SIMULATED, PlotView
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore, split_path
 from paminsa_viz.explorer.panels.motion_plots import drawn_charts
 from paminsa_viz.explorer.state import State, initial_state

@@ -12,8 +12,16 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion.description import MOST_SAMPLES, MOST_WAYPOINTS, Kind, Timing
-from paminsa_viz.explorer.motion.playback import SPEEDS, Playback, advanced, started
+from paminsa_viz.explorer.motion.description import (
+    MOST_SAMPLES,
+    MOST_WAYPOINTS,
+    SPEEDS,
+    Kind,
+    Playback,
+    Timing,
+    advanced,
+    started,
+)
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
 from paminsa_viz.trajectory import PRESETS, Profile, Trajectory, from_samples
@@ -133,7 +141,7 @@ def test_motion_passes_its_waypoints() -> None:
     motion = trajectory(state)
     for pose in poses:
         assert np.abs(motion.pose - pose).max(axis=1).min() < 1e-4
-    with pytest.raises(InvalidInput, match="stands at the last"):
+    with pytest.raises(InvalidInput, match="is at the last"):
         motions.add_waypoint(state)
     assert len(motions.remove_waypoint(state).document.motion.waypoints) == 2
     assert motions.change(state, waypoints=()).document.motion.waypoints == ()

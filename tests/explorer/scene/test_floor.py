@@ -141,7 +141,7 @@ def test_mark_is_below_the_platform_and_a_position_draws_no_new_map(desk: Desk) 
 def test_legend_names_quantity_and_range(desk: Desk) -> None:
     view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
     desk.dispatch(lambda s: s.updated("map_view", quantity="tau_1", **view))
-    texts = desk.panel._legend._words
+    texts = desk.panel._legend._labels
     desk.until(lambda: (texts["low"].text, texts["high"].text) == ("−2.5", "7.5"))
     assert texts["name"].text == "τ₁  [N·m]"
 

@@ -11,7 +11,7 @@ import viser
 from paminsa_viz.explorer.browser.style import BOTTOM, TOP, over_backdrop, style_html
 from paminsa_viz.explorer.scene.actuators import FACES, TorqueArrows, arc_arrow, force_arrow
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
-from paminsa_viz.explorer.scene.curves import Curve, circle, dashes, segments
+from paminsa_viz.explorer.scene.curves import Curve, dashes, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.palette import rgb
@@ -19,22 +19,26 @@ from tests.support.samples import with_knee
 from tests.support.scene import frame_at, solved
 
 
+def circle(radius: float, count: int = 128) -> np.ndarray:
+    """A closed circle of as many segments."""
+    angle = np.linspace(0, 2 * np.pi, count + 1)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
 def test_curve_is_one_node(server: viser.ViserServer) -> None:
     nodes = server.scene._handle_from_node_name
     curve = Curve(server.scene, "/circle")
     curve.draw([])
     assert "/circle" not in nodes
-    curve.draw([circle(0.3), circle(0.1)], height=-0.5, closed=True)
+    curve.draw([circle(0.3), circle(0.1)], height=-0.5)
     node = nodes["/circle"]
     assert node.points.shape == (256, 2, 3)
     assert np.unique(node.points[..., 2]) == pytest.approx([-0.5])
-    curve.draw([circle(0.3, 16)], closed=True)
+    curve.draw([circle(0.3, 16)])
     assert nodes["/circle"] is node
     assert node.points.shape == (16, 2, 3)
     curve.draw([])
     assert not node.visible
-    curve.remove()
-    assert "/circle" not in nodes
 
 
 def test_gap_breaks_a_curve() -> None:
@@ -44,7 +48,7 @@ def test_gap_breaks_a_curve() -> None:
 
 
 def test_dashes_cover_half_of_a_curve() -> None:
-    cut = dashes(segments(circle(0.3, 400), closed=True), 0.02)
+    cut = dashes(segments(circle(0.3, 400)), 0.02)
     drawn = np.linalg.norm(cut[:, 1] - cut[:, 0], axis=1).sum()
     assert drawn == pytest.approx(np.pi * 0.3, rel=0.01)
     assert np.hypot(cut[..., 0], cut[..., 1]) == pytest.approx(0.3, abs=1e-4)

@@ -1,0 +1,360 @@
+"""What the actuators' limits let the platform hold, and how fast it can go: capability of a pose.
+
+With |tau_j| <= T_j and the static torques tau_0 that hold the robot and its load, the external
+wrenches w = (F_x, F_y, M_z) that can be held on top are those with |tau_0 - J^T w| <= T: the wrench
+polytope, a parallelepiped since J is square (Firmani, Zibil, Nokleby and Podhorodeski,
+Robotica 26 (2008) 791). F_z meets M4 alone. The force that the platform exerts on its surroundings
+is the opposite of what it holds. Horizontal moments load the bearings, and no actuator limits them.
+
+Limits are those of the design's drives: the rated torque for what is held on end, the peak torque
+for acceleration, the top speed; where a drive does not limit, `DEFAULT_LIMITS`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+from paminsa_viz.actuation.transmission import SPEED_ROWS
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import backend
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS, OutputLimits
+from paminsa_viz.model.dynamics import mass_matrix
+from paminsa_viz.model.grids import WRENCH_TORQUES, Field
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.statics import static_torques
+
+DEFAULT_LIMITS: tuple[OutputLimits, ...] = (
+    *(OutputLimits(peak=20.0, rated=20.0, speed=3.0),) * 3,
+    OutputLimits(peak=1000.0, rated=1000.0, speed=0.25),
+)
+"""Limits of an actuator that no drive limits: 20 N m and 3 rad/s of M1..M3, 1000 N and 0.25 m/s of
+M4. No product's: twice what the presets' motions require at Appendix 4, rounded."""
+
+
+class ActuatorLimits(NamedTuple):
+    """Limits at the actuators M1..M4, each (4,).
+
+    Attributes:
+        rated: Torques and force on end [N m, N].
+        peak: Torques and force for a short time [N m, N].
+        speed: Speeds [rad/s, m/s].
+    """
+
+    rated: Array
+    peak: Array
+    speed: Array
+
+
+def actuator_limits(design: Design) -> ActuatorLimits:
+    """Return the limits of a design's drives, those of `DEFAULT_LIMITS` where they have none.
+
+    A drive with a peak and no rated torque is held to its peak on end, and the reverse.
+    """
+    rated, peak, speed = [], [], []
+    for own, default in zip(design.output_limits, DEFAULT_LIMITS, strict=True):
+        high = own.peak if math.isfinite(own.peak) else max(own.rated, 0.0)
+        high = high if math.isfinite(high) else default.peak
+        low = min(own.rated, high)
+        rated.append(low)
+        peak.append(high)
+        speed.append(own.speed if math.isfinite(own.speed) else default.speed)
+    return ActuatorLimits(np.array(rated), np.array(peak), np.array(speed))
+
+
+@dataclass(frozen=True, eq=False)
+class Capability:
+    """Capability at poses of batch shape (...); NaN where a pose cannot be taken.
+
+    Attributes:
+        design: The robot.
+        limits: Limits of its actuators.
+        pose: (..., 4) [m, m, rad, m].
+        torque: (4, ...) static torques, the design's load included [N m, N].
+        rows: (3, 3, ...) J for (x, y, theta) and M1..M3 [m, m, 1].
+        speeds: (3, 3, ...) J^-1 for M1..M3 and (x, y, theta) [1/m, 1/m, 1].
+    """
+
+    design: Design
+    limits: ActuatorLimits
+    pose: Array
+    torque: Array
+    rows: Array
+    speeds: Array
+
+    @property
+    def room(self) -> Array:
+        """What is left of the rated torques, T_j - |tau_0j|, (4, ...) [N m, N]; negative beyond."""
+        return _column(self.limits.rated, self.torque) - np.abs(self.torque)
+
+    @property
+    def payload(self) -> Array:
+        """Largest payload that can be held at rest (...) [kg]; zero where M1..M3 cannot hold.
+
+        A payload on the platform's axis loads M4 alone, by k m g; what the design carries counts.
+        """
+        lift = self.limits.rated[3] - self.torque[3]
+        weight = self.design.geometry.magnification * self.design.gravity
+        with np.errstate(divide="ignore", invalid="ignore"):
+            mass = self.design.payload.mass + np.divide(lift, weight)
+        held = (self.room[:3] >= 0).all(axis=0)
+        return self._masked(np.where(held, np.maximum(mass, 0.0), 0.0))
+
+    @property
+    def horizontal_force(self) -> Array:
+        """Guaranteed horizontal force (...) [N]: held in every direction, with M_z = 0.
+
+        The radius of the largest disc about zero inside the polytope's section M_z = 0,
+        min_j (T_j - |tau_0j|) / |(J_xj, J_yj)|; zero where the robot cannot hold itself.
+        """
+        reach = np.hypot(self.rows[0], self.rows[1])
+        return self._masked(np.maximum(_least(self.room[:3], reach), 0.0))
+
+    @property
+    def horizontal_limit(self) -> tuple[Array, Array]:
+        """Index of the actuator that limits it (...), and the sign of its torque there."""
+        with np.errstate(all="ignore"):
+            index = np.argmin(
+                np.nan_to_num(self.room[:3] / np.hypot(self.rows[0], self.rows[1]), nan=np.inf),
+                axis=0,
+            )
+        torque = np.take_along_axis(self.torque[:3], index[None], axis=0)[0]
+        return index, np.where(torque < 0, -1, 1)
+
+    @property
+    def vertical_force(self) -> Array:
+        """Largest vertical force that is held both upward and downward (...) [N].
+
+        (T_4 - |F_4|) / k; zero where M4 cannot hold the robot.
+        """
+        return self._masked(np.maximum(self.room[3], 0.0) / self.design.geometry.magnification)
+
+    @property
+    def moment(self) -> Array:
+        """Largest vertical moment that is held in both directions, no force (...) [N m]."""
+        return self._masked(np.maximum(_least(self.room[:3], np.abs(self.rows[2])), 0.0))
+
+    @property
+    def speed(self) -> Array:
+        """Guaranteed speed of the platform in every direction of space, without turning [m/s].
+
+        min over M1..M3 of W_j / |(row j of J^-1)_xy|, and k W_4 (...).
+        """
+        rotary = _least(
+            _column(self.limits.speed[:3], self.pose),
+            np.hypot(self.speeds[:, 0], self.speeds[:, 1]),
+        )
+        vertical = self.design.geometry.magnification * self.limits.speed[3]
+        return self._masked(np.minimum(rotary, vertical))
+
+    @property
+    def turn_speed(self) -> Array:
+        """Largest angular speed about the center, min_j W_j / |J^-1_j,theta| (...) [rad/s]."""
+        return self._masked(
+            _least(_column(self.limits.speed[:3], self.pose), np.abs(self.speeds[:, 2]))
+        )
+
+    @cached_property
+    def inertia(self) -> Array:
+        """J^T M (..., 4, 4): torques for unit accelerations of the platform from rest.
+
+        Inertias of the drives included.
+        """
+        matrix = mass_matrix(self.design, self.pose)
+        turned = np.empty_like(matrix)
+        j = np.moveaxis(self.rows, (0, 1), (-2, -1))
+        with np.errstate(all="ignore"):
+            turned[..., :3, :] = np.swapaxes(j, -1, -2) @ matrix[..., :3, :]
+        turned[..., 3, :] = self.design.geometry.magnification * matrix[..., 3, :]
+        return turned
+
+    @property
+    def _peak_room(self) -> Array:
+        return np.moveaxis(_column(self.limits.peak, self.torque) - np.abs(self.torque), 0, -1)
+
+    @property
+    def acceleration(self) -> Array:
+        """Guaranteed acceleration in every direction of space, from rest, without turning [m/s^2].
+
+        min_j (peak T_j - |tau_0j|) / |(row j of J^T M)_xyz| (...); zero where the robot cannot
+        hold itself. Friction at rest is not counted.
+        """
+        size = np.linalg.norm(self.inertia[..., [0, 1, 3]], axis=-1)
+        return self._masked(np.maximum(_least(self._peak_room, size, axis=-1), 0.0))
+
+    @property
+    def turn_acceleration(self) -> Array:
+        """Largest angular acceleration from rest, the center at rest (...) [rad/s^2]."""
+        size = np.abs(self.inertia[..., 2])
+        return self._masked(np.maximum(_least(self._peak_room, size, axis=-1), 0.0))
+
+    def _masked(self, values: Array) -> Array:
+        return np.where(np.isfinite(self.torque).all(axis=0), values, np.nan)
+
+
+def _column(limits: Array, like: Array) -> Array:
+    """Return limits (n,) that broadcast along the first axis of (n, ...) arrays."""
+    return limits.reshape(-1, *[1] * (like.ndim - 1))
+
+
+def _least(room: Array, size: Array, axis: int = 0) -> Array:
+    """Return the least of room / size along an axis; infinite where nothing limits."""
+    with np.errstate(all="ignore"):
+        return np.where(size > 0, room / size, np.where(room < 0, room, np.inf)).min(axis=axis)
+
+
+def capability(design: Design, pose: ArrayLike) -> Capability:
+    """Return the capability at poses (..., 4) [m, m, rad, m]."""
+    pose = as_vectors(pose, "pose")
+    flat, m = pose.reshape(-1, 4), mechanism(design.geometry)
+    shape = (3, 3, *pose.shape[:-1])
+    return Capability(
+        design,
+        actuator_limits(design),
+        pose,
+        np.moveaxis(static_torques(design, pose), -1, 0),
+        backend.over_list(WRENCH_TORQUES, m, flat).T.reshape(shape),
+        backend.over_list(SPEED_ROWS, m, flat).T.reshape(shape),
+    )
+
+
+def field_capability(field: Field, design: Design) -> Capability:
+    """Return the capability over a solved grid; formulas are solved once for a geometry."""
+    shape = field.status.shape
+    torque = np.where(field.status == Limit.OK, field.torques(design), np.nan)
+    return Capability(
+        design,
+        actuator_limits(design),
+        field.grid.poses(),
+        torque,
+        field.solve(WRENCH_TORQUES).reshape(3, 3, *shape),
+        field.solve(SPEED_ROWS).reshape(3, 3, *shape),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class WrenchPolytope:
+    """The external wrenches (F_x, F_y, M_z) that can be held at one pose [N, N, N m].
+
+    Attributes:
+        rows: (3, 3) J for (x, y, theta) and M1..M3.
+        torque: (3,) static torques of M1..M3 [N m].
+        limits: (3,) their limits [N m].
+        length: Characteristic length L = R_pl that M_z is divided by where it is drawn [m].
+    """
+
+    rows: Array
+    torque: Array
+    limits: Array
+    length: float
+
+    @property
+    def center(self) -> Array:
+        """Wrench that unloads M1..M3, (3,)."""
+        return np.linalg.solve(self.rows.T, self.torque)
+
+    @property
+    def vertices(self) -> Array:
+        """The corners, (8, 3), in the order of the signs of tau_1, tau_2, tau_3."""
+        signs = np.array(np.meshgrid(*[(-1, 1)] * 3, indexing="ij")).reshape(3, 8)
+        corners = self.torque[:, None] - signs * self.limits[:, None]
+        return np.linalg.solve(self.rows.T, corners).T
+
+    @property
+    def faces(self) -> tuple[str, ...]:
+        """Names of the six faces: the actuator that is at its limit there, and its sign."""
+        return tuple(f"{name} at {sign}T" for name in ACTUATORS[:3] for sign in ("+", "−"))
+
+    @property
+    def normals(self) -> tuple[Array, Array]:
+        """Faces as half spaces n . w <= h: unit normals (6, 3), distances (6,), as `faces`.
+
+        In (F_x, F_y, M_z / L), so that all three are forces [N].
+        """
+        scale = np.array([1.0, 1.0, self.length])
+        # tau_0 - J^T w <= T and -(tau_0 - J^T w) <= T, by actuator
+        columns = (self.rows * scale[:, None]).T
+        normals = np.stack([-columns, columns], axis=1).reshape(6, 3)
+        offsets = np.stack([self.limits - self.torque, self.limits + self.torque], axis=1).ravel()
+        size = np.linalg.norm(normals, axis=1)
+        return normals / size[:, None], offsets / size
+
+    @property
+    def holds(self) -> bool:
+        """Whether the robot holds itself: zero is inside."""
+        return bool((np.abs(self.torque) <= self.limits).all())
+
+    @property
+    def limiting_face(self) -> int:
+        """Index of the face nearest to zero in (F_x, F_y, M_z / L), as `faces`."""
+        return int(np.argmin(self.normals[1]))
+
+    def section(self, moment: float = 0.0) -> Array:
+        """Return the force polygon at one M_z [N m]: corners (F_x, F_y), (n, 2), in order [N].
+
+        Empty if no horizontal force is held with this moment.
+        """
+        gx, gy, gt = self.rows
+        middle = self.torque - gt * moment
+        half_planes = np.concatenate(
+            [
+                np.column_stack([-gx, -gy, middle - self.limits]),
+                np.column_stack([gx, gy, -middle - self.limits]),
+            ]
+        )
+        inside = _point_inside(half_planes)
+        if inside is None:
+            return np.empty((0, 2))
+        corners = HalfspaceIntersection(half_planes, inside).intersections
+        return corners[ConvexHull(corners).vertices]
+
+    @property
+    def sectors(self) -> tuple[str, ...]:
+        """Which actuator limits each side of the force polygon, from a corner to the next."""
+        polygon = self.section()
+        middles = 0.5 * (polygon + np.roll(polygon, -1, axis=0))
+        found = []
+        for fx, fy in middles:
+            use = (self.torque - self.rows[0] * fx - self.rows[1] * fy) / self.limits
+            worst = int(np.argmax(np.abs(use)))
+            found.append(f"{ACTUATORS[worst]} at {'+' if use[worst] > 0 else '−'}T")
+        return tuple(found)
+
+
+def _point_inside(half_planes: Array) -> Array | None:
+    """Return the center of the largest disc in half planes a x + b y + c <= 0, None if empty."""
+    from scipy.optimize import linprog  # slow to load
+
+    size = np.linalg.norm(half_planes[:, :2], axis=1)
+    if not (np.isfinite(half_planes).all() and (size > 0).all()):
+        return None
+    found = linprog(
+        [0, 0, -1],
+        A_ub=np.column_stack([half_planes[:, :2], size]),
+        b_ub=-half_planes[:, 2],
+        bounds=[(None, None), (None, None), (0, None)],
+    )
+    return found.x[:2] if found.status == 0 and found.x[2] > 1e-9 else None
+
+
+def wrench_polytope(design: Design, pose: ArrayLike) -> WrenchPolytope:
+    """Return the wrench polytope of a design at one pose (4,) [m, m, rad, m].
+
+    Raises:
+        InvalidInput: If the pose cannot be taken or is singular, so that it has none.
+    """
+    at = capability(design, pose)
+    finite = np.isfinite(at.torque).all() and np.isfinite(at.rows).all()
+    if at.pose.ndim != 1 or not finite:
+        raise InvalidInput("pose", "a pose is needed that can be taken and is not singular")
+    length = design.geometry.platform_radius
+    return WrenchPolytope(at.rows, at.torque[:3], at.limits.rated[:3], length)

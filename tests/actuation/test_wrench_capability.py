@@ -1,0 +1,255 @@
+"""Capability of a pose against linear programs, pycapacity, MuJoCo, and sampled directions."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+from paminsa_viz.actuation.transmission import TRANSMISSION, transmission_indices
+from paminsa_viz.actuation.wrench_capability import (
+    DEFAULT_LIMITS,
+    actuator_limits,
+    capability,
+    field_capability,
+    wrench_polytope,
+)
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    Grid,
+    LoadCase,
+    actuator_velocity,
+    backend,
+    inverse_dynamics,
+    inverse_kinematics,
+    jacobian,
+    solve_field,
+    static_torques,
+)
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.leg import mechanism
+from tests.support import samples
+
+LOAD = LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04)
+SERVO = Drive("servo", gear_ratio=100.0, rated_torque=0.3, peak_torque=0.9, top_speed=400.0)
+SCREW = Drive(
+    "axis", transmission="screw", lead=0.01, rated_torque=2.0, peak_torque=5.0, top_speed=300.0
+)
+DRIVEN = replace(APPENDIX_4, drives=(SERVO, SERVO, SERVO, SCREW), load=LOAD)
+DESIGNS = pytest.mark.parametrize("design", [APPENDIX_4, DRIVEN], ids=["default", "driven"])
+seeds = st.integers(0, 2**32 - 1)
+
+
+def poses(seed: int, count: int) -> np.ndarray:
+    """Poses about home, where the default limits hold the robot."""
+    drawn = np.random.default_rng(seed).uniform(-1, 1, (count, 4))
+    return np.array([0, 0, 0, -0.55]) + drawn * [0.08, 0.08, 0.4, 0.1]
+
+
+@DESIGNS
+def test_support_of_the_polytope_is_that_of_a_linear_program(design: Design) -> None:
+    """In 1,000 random directions: max n.w with |tau_0 - J^T w| <= T."""
+    rng = np.random.default_rng(1)
+    for pose in poses(2, 4):
+        found = wrench_polytope(design, pose)
+        j = jacobian(design.geometry, pose)[:3, :3]
+        torque = static_torques(design, pose)[:3]
+        limits = actuator_limits(design).rated[:3]
+        a = np.concatenate([-j.T, j.T])
+        b = np.concatenate([limits - torque, limits + torque])
+        for n in rng.normal(size=(250, 3)):
+            best = linprog(-n, A_ub=a, b_ub=b, bounds=[(None, None)] * 3)
+            support = (found.vertices @ n).max()
+            assert support == pytest.approx(-best.fun, rel=1e-9)
+        normals, distances = found.normals
+        scaled = found.vertices / [1, 1, found.length]
+        assert (scaled @ normals.T - distances).max() < 1e-9 * np.abs(scaled).max()
+
+
+def test_corners_are_those_of_pycapacity() -> None:
+    robot = pytest.importorskip("pycapacity.robot", reason="pycapacity is not installed")
+    for pose in poses(3, 10):
+        found = wrench_polytope(DRIVEN, pose)
+        # forces that the robot exerts: |J^T f + tau_0| <= T, the opposite of what it holds
+        limits = found.limits
+        other = robot.force_polytope(
+            found.rows, limits[:, None], -limits[:, None], found.torque[:, None]
+        )
+        mine, theirs = -found.vertices, np.asarray(other.vertices).T
+        for corner in mine:
+            assert np.abs(theirs - corner).max(axis=1).min() < 1e-9 * np.abs(mine).max()
+
+
+@DESIGNS
+def test_disc_is_the_largest_in_the_force_polygon(design: Design) -> None:
+    for pose in poses(4, 5):
+        found, at = wrench_polytope(design, pose), capability(design, pose)
+        polygon = found.section()
+        edges = np.roll(polygon, -1, axis=0) - polygon
+        distance = np.abs(edges[:, 0] * polygon[:, 1] - edges[:, 1] * polygon[:, 0])
+        distance /= np.linalg.norm(edges, axis=1)
+        assert at.horizontal_force == pytest.approx(distance.min(), rel=1e-9)
+        index, sign = at.horizontal_limit
+        nearest = found.sectors[int(np.argmin(distance))]
+        assert nearest == f"M{index + 1} at {'+' if sign > 0 else '−'}T"
+        j, limits = found.rows, found.limits
+        for corner in polygon:  # two actuators at their limits in every corner
+            use = np.sort(np.abs(found.torque - j[0] * corner[0] - j[1] * corner[1]) / limits)
+            np.testing.assert_allclose(use[1:], 1.0, rtol=1e-8)
+            assert use[0] <= 1 + 1e-8
+
+
+def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
+    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
+    from paminsa_viz.engines.mujoco_model import MujocoRobot
+
+    pose = poses(5, 1)[0]
+    design = replace(DRIVEN, load=replace(LOAD, point_x=0.0))  # pushed at the center
+    robot, at, found = MujocoRobot(design), capability(design, pose), wrench_polytope(design, pose)
+    limits = at.limits.rated
+    still = np.zeros((1, 4))
+
+    def use(wrench: np.ndarray) -> float:
+        torque = robot.inverse_dynamics(pose[None], still, still, load=wrench)[0]
+        return float((np.abs(torque) / limits).max())
+
+    def pushed(direction: np.ndarray) -> float:
+        """How far a wrench in a direction can grow until an actuator is at its limit."""
+        low, high = 0.0, 1.0
+        while use(high * direction) < 1:
+            high *= 2
+        for _ in range(60):
+            middle = 0.5 * (low + high)
+            low, high = (middle, high) if use(middle * direction) < 1 else (low, middle)
+        return low
+
+    normals, distances = found.normals
+    reached = []
+    for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False):
+        direction = np.array([np.cos(angle), np.sin(angle), 0.0])
+        along = normals @ direction
+        expected = (distances[along > 0] / along[along > 0]).min()
+        reached.append(pushed(direction[[0, 1, 2]] @ np.eye(3, 6)))
+        assert reached[-1] == pytest.approx(expected, rel=1e-9)
+    assert at.horizontal_force <= min(reached) * (1 + 1e-9)
+    up, down = pushed(np.eye(6)[2]), pushed(-np.eye(6)[2])
+    assert at.vertical_force == pytest.approx(min(up, down), rel=1e-9)
+    turned = pushed(np.eye(6)[5]), pushed(-np.eye(6)[5])
+    assert at.moment == pytest.approx(min(turned), rel=1e-9)
+
+
+@given(seed=seeds)
+def test_payload_brings_m4_to_its_limit_and_no_other(seed: int) -> None:
+    pose = poses(seed, 1)[0]
+    most = float(capability(DRIVEN, pose).payload)
+    loaded = DRIVEN.vary({"payload.mass": most})
+    torque = static_torques(loaded, pose)
+    assert torque[3] == pytest.approx(capability(DRIVEN, pose).limits.rated[3], rel=1e-12)
+    assert capability(loaded, pose).payload == pytest.approx(most, rel=1e-9)
+    np.testing.assert_allclose(torque[:3], static_torques(DRIVEN, pose)[:3], rtol=1e-12)
+
+
+@given(seed=seeds)
+def test_speed_and_acceleration_are_held_in_every_direction(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    pose = poses(seed, 1)[0]
+    at = capability(DRIVEN, pose)
+    n = rng.normal(size=(4000, 3))
+    n /= np.linalg.norm(n, axis=1)[:, None]
+    rate = np.insert(n, 2, 0.0, axis=1)  # (x, y, theta, z), no turn
+    turn = np.array([[0.0, 0.0, 1.0, 0.0]])
+    zero = np.zeros_like(rate)
+
+    def share(limit: np.ndarray, values: np.ndarray) -> float:
+        return float((np.abs(values) / limit).max())
+
+    for most, unit in ((at.speed, rate), (at.turn_speed, turn)):
+        used = share(at.limits.speed, actuator_velocity(DRIVEN, pose, most * unit))
+        assert 0.97 < used <= 1 + 1e-9
+    smooth = DRIVEN.without_friction()
+    for most, unit in ((at.acceleration, rate), (at.turn_acceleration, turn)):
+        at_rest = zero[: len(unit)]
+        torque = inverse_dynamics(smooth, pose, at_rest, most * unit).torque
+        torque = np.concatenate(
+            [torque, inverse_dynamics(smooth, pose, at_rest, -most * unit).torque]
+        )
+        assert 0.97 < share(at.limits.peak, torque) <= 1 + 1e-9
+
+
+def test_a_robot_that_cannot_hold_itself_can_hold_nothing() -> None:
+    weak = replace(SERVO, rated_torque=1e-3, peak_torque=1e-3)
+    design = replace(APPENDIX_4, drives=(weak, weak, weak, None))
+    at = capability(design, (0.05, 0.02, 0.2, -0.5))
+    values = (at.horizontal_force, at.payload, at.moment, at.acceleration, at.turn_acceleration)
+    assert values == (0, 0, 0, 0, 0)
+    assert at.vertical_force > 0
+    assert at.speed > 0
+    assert not wrench_polytope(design, (0.05, 0.02, 0.2, -0.5)).holds
+
+
+def test_limits_are_the_drives_or_the_default() -> None:
+    limits = actuator_limits(APPENDIX_4)
+    assert limits.rated.tolist() == [own.rated for own in DEFAULT_LIMITS]
+    assert limits.speed.tolist() == [own.speed for own in DEFAULT_LIMITS]
+    driven = actuator_limits(DRIVEN)
+    np.testing.assert_allclose(driven.rated[:3], 30.0)
+    np.testing.assert_allclose(driven.peak[:3], 90.0)
+    np.testing.assert_allclose(driven.speed[:3], 4.0)
+    one = replace(APPENDIX_4, drives=(Drive(rated_torque=0.5, gear_ratio=10.0), None, None, None))
+    assert actuator_limits(one).peak[0] == actuator_limits(one).rated[0] == 5.0
+    assert actuator_limits(one).rated[1] == DEFAULT_LIMITS[1].rated
+
+
+def test_a_map_has_the_same_capability_as_its_poses() -> None:
+    grid = Grid.over((0.0, 0.0, 0.1, -0.5), y=np.linspace(-0.1, 0.1, 5), x=[-0.05, 0.9, 0.1])
+    field = solve_field(DRIVEN.geometry, grid)
+    over, at = field_capability(field, DRIVEN), capability(DRIVEN, grid.poses())
+    for name in (
+        "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
+        "acceleration", "turn_acceleration",
+    ):  # fmt: skip
+        np.testing.assert_allclose(getattr(over, name), getattr(at, name), rtol=1e-9)
+        assert np.isnan(getattr(over, name)[:, 1]).all()  # out of reach
+    assert np.isfinite(over.speed[:, 0]).all()
+
+
+@given(seed=seeds)
+def test_transmission_index_is_the_cosine_between_force_and_motion(seed: int) -> None:
+    """Force across the leg's plane, motion about where the two other lines of force meet."""
+    rng = np.random.default_rng(seed)
+    design = samples.random_design(rng)
+    pose = samples.random_poses(rng, design, 1)
+    index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose)[0]
+    configuration = inverse_kinematics(design.geometry, pose[0])
+    points = configuration.points[5][:, :2]
+    across = np.stack([-np.sin(configuration.beta), np.cos(configuration.beta)], axis=-1)
+    for leg in range(3):
+        others = [other for other in range(3) if other != leg]
+        # lines of force: point + s across
+        a, b = (points[i] for i in others)
+        u, w = (across[i] for i in others)
+        s = np.linalg.solve(np.stack([u, -w], axis=-1), b - a)[0]
+        lever = points[leg] - (a + s * u)
+        motion = np.array([-lever[1], lever[0]]) / np.linalg.norm(lever)
+        assert index[leg] == pytest.approx(abs(motion @ across[leg]), rel=1e-9)
+    assert (index > 0).all()
+    assert (index <= 1 + 1e-12).all()
+
+
+def test_transmission_vanishes_at_a_singularity() -> None:
+    m = mechanism(APPENDIX_4.geometry)
+    theta = np.arccos(0.1 / 0.35)
+    near = transmission_indices(m, 0.05, 0.02, np.cos(theta - 1e-6), np.sin(theta - 1e-6), -0.5)
+    assert max(near) < 1e-4
+
+
+def test_poses_without_a_polytope_are_refused() -> None:
+    for pose in ((0.0, 0.0, 0.0, -3.0), (np.nan,) * 4, np.zeros((2, 4))):
+        with pytest.raises(InvalidInput, match="pose"):
+            wrench_polytope(APPENDIX_4, pose)

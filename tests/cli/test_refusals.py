@@ -1,0 +1,192 @@
+"""Whatever is wrong with a command line: one line that names the place, exit code 2, no file."""
+
+from __future__ import annotations
+
+import warnings
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz import app
+from tests.support.commands import check_refused
+
+WRONG_WORDS = """
+start --port x                                      | Error parsing --port
+start --port 65536                                  | --port: 65536 is not from 0 to 65535
+start --prot 1                                      | --prot
+start here                                          | Unrecognized options: here
+--port -1                                           | --port: -1 is not from 0 to 65535
+evaluat                                             | 'evaluat'; did you mean evaluate?
+xyz                                                 | 'xyz'; there are start, evaluate, design
+evaluate                                            | Missing from paminsa-viz evaluate
+evaluate a.csv                                      | --out
+evaluate a.csv --out b.csv --assembly other         | invalid choice 'other'
+evaluate a.csv --out b.csv --desing d               | Perhaps you meant: --design FILE
+design                                              | Expected one of
+design chek                                         | chek
+design check                                        | a file is needed
+map --cells abc                                     | --cells: a whole number is needed, not 'abc'
+map --theta abc                                     | --theta: a number is needed, not 'abc'
+map --theta nan                                     | --theta
+map --z inf                                         | --z
+map --quantity beauty                               | beauty
+map --cells 3                                       | --cells
+map --range 3 1                                     | --range
+map --range 0 nan                                   | --range
+map --range 0 1 --full-range                        | --full-range
+map --out no/a.csv                                  | no/a.csv
+map --out a.png --width 20                          | width
+balance --change links.x 0 1                        | links.x
+balance --change links.b4 2 1                       | low <= high
+balance --rail b3 5 0 100 1                         | ends of B3
+balance --rail b5 5 0 100 1                         | --rail
+balance --rail b3 7 0 1e20 5                        | --rail 1e+20: at most 100000 mm
+balance --rail b3 7 0 100 1e20                      | --rail 1e+20: at most 10000 kg
+balance --change links.b3 0 1e308                   | --change 1e+308: at most 10000 kg
+balance --goal peak --max-added nan                 | --max-added nan: at most
+balance --goal peak --max-imbalance inf             | --max-imbalance inf: at most
+balance --goal peak --max-imbalance -1              | --max-imbalance
+balance --max-added 3                               | belong to a goal on a motion
+balance --goal heat                                 | --goal
+export                                              | nothing to write; give --glb, --mjcf
+export --glb r.glb --pose 0 0 0 -2000               | be taken: the pantograph is over-stretched
+export --glb r.glb --pose 0 0 0 nan                 | cannot be taken: the pose is not finite
+export --glb r.glb --pose 0 0 0                     | --pose
+export --mjcf no/r.xml                              | cannot be written: its folder does not exist
+export --meshes old/deeper                          | old/deeper: cannot be written
+export --mjcf r.xml --glb r.glb --meshes old        | old: cannot be written
+export --glb r.glb --pose 1e300 0 0 0               | pose (1e+300 mm, 0.0 mm,
+export --glb r.glb --pose x 0 0 0                   | FLOAT FLOAT FLOAT FLOAT is needed, not 'x',
+export --glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600 | pose: it is singular
+report                                              | --out
+report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph is over-stretched
+report --out no/r.html                              | cannot be written: its folder does not exist
+sweep --out a.csv                                   | --vary is needed
+sweep --out a.csv --vary links.b33=1:2:3            | did you mean links.b3?
+sweep --out a.csv --vary links.b3                   | links.b3=LOW:HIGH:COUNT
+sweep --out a.csv --vary links.b3=1:2               | links.b3=LOW:HIGH:COUNT
+sweep --out a.csv --vary links.b3=1:2:x             | links.b3=LOW:HIGH:COUNT
+sweep --out a.csv --vary links.b3=1:2:0             | count
+sweep --out a.csv --vary links.b3=1:2:99999999999   | count
+sweep --out a.csv --vary links.b3=1,nan             | links.b3
+sweep --out a.csv --vary links.b3=1e9               | at most 10000
+sweep --out a.csv --vary links.b3=1 --vary links.b3=2 | varies twice
+sweep --out a.csv --vary links.b3=1:2:3 --random 5  | links.b3=LOW:HIGH
+sweep --out a.csv --vary payload.mass --random 5    | payload.mass
+sweep --out a.csv --vary links.b3 --random 0        | size
+sweep --out a.csv --vary links.b3 --random 5 --seed -1 | seed
+sweep --out a.csv --vary links.b3 --random 5 --spread 2 | --spread
+sweep --out a.csv --vary links.b3 --random 2000000000 | too many
+sweep --out a.csv --vary links.b3=1 --radius -5     | radius
+sweep --out a.csv --vary links.b3=1 --max-condition nan | max_condition
+sweep --out a.csv --vary links.b3=1 --jobs 0        | jobs
+sweep --out a.csv --vary links.b3=1 --jobs 1 --dask a | exclude
+sweep --out a.csv --vary links.b3=1 --preset arch --file a.csv | exclude
+trajectory --preset line --file a.csv               | --file
+trajectory --waypoints                              | --waypoints
+trajectory --shortest                               | --max-speed
+trajectory --max-torque 3                           | --max-torque
+trajectory --shortest --max-speed -1                | speed
+trajectory --shortest --max-speed 1 --duration 2    | --duration
+trajectory --shortest --max-torque 1e308            | --max-torque: at most 1e+09
+trajectory --duration 0                             | duration
+trajectory --rate nan                               | rate
+trajectory --rate 1e9                               | rate
+trajectory --payload-mismatch 1                     | --simulate
+trajectory --simulate pd --payload-mismatch -1      | payload
+trajectory --simulate pd --payload-mismatch 1e308   | payload.mass
+trajectory --simulate pd --bandwidth -1             | bandwidth
+trajectory --simulate pd --bandwidth 1e20           | --bandwidth: 0 to 1000 Hz
+trajectory --figure tracking --out a.png            | --simulate
+trajectory --figure comparison --out a.png          | --engine
+trajectory --figure power                           | --out
+trajectory --engine pinocchio --figure power --out a.png | --engine
+trajectory --out no/folder/a.csv                    | no/folder/a.csv
+trajectory --out a.png --width 10                   | width
+trajectory --file huge.csv                          | huge.csv: pose:
+verify --tolerance 0                                | tolerance: a number above 0 and at most 0.1 is
+verify --tolerance 0.2                              | tolerance
+verify --poses 0                                    | poses: at least 1 is needed
+verify --seed -1                                    | seed: a whole number
+verify --model no.xml                               | no.xml: cannot be read: no such file
+verify --model huge.csv                             | huge.csv: is no valid XML
+verify --model other.xml                            | its joints are not those of this robot
+verify --model broken.xml                           | broken.xml: MuJoCo cannot use it
+verify --preset line --poses 1 --figures old        | old: cannot be
+verify --file far.csv                               | the trajectory cannot be run: at 0 s
+"""
+"""Words, and what the line has to contain."""
+
+READERS = {
+    "evaluate in.csv --out out.csv": "design",
+    "map": "design reference",
+    "trajectory": "design reference preset file",
+    "balance --goal peak": "design preset file",
+    "sweep --vary links.b3=1:2:2 --out out.csv": "design preset file",
+    "verify": "design preset file",
+    "report --out out.html": "design preset file",
+    "export --glb out.glb": "design",
+}
+"""Commands with their flags that name something to read."""
+
+BAD = {
+    "design": ("none.toml", "none.toml: cannot be read"),
+    "reference": ("big.toml", "big.toml, line 3, [links] b3_kg = 1e+308"),
+    "preset": ("spiral", "invalid choice 'spiral'"),
+    "file": ("none.csv", "none.csv: cannot be read: no such file"),
+}
+
+WRITERS = [
+    "map --out", "trajectory --out", "report --out", "export --glb", "export --mjcf",
+    "balance --out", "design default --out", "evaluate in.csv --out",
+    "sweep --vary links.b3=1:2:2 --out",
+]  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def files(folder) -> None:
+    """Some files that commands read, and an application that must not be started."""
+    rows = "0,1e308,0,0,-0.5\n1,1e308,1e308,0,-0.5\n2,-1e308,0,0,1e308\n"
+    Path("huge.csv").write_text("t_s,x_m,y_m,theta_rad,z_m\n" + rows)
+    Path("far.csv").write_text("t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-3\n1,0,0,0,-3\n")
+    Path("in.csv").write_text("x_m,y_m,theta_rad,z_m\n0,0,0,-0.5\n")
+    Path("other.xml").write_text("<mujoco><worldbody/></mujoco>")
+    Path("broken.xml").write_text("<mujoco><worldbody><geom/></worldbody></mujoco>")
+    Path("big.toml").write_text("schema_version = 1\n[links]\nb3_kg = 1e308\n")
+    Path("k.toml").write_text("schema_version = 1\n[geometry]\nmagnification = 1.0\n")
+    Path("old").write_text("a file")
+
+
+@pytest.mark.parametrize("row", WRONG_WORDS.strip().splitlines())
+def test_wrong_words_are_refused(row, capsys, monkeypatch, request) -> None:
+    words, place = (part.strip() for part in row.split(" | "))
+    if words.startswith("verify"):
+        request.getfixturevalue("mujoco")
+    monkeypatch.setattr(app, "run", lambda _: pytest.fail("started"))
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", RuntimeWarning)
+        check_refused(*split(words, capsys), place=place)
+    assert not caught
+
+
+@pytest.mark.parametrize(
+    ("command", "flag"), [(c, flag) for c, flags in READERS.items() for flag in flags.split()]
+)
+def test_what_cannot_be_read_is_refused(command, flag, capsys) -> None:
+    value, place = BAD[flag]
+    check_refused(*split(f"{command} --{flag} {value}", capsys), place=place)
+    if flag == "design":
+        for name, place in (("big", "line 3, [links] b3_kg"), ("k", "[geometry] magnification")):
+            check_refused(*split(f"{command} --design {name}.toml", capsys), place=place)
+
+
+@pytest.mark.parametrize("command", WRITERS)
+def test_an_ending_that_says_something_else_is_refused(command, capsys) -> None:
+    for name in ("x.txt", "x.xlsx", "x", "x.", ".csv", "x.csv.gz", "x.pdf.exe", "x.toml.html.zip"):
+        words = f"{command} {name}"
+        check_refused(*split(words, capsys), place=f"{name}: its ending has to be")
+
+
+def split(words: str, capsys) -> tuple[str, object, str]:
+    command, *others = words.split()
+    return command, capsys, *others

@@ -1,0 +1,61 @@
+"""Every quantity of the registry from functions of single poses."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.actuation.transmission import TRANSMISSION
+from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.model import (
+    Design,
+    Limit,
+    backend,
+    check_reach,
+    jacobian,
+    measure_singularity,
+    static_torques,
+)
+from paminsa_viz.model.leg import mechanism
+
+CAPABILITIES = (
+    "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
+    "acceleration", "turn_acceleration",
+)  # fmt: skip
+
+
+def pointwise(design: Design, pose: Any) -> dict[str, Any]:
+    """Return every quantity at poses (..., 4), each (...)."""
+    pose = np.asarray(pose, float)
+    torque = static_torques(design, pose)
+    reach = check_reach(design.geometry, pose)
+    good = (reach.status == Limit.OK) & np.isfinite(torque).all(axis=-1)
+    measured = measure_singularity(design.geometry, pose)
+    with np.errstate(all="ignore"):
+        selective = 1 / np.linalg.norm(jacobian(design.geometry, pose), axis=-1)
+    index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose.reshape(-1, 4))
+    index = index.reshape(*pose.shape[:-1], 3)
+    able = capability(design, pose)
+    further = {
+        **{name: getattr(able, name) for name in CAPABILITIES},
+        "transmission": index.min(axis=-1),
+        **{f"transmission_{leg + 1}": index[..., leg] for leg in range(3)},
+        **{f"pressure_{leg + 1}": np.arccos(np.minimum(index[..., leg], 1)) for leg in range(3)},
+        "selective_x": selective[..., 0],
+        "selective_y": selective[..., 1],
+        "selective_theta": selective[..., 2],
+        "selective_z": selective[..., 3],
+        "conditioning": 1 / measured.condition,
+    }  # fmt: skip
+    return {
+        "tau_1": torque[..., 0],
+        "tau_2": torque[..., 1],
+        "tau_3": torque[..., 2],
+        "f_4": torque[..., 3],
+        "max_torque": np.abs(torque[..., :3]).max(axis=-1),
+        "rms_torque": np.sqrt((torque[..., :3] ** 2).mean(axis=-1)),
+        "condition": measured.condition,
+        "determinant": measured.determinant,
+        "reach_margin": reach.margins.min(axis=(-1, -2)),
+    } | {name: np.where(good, values, np.nan) for name, values in further.items()}
