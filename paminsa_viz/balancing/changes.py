@@ -18,10 +18,13 @@ from paminsa_viz.model.lumped import (
     lumped_matrix,
     point_mass_column,
 )
-from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from paminsa_viz.model.parameters import BAR_ENDS, LARGEST, Counterweight
 
 LEGS = 3
 """A mass of a leg is there three times."""
+
+MOST = LARGEST["kg"]
+"""Largest mass of a design [kg]."""
 
 MASS = len(COEFFICIENTS)
 """Place of the robot's whole mass in the state, after the lumped coefficients."""
@@ -47,11 +50,11 @@ class MassRange:
     inertia_follows: bool = True
 
     def __post_init__(self) -> None:
-        if not (np.isfinite([self.low, self.high]).all() and 0 <= self.low <= self.high):
-            raise InvalidInput(
-                self.path,
-                f"bounds with 0 <= low <= high are needed [kg], not {self.low!r} to {self.high!r}",
+        if not 0 <= self.low <= self.high <= MOST:
+            problem = (
+                f"0 <= low <= high <= {MOST:g} kg is needed, not {self.low!r} to {self.high!r}"
             )
+            raise InvalidInput(self.path, problem)
 
     @property
     def per_robot(self) -> int:
@@ -78,16 +81,13 @@ class CounterweightRange:
     low: float = 0.0
 
     def __post_init__(self) -> None:
-        Counterweight(self.bar, self.joint, self.nearest, self.low)
-        if not (np.isfinite(self.farthest) and self.nearest <= self.farthest):
+        for lever, mass in ((self.nearest, self.low), (self.farthest, self.high)):
+            Counterweight(self.bar, self.joint, lever, mass)
+        if not (self.nearest <= self.farthest and self.low <= self.high):
             raise InvalidInput(
-                self.name, f"levers with nearest <= farthest are needed, not {self.nearest!r} to "
-                f"{self.farthest!r}",
+                self.name, f"nearest <= farthest and low <= high are needed, not {self.nearest!r} "
+                f"to {self.farthest!r} m and {self.low!r} to {self.high!r} kg",
             )  # fmt: skip
-        if not (np.isfinite(self.high) and self.low <= self.high):
-            raise InvalidInput(
-                self.name, f"masses with low <= high are needed, not {self.low!r} to {self.high!r}"
-            )
 
     @property
     def name(self) -> str:

@@ -18,6 +18,9 @@ from paminsa_viz.model.design import Design
 WIDER = 100.0
 """How far bounds are widened to see which would have to move [kg]."""
 
+LARGEST = 1e12
+"""Largest weight of a goal, and largest limit."""
+
 ACTIVE = 1e-6
 """A bound counts as reached within this part of the range between the bounds."""
 
@@ -170,14 +173,19 @@ def optimize(
 
     Raises:
         InfeasibleBounds: If no distribution within the bounds meets the limits.
-        InvalidInput: If a weight is negative, or a term does not fit the design.
+        InvalidInput: If a weight or a limit is out of range, or a term does not fit the design.
         SolverFailed: If the solver fails.
     """
     began = time.perf_counter()
     weighted = list(goals) if isinstance(goals, Sequence) else [(1.0, goals)]
     for weight, term in weighted:
-        if not (np.isfinite(weight) and weight >= 0):
-            raise InvalidInput(term.label, f"a weight of at least 0 is needed, not {weight!r}")
+        if not 0 <= weight <= LARGEST:
+            problem = f"a weight from 0 to {LARGEST:g} is needed, not {weight!r}"
+            raise InvalidInput(term.label, problem)
+    for term, limit in limits:
+        if not abs(limit) <= LARGEST:
+            problem = f"a limit of at most {LARGEST:g} is needed, not {limit!r}"
+            raise InvalidInput(term.label, problem)
     space = mass_space(design, changes)
     functions = [(weight, term.convex_term(space)) for weight, term in weighted]
     bounded = [(float(limit), term.convex_term(space)) for term, limit in limits]

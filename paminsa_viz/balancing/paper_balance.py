@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from paminsa_viz.balancing.changes import Changes, MassRange, MassSpace, mass_space
+from paminsa_viz.balancing.changes import MOST, Changes, MassRange, MassSpace, mass_space
 from paminsa_viz.balancing.convex import MaxAbs
 from paminsa_viz.balancing.optimum import (
     ActiveConstraint,
@@ -24,7 +24,7 @@ from paminsa_viz.balancing.optimum import (
     active_bounds,
     movable_bounds,
 )
-from paminsa_viz.balancing.program import Levers, Program, Solution
+from paminsa_viz.balancing.program import Infeasible, Levers, Program, Solution, SolverFailed
 from paminsa_viz.balancing.solver import solve
 from paminsa_viz.balancing.terms import MP2, AddedMass, MassChange
 from paminsa_viz.model.design import Design
@@ -51,7 +51,7 @@ def paper_changes(design: Design, most: float = MOST_ADDED) -> Changes:
     """
     held = {path: design.value(path) for path in PANTOGRAPH}
     return Changes(
-        tuple(MassRange(path, m, m + most, inertia_follows=False) for path, m in held.items())
+        tuple(MassRange(p, m, min(m + most, MOST), inertia_follows=False) for p, m in held.items())
     )
 
 
@@ -75,6 +75,7 @@ def balance(
 
     Raises:
         InfeasibleBounds: If M_p2 = 0 is required and the bounds do not allow it.
+        SolverFailed: If rounding is larger than what is left of M_p2.
     """
     began = time.perf_counter()
     chosen = criterion or AddedMass()
@@ -89,7 +90,11 @@ def balance(
         wanted = replace(program, limits=((0.0, MaxAbs(row[None], np.zeros(1))),))
         short = Shortfall("|M_p2|", "N", 0.0, abs(target))
         raise InfeasibleBounds((short,), movable_bounds(space, wanted))
-    found = solve(program)
+    try:
+        found = solve(program)
+    except Infeasible as error:
+        # The target is what the bounds allow, so that only rounding can be in the way.
+        raise SolverFailed("M_p2 cannot be brought to its least within rounding") from error
     levers = found.levers if target != 0.0 else _exact(space, found.levers)
     after = space.design_of(levers)
     return Optimum(

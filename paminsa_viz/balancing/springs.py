@@ -31,9 +31,12 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.leg_points import PointWeights, bar_point, point_weights
-from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.model.parameters import LARGEST, Counterweight
 from paminsa_viz.model.statics import static_torques, torques_of_legs
 from paminsa_viz.units import format_ascii
+
+STIFFEST = 1e9
+"""Largest stiffness of a spring [N/m]."""
 
 KINDS = ("joint", "bar", "guide", "slider")
 
@@ -65,8 +68,8 @@ class Anchor:
             raise InvalidInput("anchor", f"a leg has joints 2, 3, 4, 5, 7, 8, 9, not {self.joint}")
         if self.kind == "bar":
             Counterweight(self.bar, self.joint, self.beyond)
-        if not np.isfinite([self.radius, self.height]).all():
-            raise InvalidInput("anchor", "its radius and height have to be finite")
+        if not np.abs([self.radius, self.height]).max() <= LARGEST["m"]:
+            raise InvalidInput("anchor", f"its radius and height are up to {LARGEST['m']:g} m")
 
     def weights(self, geometry: Geometry) -> PointWeights:
         """Return where it is, as a weighted sum of the leg's joints 5 and 9."""
@@ -130,10 +133,11 @@ class SpringPlace:
 
     def __post_init__(self) -> None:
         stiffness, least, most = self.max_stiffness, self.min_free_length, self.max_free_length
-        if not (np.isfinite(stiffness) and stiffness >= 0):
-            raise InvalidInput("max_stiffness", f"at least 0 N/m is needed, not {stiffness!r}")
-        if not (np.isfinite(most) and 0 <= least <= most):
-            problem = f"free lengths with 0 <= least <= most are needed [m], not {least} to {most}"
+        if not 0 <= stiffness <= STIFFEST:
+            problem = f"0 to {STIFFEST:g} N/m is possible, not {stiffness!r}"
+            raise InvalidInput("max_stiffness", problem)
+        if not 0 <= least <= most <= LARGEST["m"]:
+            problem = f"0 <= least <= most <= {LARGEST['m']:g} m is needed, not {least} to {most}"
             raise InvalidInput("max_free_length", problem)
 
 

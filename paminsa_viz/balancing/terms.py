@@ -76,6 +76,17 @@ def _reached(space: MassSpace, field: Field) -> Array:
     return gamma
 
 
+def _static(space: MassSpace, field: Field) -> tuple[Array, Array]:
+    """Return static torques of M1..M3 as matrix . s + offset, (3 n, d), (3 n,); load the offset."""
+    gamma, load = _reached(space, field)[:3].ravel(), _against(space, field)[:3].ravel()
+    return gamma[:, None] * _row(len(space.start), Mp2=1.0), load
+
+
+def _against(space: MassSpace, field: Field) -> Array:
+    """Return what the actuators need against the load where Gamma has a value, (4, n) [N m, N]."""
+    return field.load_torques(space.design)[:, field.status == Limit.OK]
+
+
 def _imbalance(space: MassSpace, factor: float) -> MaxAbs:
     """Return a factor times |M_p2|."""
     return MaxAbs(factor * _row(len(space.start), Mp2=1.0)[None], np.zeros(1))
@@ -97,7 +108,8 @@ class Imbalance:
 class StaticPeak:
     """Largest static torque of M1..M3 over the poses of a field that can be taken [N m].
 
-    All of them are M_p2 times a map that no mass changes, so this is a constant times |M_p2|.
+    All of them are M_p2 times a map that no mass changes, and a load's constant part. Without a
+    load this is a constant times |M_p2|.
     """
 
     field: Field
@@ -106,7 +118,10 @@ class StaticPeak:
 
     def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        return _imbalance(space, float(np.abs(_reached(space, self.field)[:3]).max()))
+        gamma = _reached(space, self.field)[:3]
+        if space.design.load.acts:
+            return MaxAbs(*_static(space, self.field))
+        return _imbalance(space, float(np.abs(gamma).max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +134,13 @@ class StaticRms:
 
     def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        return _imbalance(space, float(np.sqrt(np.mean(_reached(space, self.field)[:3] ** 2))))
+        gamma = _reached(space, self.field)[:3]
+        if not space.design.load.acts:
+            return _imbalance(space, float(np.sqrt(np.mean(gamma**2))))
+        load = _against(space, self.field)[:3]
+        both = np.stack([gamma.ravel(), load.ravel()], axis=1) / np.sqrt(gamma.size)
+        triangle: Any = np.linalg.qr(both, mode="r")
+        return Norm(triangle[:, :1] * _row(len(space.start), Mp2=1.0), triangle[:, 1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +159,9 @@ class StaticLift:
             _row(len(space.start), Mp1=3 * k, Mp2=end, Mp3=3.0, m_pl=k * g)
             for end in (float(lift.min()), float(lift.max()))
         ]
-        return MaxAbs(np.array(matrix), np.zeros(2))
+        # a load lifts or presses alike everywhere
+        push = -k * space.design.load.force_z
+        return MaxAbs(np.array(matrix), np.full(2, push))
 
 
 def trajectory_rows(
@@ -146,7 +169,7 @@ def trajectory_rows(
 ) -> tuple[Array, Array]:
     """Return torques on a trajectory as matrix . s + offset: (n, actuators, d), (n, actuators).
 
-    The offset is friction and the inertia of the drives.
+    The offset is friction, the load and the inertia of the drives.
 
     Raises:
         InvalidInput: If the trajectory fails somewhere, is another robot's, or has misprints.
@@ -169,6 +192,8 @@ def trajectory_rows(
         offset += solved.drive_inertia_torque(space.design)[:, actuators]
     if not space.design.actuator_friction.zero:
         offset += solved.friction(space.design)[:, actuators]
+    if solved.loaded(space.design):
+        offset += solved.load_torques(space.design)[:, actuators]
     return matrix, offset
 
 

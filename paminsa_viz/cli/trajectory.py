@@ -111,7 +111,8 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     duration: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
     """Duration [s], instead of the motion's own."""
     shortest: bool = False
-    """Run the motion in the shortest time that keeps the limits --max-..."""
+    """Run the motion in the shortest time that keeps the limits --max-... and those of the design's
+    drives, if it has any."""
     rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
     """Samples a second; 1000 for planned motions, and as they are for a table."""
 
@@ -149,7 +150,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
             (self.shortest and timed, "--duration excludes --shortest"),
             (timed and unplanned, f"--duration {plan}"),
             (self.shortest and unplanned, f"--shortest {plan}"),
-            (self.shortest and not limits, f"--shortest needs a limit, such as {limit}"),
+            (
+                self.shortest and not limits and self.design is None,
+                f"--shortest needs a limit, such as {limit}, or a design with drives",
+            ),
             (limits and not self.shortest, f"{limit} belongs to --shortest"),
             (self.payload_mismatch and not self.simulate, "--payload-mismatch needs --simulate"),
             (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),

@@ -26,6 +26,9 @@ TRANSMISSIONS = ("", "screw", "belt")
 SELF_LOCKING = 0.5
 """Efficiency below which a screw cannot be driven by its load."""
 
+ROUNDING = 1e-12
+"""Relative rise of a slope that still counts as concave."""
+
 MOST_POINTS = 16
 """Most points of an envelope."""
 
@@ -156,19 +159,42 @@ class Drive(Group, path="drive", limits=(1e-12, 1e9)):
         return (*limited, (found[-1][0], min(found[-1][1], peak)))
 
     @property
+    def lines(self) -> tuple[tuple[float, float], ...]:
+        """Lines torque <= a - s speed that keep the envelope, as pairs a, s [N m, N m s/rad].
+
+        They are the envelope where it is concave. Below another one it is the steepest line from
+        its torque at rest to a corner.
+        """
+        (_, first), *rest = self.corners
+        if math.isinf(self.corners[-1][0]):
+            return ((first, 0.0),)
+        falls = [(t0 - t1) / (s1 - s0) for (s0, t0), (s1, t1) in pairwise(self.corners)]
+        if all(b >= a - ROUNDING * abs(a) for a, b in pairwise(falls)):
+            starts = self.corners[:-1]
+            return tuple((t + s * w, s) for (w, t), s in zip(starts, falls, strict=True))
+        return ((first, max((first - torque) / speed for speed, torque in rest)),)
+
+    @property
     def output_limits(self) -> OutputLimits:
         """What it gives at the actuator, its efficiency taken off."""
         factor = self.ratio * self.total_efficiency
         peak = max(torque for _, torque in self.corners)
         rated = math.inf if self.rated_torque is None else self.rated_torque
-        lever = self.ratio / self.gear_ratio * self.lead_efficiency
-        gear_peak = math.inf if self.gear_peak_torque is None else self.gear_peak_torque * lever
-        gear_rated = math.inf if self.gear_rated_torque is None else self.gear_rated_torque * lever
-        gear_speed = math.inf if self.gear_top_speed is None else self.gear_top_speed
+        gear = self.gear_limits
         return OutputLimits(
-            min(factor * peak, gear_peak),
-            min(factor * rated, gear_rated),
-            min(self.corners[-1][0], gear_speed) / self.ratio,
+            min(factor * peak, gear.peak),
+            min(factor * rated, gear.rated),
+            min(self.corners[-1][0] / self.ratio, gear.speed),
+        )
+
+    @property
+    def gear_limits(self) -> OutputLimits:
+        """What the gear alone can take, at the actuator."""
+        lever = self.ratio / self.gear_ratio * self.lead_efficiency
+        return OutputLimits(
+            math.inf if self.gear_peak_torque is None else self.gear_peak_torque * lever,
+            math.inf if self.gear_rated_torque is None else self.gear_rated_torque * lever,
+            math.inf if self.gear_top_speed is None else self.gear_top_speed / self.ratio,
         )
 
     @property

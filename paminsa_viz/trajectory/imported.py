@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
-from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.trajectory.sampled import LARGEST, Trajectory
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -75,14 +75,12 @@ def from_samples(
         spline = _spline(times, speeds, False)
         growth = spline(times, 1)
         notes.append(f"The acceleration is that of a spline of degree {spline.k}.")
-    if not (np.isfinite(speeds).all() and np.isfinite(growth).all()):
-        problem = (
-            "no finite velocity and acceleration follow from it; check the units of t and pose"
-        )
+    if not (np.abs(speeds).max() <= LARGEST and np.abs(growth).max() <= LARGEST):
+        problem = "velocity or acceleration would be too large; check the units of t and pose"
         raise InvalidInput("pose", problem)
     if velocity is None:
         notes += _rounding(times, poses)
-    if velocity is not None:
+    else:
         notes += _mismatch("velocity", times, poses, speeds)
     if acceleration is not None:
         notes += _mismatch("acceleration", times, speeds, growth)

@@ -69,6 +69,10 @@ class MotionLimits:
 QUANTITIES = (
     "speed", "turning speed", "acceleration", "turning acceleration", "jerk", "turning jerk",
     "torque of M1", "torque of M2", "torque of M3", "force of M4",
+    *(f"torque-speed envelope of {name}" for name in ACTUATOR_NAMES),
+    *(f"motor speed of {name}" for name in ACTUATOR_NAMES),
 )  # fmt: skip
 """Limited quantities, in the order in which `timing` looks at them."""
-UNITS = ("m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", "N m", "N m", "N m", "N")
+UNITS = ("m/s", "rad/s", "m/s^2", "rad/s^2", "m/s^3", "rad/s^3", "N m", "N m", "N m", "N") + (
+    ("",) * 4 + ("rad/s",) * 4
+)

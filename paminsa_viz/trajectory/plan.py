@@ -15,7 +15,13 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
-from paminsa_viz.trajectory.sampled import RATE, States, Trajectory, sample_times
+from paminsa_viz.trajectory.sampled import (
+    RATE,
+    STEPS,
+    States,
+    Trajectory,
+    sample_times,
+)
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them
@@ -154,7 +160,7 @@ class Chain:
         """Return the curves with the instants of their own 0 and 1."""
         turned = self.backward or (False,) * len(self.curves)
         spans = zip(self.curves, turned, pairwise(self.ends), strict=True)
-        return [(c, *(span[::-1] if back else span)) for c, back, span in spans]
+        return [(c, b, a) if back else (c, a, b) for c, back, (a, b) in spans]
 
     @property
     def breaks(self) -> Array:
@@ -187,7 +193,7 @@ class Plan:
         notes: What a person should know about it, a sentence each.
 
     Raises:
-        InvalidInput: If the duration is not a positive, finite number.
+        InvalidInput: If the duration is not a number within bounds.
     """
 
     curve: UnitCurve
@@ -197,10 +203,9 @@ class Plan:
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.duration) and self.duration > 0):
-            raise InvalidInput(
-                "duration", f"a finite time above 0 s is needed, not {self.duration!r}"
-            )
+        if not STEPS[0] <= self.duration <= STEPS[1]:
+            problem = f"{STEPS[0]:g} to {STEPS[1]:g} s are possible, not {self.duration!r}"
+            raise InvalidInput("duration", problem)
 
     def lasting(self, duration: float) -> Plan:
         """Return the same motion with another duration [s]."""

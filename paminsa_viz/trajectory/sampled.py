@@ -21,6 +21,9 @@ STEPS = (1e-12, 1e12)
 MOST_SAMPLES = 1_000_000
 """Longest list of samples; with all that is computed along it some 2 GB."""
 
+LARGEST = 1e12
+"""Largest pose and rate of a trajectory [SI], so that nothing overflows."""
+
 
 def sample_times(begin: float, end: float, rate: float) -> Array:
     """Return times in equal steps, both ends among them, at about a rate [1/s].
@@ -80,7 +83,8 @@ class Trajectory:
         notes: What a person should know about it, a sentence each.
 
     Raises:
-        InvalidInput: If shapes do not fit, a number is not finite, or times do not increase.
+        InvalidInput: If shapes do not fit, a number is not finite or too large, or times do not
+            increase in `STEPS`.
     """
 
     t: Array
@@ -104,6 +108,8 @@ class Trajectory:
                 raise InvalidInput(name, f"the shape has to be {(t.size, 4)}, not {array.shape}")
             if not np.isfinite(array).all():
                 raise InvalidInput(name, "all numbers have to be finite")
+            if np.abs(array).max() > LARGEST:
+                raise InvalidInput(name, f"numbers up to {LARGEST:g} are possible; check the unit")
             found[name] = array
         if self.load is not None:
             found["load"] = load = np.array(as_vectors(self.load, "load", 6))

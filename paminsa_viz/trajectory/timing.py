@@ -20,7 +20,9 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import NO_DRIVES
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
+from paminsa_viz.model.jacobians import actuator_acceleration
 from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, check_path
@@ -55,6 +57,8 @@ class MinimumTime:
     @property
     def explanation(self) -> str:
         """What keeps the motion from being shorter, in words."""
+        if not self.unit:
+            return f"{self.plan.duration:.4g} s: {self.quantity} is reached at {self.t:.4g} s"
         return (
             f"{self.plan.duration:.4g} s: {self.quantity} reaches {self.limit:.4g} {self.unit} "
             f"at {self.t:.4g} s"
@@ -94,6 +98,7 @@ def minimum_time(
     design: Design | None = None,
     *,
     reshape: bool = True,
+    drives: bool = True,
     misprints: Misprint = Misprint.NONE,
     clearance: float = SINGULAR_CLEARANCE,
 ) -> MinimumTime:
@@ -109,6 +114,10 @@ def minimum_time(
         design: The robot. Needed for torque limits; where it is given, the path is checked.
         reshape: Whether a straight trapezoid or S-curve may change its ramps to use the limits of
             speed, acceleration and jerk fully. Otherwise it is only stretched.
+        drives: Whether to keep the torque-speed envelopes and top speeds of the design's drives and
+            the peak torques of their gears, if it has any. Where a drive's efficiency is below 1,
+            both directions of the power count, which is a little more than needed near the
+            instants where the direction changes.
         misprints: Misprints of the paper to reproduce.
         clearance: See `check_path`.
 
@@ -130,20 +139,26 @@ def minimum_time(
         problem = "the acceleration of this motion jumps, so its jerk has no bound"
         raise InvalidInput("limits", problem)
     parts = [_rate_durations(curve, rates)]
-    if limits.needs_torques and design is not None:
+    driven = drives and design is not None and any(design.drives)
+    if design is not None and (driven or limits.needs_torques):
         parts.append(_torque_durations(curve, limits.actuators, design, misprints))
+    if design is not None and driven:
+        parts.append(_drive_durations(curve, design, misprints))
     needed = supremum(lambda u: np.concatenate([part(u) for part in parts], axis=1), curve.breaks)
     if not np.isfinite(needed.value) and design is not None:
         at = np.array([needed.u])
         held = _parts(curve, design, misprints, at)[0][0]
-        worst = int(np.argmax(np.abs(held) / limits.actuators))
+        bounds = limits.actuators
+        if needed.column >= FIRST_OF_DRIVES:
+            bounds = np.array([one.peak for one in design.output_limits])
+        worst = int(np.argmax(np.abs(held) / bounds))
         pose = tuple(map(float, curve(at)[0]))
-        most = float(limits.actuators[worst])
+        most = float(bounds[worst])
         raise InfeasibleMotion(worst, needed.u, pose, float(held[worst]), most)
     if needed.value <= 0:
         raise InvalidInput("limits", "nothing that moves is limited")
     duration = needed.value * (1.0 + _ROUNDING)
-    limit = [*rates.ravel(), *limits.actuators][needed.column]
+    limit = [*rates.ravel(), *limits.actuators, *[1.0] * 4, *_motor_speeds(design)][needed.column]
     return MinimumTime(
         plan.lasting(duration), QUANTITIES[needed.column], float(limit), UNITS[needed.column],
         needed.u * duration,
@@ -195,6 +210,74 @@ def _parts(
     return gravity + coulomb * np.sign(speed), viscous * speed, dynamic
 
 
+FIRST_OF_DRIVES = QUANTITIES.index("torque-speed envelope of M1")
+"""Place of the drives' limits among the columns of durations."""
+
+
+def _motor_speeds(design: Design | None) -> list[float]:
+    """Return the top speeds of the drives' motors, (4,) [rad/s]; infinite where there is none."""
+    if design is None:
+        return [np.inf] * 4
+    return [
+        np.inf if drive is None else one.speed * drive.ratio
+        for drive, one in zip(design.drives, design.output_limits, strict=True)
+    ]
+
+
+def _drive_durations(
+    curve: UnitCurve, design: Design, misprints: Misprint
+) -> Callable[[Array], Array]:
+    """Return the durations that the drives require, as a function (n,) -> (n, 8) [s].
+
+    With w = 1/T the load, the motor's own torque and its speed are polynomials in w, and so is each
+    line of the envelope; see `_longest`.
+    """
+    plain = replace(design, drives=NO_DRIVES)
+    speeds = np.array([one.speed for one in design.output_limits])
+
+    def durations(u: Array) -> Array:
+        load = _parts(curve, plain, misprints, u)
+        pose, rate, growth = curve(u), curve(u, 1), curve(u, 2)
+        speed = actuator_velocity(design, pose, rate)
+        turned = actuator_acceleration(design.geometry, pose, rate, growth)
+        found = np.zeros((len(u), 8))
+        found[:, 4:] = np.abs(speed) / speeds
+        for j, drive in enumerate(design.drives):
+            if drive is None:
+                continue
+            viscous, coulomb = drive.reflected_friction
+            inertia = drive.reflected_inertia * turned[:, j]
+            own = (coulomb * np.sign(speed[:, j]), viscous * speed[:, j], inertia)
+            lines = [
+                (a * drive.ratio, s * drive.ratio**2, share, 1.0)
+                for a, s in drive.lines
+                for share in {1 / drive.total_efficiency, drive.total_efficiency}
+            ]
+            lines.append((drive.gear_limits.peak, 0.0, 1.0, 0.0))
+            for limit, fall, share, counted in lines:
+                if np.isinf(limit):
+                    continue
+                parts = [
+                    share * part[:, j] + counted * o for part, o in zip(load, own, strict=True)
+                ]
+                for sign in (1.0, -1.0):
+                    constant, first, second = (sign * part for part in parts)
+                    first = first + fall * np.abs(speed[:, j])
+                    needed = _longest(limit - constant, first, second)
+                    found[:, j] = np.maximum(found[:, j], needed)
+        return found
+
+    return durations
+
+
+def _longest(room: Array, first: Array, second: Array) -> Array:
+    """Return 1/w for the smallest w > 0 with first w + second w^2 = room; infinite without room."""
+    with np.errstate(all="ignore"):
+        square = first**2 + 4.0 * second * room
+        needed = np.where(square >= 0, (first + np.sqrt(square)) / (2.0 * room), 0.0)
+    return np.where(room > 0, np.maximum(needed, 0.0), np.inf)
+
+
 def _torque_durations(
     curve: UnitCurve, limits: Array, design: Design, misprints: Misprint
 ) -> Callable[[Array], Array]:
@@ -208,12 +291,7 @@ def _torque_durations(
         constant, first, second = _parts(curve, design, misprints, u)
         longest = np.zeros_like(constant)
         for sign in (1.0, -1.0):
-            room = limits - sign * constant
-            with np.errstate(all="ignore"):
-                square = (sign * first) ** 2 + 4.0 * sign * second * room
-                numerator = sign * first + np.sqrt(square)
-                needed = np.where(square >= 0, numerator / (2.0 * room), 0.0)
-            needed = np.where(room > 0, np.maximum(needed, 0.0), np.inf)
+            needed = _longest(limits - sign * constant, sign * first, sign * second)
             longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, needed))
         return longest
 

@@ -8,6 +8,8 @@ from itertools import count
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from paminsa_viz.balancing import (
     ActiveConstraint,
@@ -26,6 +28,7 @@ from paminsa_viz.balancing import (
     beyond,
     optimize,
 )
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model import (
     APPENDIX_4,
     InvalidDesign,
@@ -130,6 +133,28 @@ def test_every_infeasible_limit_is_reported() -> None:
         optimize(APPENDIX_4, changes(0.2), MassChange(), limits=limits)
     assert len(caught.value.limits) == 2
     assert all(item.attainable >= item.limit for item in caught.value.limits)
+
+
+EXTREMES = st.sampled_from([0.0, 1e-300, 1e-12, 0.1, 1.0, 50.0, 1e4, 1e308, np.nan])
+
+
+@given(data=st.data())
+def test_extreme_bounds_are_rejected_or_certified(data) -> None:
+    """Warnings are errors here, so that an overflow fails the test."""
+    draw = lambda: data.draw(EXTREMES)  # noqa: E731
+    offered = [TrajectoryPeak(solved()), TrajectoryRms(solved()), StaticPeak(field())]
+    try:
+        what = Changes(
+            (MassRange("joints.j7", draw(), draw()), MassRange("links.b3", 0.0, draw())),
+            (CounterweightRange("b8", 8, 0.0, draw(), draw()),),
+        )
+        limits = [(AddedMass(), draw())] if data.draw(st.booleans()) else []
+        goals = [(draw(), data.draw(st.sampled_from(offered))), (1.0, AddedMass())]
+        result = optimize(APPENDIX_4, what, goals, limits=limits)
+    except PaminsaError:
+        return
+    assert result.lower_bound <= result.objective + 1e-9 * abs(result.objective)
+    assert np.isfinite([result.objective, result.lower_bound]).all()
 
 
 def with_one_mass(path: str) -> Changes:

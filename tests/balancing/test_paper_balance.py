@@ -19,10 +19,12 @@ from paminsa_viz.balancing import (
     beyond,
     whole_mass,
 )
+from paminsa_viz.balancing.program import SolverFailed
 from paminsa_viz.model import (
     APPENDIX_4,
     Counterweight,
     Design,
+    InvalidDesign,
     KneeBranch,
     lift_constant,
     static_imbalance,
@@ -163,3 +165,12 @@ def test_a_balanced_design_stays_as_it_is() -> None:
     again = balance(once)
     assert again.after == once
     assert again.objective == pytest.approx(0.0, abs=1e-12)
+
+
+@given(design=samples.loaded_designs())
+def test_a_design_of_any_possible_masses_is_balanced_or_refused(design: Design) -> None:
+    try:
+        after = balance(design).after
+    except (InvalidDesign, SolverFailed):  # a mass above its range; less than rounding is left
+        return
+    assert abs(static_imbalance(after)) <= abs(static_imbalance(design)) * (1 + 1e-9)

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
     KneeBranch,
+    Limit,
     check_reach,
     static_torques,
 )
@@ -26,6 +27,7 @@ from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.measured import pointwise
+from tests.support.samples import loaded_designs
 
 CELLS = 31
 
@@ -152,7 +154,7 @@ def test_difference_is_that_of_both_designs_where_both_reach(path: str) -> None:
     assert delta.reference == APPENDIX_4
     plain = state.updated("map_view", difference=False)
     np.testing.assert_array_equal(
-        store.present(state, CELLS).values, store.data(plain, CELLS).values
+        store.current(state, CELLS).values, store.data(plain, CELLS).values
     )
 
 
@@ -258,3 +260,13 @@ def test_map_with_nothing_in_reach_has_a_scale(mode: RangeMode) -> None:
     data = MapStore().data(at(z=-5.0), CELLS)
     assert np.isnan(data.values).all()
     assert len(choose(data, data, MapView(range_mode=mode))) == 3
+
+
+@given(design=loaded_designs(), mode=st.sampled_from(RangeMode), logarithmic=st.booleans())
+def test_a_design_of_any_possible_masses_has_maps_and_colors(design, mode, logarithmic) -> None:
+    view = MapView(range_mode=mode, logarithmic=logarithmic)
+    state = initial_state(design).updated("map_view", range_mode=mode)
+    for quantities in (("tau_1", "tau_2", "tau_3"), ("f_4",)):
+        data = MapStore().data(state, COARSE, quantities)
+        assert np.isfinite(data.values[:, data.status == Limit.OK]).all()
+        assert len(choose(data, data, view)) == len(quantities)

@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from hypothesis import strategies as st
 
-from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
+from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, Geometry, KneeBranch
+from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import (
     Inertias,
     JointMasses,
@@ -33,6 +34,14 @@ def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
         low += 1.0
     numbers = st.floats(-high if parameter.signed else low, high)
     return numbers if parameter.positive else st.just(0.0) | numbers
+
+
+@st.composite
+def loaded_designs(draw: st.DrawFn) -> Design:
+    """Draw Appendix 4's robot with masses, inertias and gravity of any possible size."""
+    paths = ["gravity", *MASS_PATHS]
+    chosen = draw(st.lists(st.sampled_from(paths), unique=True))
+    return APPENDIX_4.vary({path: draw(possible_values(PARAMETER[path])) for path in chosen})
 
 
 def random_design(rng: np.random.Generator, *, payload: bool = True) -> Design:

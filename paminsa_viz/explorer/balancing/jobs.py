@@ -15,6 +15,7 @@ from paminsa_viz.balancing import (
     beyond,
     paper_changes,
 )
+from paminsa_viz.balancing.changes import MOST
 from paminsa_viz.balancing.sensitivity import MASSES
 from paminsa_viz.model import Design, InvalidInput, PaminsaError
 from paminsa_viz.trajectory import Trajectory
@@ -112,9 +113,8 @@ def changes_of(settings: BalanceSettings, design: Design) -> Changes:
     masses = []
     for path in paths:
         held = design.value(path)
-        masses.append(
-            MassRange(path, (1 - settings.max_decrease) * held, held + settings.max_increase)
-        )
+        most = min(held + settings.max_increase, MOST)
+        masses.append(MassRange(path, (1 - settings.max_decrease) * held, most))
     for number, weight in enumerate(design.counterweights):
         masses.append(MassRange(f"counterweights.{number}.mass", 0.0, weight.mass))
     if not masses and not settings.counterweight_ranges:
@@ -175,9 +175,9 @@ class Outcome:
         after: The best design, or None.
         optimum: It, with its proof.
         effects: What it does to torques and masses.
-        front: The front, if that was asked for.
+        front: The front, if that was the task.
         designs: The designs of its points.
-        tornado: The sensitivity, if that was asked for.
+        tornado: The sensitivity, if that was the task.
         problem: Why there is nothing.
     """
 

@@ -40,8 +40,8 @@ class Planned:
 
     Attributes:
         trajectory: The motion, or None if its numbers make none.
-        problem: Why there is none, or none that keeps its limits, in words.
-        bound: What keeps it from being shorter, in words; empty if the duration was given.
+        problem: Why there is none, or none that keeps its limits.
+        bound: What keeps it from being shorter; empty if the duration was given.
     """
 
     trajectory: Trajectory | None
@@ -53,7 +53,8 @@ def planned(motion: Motion, design: Design) -> Planned:
     """Return the trajectory of a described motion for a robot; raises nothing."""
     # Masses matter only where torques bound the duration: other trajectories stay while a mass
     # changes, and with them all that was solved along them.
-    shown = motion.timing is Timing.SHORTEST and motion.limits.needs_torques
+    bounded = motion.limits.needs_torques or any(design.drives)
+    shown = motion.timing is Timing.SHORTEST and bounded
     return _planned(motion, design.geometry, design if shown else None)
 
 
