@@ -92,7 +92,7 @@ def reset_values(state: State, paths: tuple[str, ...]) -> State:
 
 
 def load_design(state: State, design: Design) -> State:
-    """Work on another design, at the present pose if it can be taken, else at home.
+    """Work on another design, at the current pose if it can be taken, else at home.
 
     With another branch of the knee the pose is the mirrored one, as in `set_knee`.
     """
@@ -128,7 +128,7 @@ def with_knee(document: Document, knee: KneeBranch) -> Document:
 
 
 def pin_reference(state: State) -> State:
-    """Keep the present design to compare with."""
+    """Keep the current design to compare with."""
     return with_document(state, replace(state.document, reference=state.document.design))
 
 
@@ -139,7 +139,7 @@ def unpin_reference(state: State) -> State:
 
 
 def swap_reference(state: State) -> State:
-    """Work on the reference, and keep the present design to compare with."""
+    """Work on the reference, and keep the current design to compare with."""
     document = state.document
     if document.reference is None:
         return state
@@ -151,7 +151,7 @@ def rename(state: State, name: str) -> State:
     """Give the design another name.
 
     Raises:
-        InvalidInput: If it cannot stand in a design file.
+        InvalidInput: If a design file cannot hold it.
     """
     problem = name_problem(name)
     if problem:

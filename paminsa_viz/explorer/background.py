@@ -24,7 +24,7 @@ class BackgroundJob(Generic[Job, Result]):
     """Runs the newest job that is requested; its result comes back to the session as an action.
 
     One job runs at a time, and of those that wait only the newest. A job that is no longer wanted
-    is told to stop, and its result is dropped.
+    is asked to stop, and its result is dropped.
     """
 
     def __init__(
@@ -42,7 +42,7 @@ class BackgroundJob(Generic[Job, Result]):
         Args:
             session: The session.
             key: Name of the actions.
-            run: Works a job out; called on the job's thread.
+            run: Solves a job; called on the job's thread.
             receive: Takes a result over into the state.
             failed: The result of a job that raised what is no fault of the person's, with the text
                 for the page.

@@ -34,10 +34,10 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PaminsaError
 
 TYPING_TIMEOUT = 1.0
-"""How long an impossible value may stand before it is refused [s]: typing 0.5 passes through 0."""
+"""How long an impossible value may remain before it is refused [s]: typing 0.5 passes through 0."""
 
 EMPTY = ("–",)
-"""What stands in a hidden row of buttons: viser refuses a row without any."""
+"""Text in a hidden row of buttons: viser refuses a row without any."""
 
 Draw = Callable[[Frame, bool], None]
 
@@ -180,10 +180,10 @@ class Panel:
 
 
 class Binding:
-    """An input, its way into the state and its way back.
+    """An input that sets the state and follows it.
 
-    A value that is typed and not possible changes nothing at first. Only if it still stands after
-    `TYPING_TIMEOUT` is the person told, and the input set back.
+    A value that is typed and not possible changes nothing at first. Only if it is still there after
+    `TYPING_TIMEOUT` is the person notified, and the input set back.
     """
 
     def __init__(self, session: Session, entry: Input, handle: Any) -> None:

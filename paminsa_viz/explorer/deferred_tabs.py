@@ -47,7 +47,7 @@ def build_tabs(
 
     Args:
         session: The tab of the browser.
-        bridge: The way to it.
+        bridge: Scripts to it and messages from it.
         places: The empty tabs by name, see `paminsa_viz.explorer.page.LATER_TABS`.
         context: What the layers of the scene are made with.
     """

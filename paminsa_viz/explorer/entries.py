@@ -49,7 +49,7 @@ class Entry:
     Attributes:
         key: Its name: a newer request of the same key replaces one that waits.
         label: Text next to it.
-        hint: Text where the pointer rests.
+        hint: Tooltip.
         visible, disabled: When it is; always and never if None.
         order: Place in the container, where it is not that of the table.
     """

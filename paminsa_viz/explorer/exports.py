@@ -116,15 +116,15 @@ def _maps_name(state: State, kind: str) -> str:
 
 
 def robot(state: State) -> File:
-    """Write the robot as it stands as a GLB."""
+    """Write the robot at its pose as a GLB."""
     from paminsa_viz.meshes import assemble_glb
 
-    design, configuration = _standing(state)
+    design, configuration = _posed(state)
     return File(file_name(state, "robot", "glb", at_pose=True), assemble_glb(design, configuration))
 
 
 def mujoco_model(state: State, meshes: bool) -> File:
-    """Write the robot as it stands for MuJoCo, held by position servos.
+    """Write the robot at its pose for MuJoCo, held by position servos.
 
     Args:
         state: What to write.
@@ -138,7 +138,7 @@ def mujoco_model(state: State, meshes: bool) -> File:
     from paminsa_viz.engines.exported import exported_mjcf
     from paminsa_viz.meshes.robot_files import robot_files, zipped
 
-    design, configuration = _standing(state)
+    design, configuration = _posed(state)
     text = exported_mjcf(design, pose=configuration.pose.tolist())
     if not meshes:
         return File(file_name(state, "mujoco", "xml", at_pose=True), text.encode())
@@ -147,8 +147,8 @@ def mujoco_model(state: State, meshes: bool) -> File:
     return File(name, zipped(files, name.removesuffix(".zip")))
 
 
-def _standing(state: State) -> tuple[Design, Configuration]:
-    """Return the present masses on the geometry that stands, and how it stands."""
+def _posed(state: State) -> tuple[Design, Configuration]:
+    """Return the current masses on the last reachable geometry, and its configuration."""
     standing = state.standing
     design = replace(state.document.design, geometry=standing.geometry)
     return design, inverse_kinematics(standing.geometry, standing.pose)
@@ -204,7 +204,7 @@ def motion_figure(state: State, kind: str) -> File:
     found, what = _motion_results(state), motion_figure_kind(state)
     sources, title = found.sources, None
     if what == "tracking" and not motions.simulation_is_current(state):
-        raise InvalidInput("simulation", "simulate the present motion first")
+        raise InvalidInput("simulation", "simulate the current motion first")
     if what == "comparison":
         check = found.answer.found if found.answer else None
         if check is None:

@@ -55,14 +55,14 @@ class Frame:
 
     Attributes:
         state: The state.
-        configuration: The standing configuration (last good one), one pose.
-        standing_design: The present masses on the geometry that stands.
-        requested: Reach of the pose asked for.
-        singularity: Distances of the standing pose.
-        torques: Static torques of the standing pose with the present masses, (4,) [N m, N].
+        configuration: The configuration at the last reachable pose.
+        standing_design: The current masses on the last reachable geometry.
+        requested: Reach of the requested pose.
+        singularity: Distances of the last reachable pose.
+        torques: Static torques there with the current masses, (4,) [N m, N].
         reference_torques: The same for the reference design, or None without one or if it cannot
-            stand there.
-        balance: M_p2 of the present design [N].
+            be there.
+        balance: M_p2 of the current design [N].
     """
 
     state: State
@@ -76,7 +76,7 @@ class Frame:
 
     @cached_property
     def drawable(self) -> bool:
-        """Whether every joint of the standing configuration has a place."""
+        """Whether every joint of the configuration has a place."""
         points = self.configuration.points
         return all(bool(np.isfinite(points[joint]).all()) for joint in (5, 8, 9))
 
@@ -107,10 +107,10 @@ class Frame:
 
 
 def compute(state: State) -> Frame:
-    """Work out what a state shows."""
+    """Return what a state shows."""
     document, standing = state.document, state.standing
     configuration = inverse_kinematics(standing.geometry, standing.pose)
-    # If the present geometry cannot stand, its masses are shown on the last one that could.
+    # If the current geometry is out of reach, its masses are shown on the last one that was not.
     here = document.design
     if standing.geometry != here.geometry:
         here = replace(here, geometry=standing.geometry)

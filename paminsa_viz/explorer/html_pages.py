@@ -3,7 +3,7 @@
 viser writes the page of the robot at a pose. Its scene needs a server to belong to, so one is
 started while the page is made, guarded and on this machine only. The motion is played by a small
 script of ours (``browser/player.js``), which moves the nodes: viser's own player makes the whole
-scene again whenever the motion starts again, and stands still meanwhile.
+scene again whenever the motion starts again, and freezes meanwhile.
 """
 
 from __future__ import annotations
@@ -94,7 +94,7 @@ def robot_html(design: Design, pose: ArrayLike) -> bytes:
         raise InvalidInput("pose", f"one pose (4,) is needed; got {place.shape}")
     require_reachable(design.geometry, place)
     configuration = inverse_kinematics(design.geometry, place)
-    with standing_robot(design, configuration) as (_, _, page):
+    with robot_scene(design, configuration) as (_, _, page):
         return titled(page(), f"PAMINSA: {design.name}").encode()
 
 
@@ -103,7 +103,7 @@ Places = Callable[[Configuration], tuple[dict[str, Position], dict[str, Quaterni
 
 
 @contextmanager
-def standing_robot(
+def robot_scene(
     design: Design, configuration: Configuration, *, covered: float = 0.0
 ) -> Iterator[tuple[viser.SceneApi, Places, Callable[[], str]]]:
     """Put a robot into a scene of its own.
@@ -190,7 +190,7 @@ def _record(analysis: TrajectoryAnalysis, times: Array) -> tuple[str, Frames]:
     geometry, trajectory = analysis.design.geometry, analysis.trajectory
     poses = trajectory.at(times).pose
     configurations = [inverse_kinematics(geometry, pose) for pose in poses]
-    with standing_robot(analysis.design, configurations[0], covered=_COVERED) as (
+    with robot_scene(analysis.design, configurations[0], covered=_COVERED) as (
         scene,
         places,
         page,
@@ -200,26 +200,26 @@ def _record(analysis: TrajectoryAnalysis, times: Array) -> tuple[str, Frames]:
 
 
 def _draw_path(scene: viser.SceneApi, trajectory: Trajectory, end: float) -> None:
-    """Draw the way of the platform: what is run, and red what is not."""
+    """Draw the path of the platform: what is run, and red what is not."""
     begin, last = float(trajectory.t[0]), float(trajectory.t[-1])
     for name, color, start, stop in (
         ("run", palette.INK, begin, end),
         ("beyond", palette.BAD, end, last),
     ):
         if stop > start:
-            way = trajectory.at(np.linspace(start, stop, _PATH_POINTS)).pose[:, PLACE]
-            Curve(scene, f"/path/{name}", color, thickness=3.0).draw([way])
+            path = trajectory.at(np.linspace(start, stop, _PATH_POINTS)).pose[:, PLACE]
+            Curve(scene, f"/path/{name}", color, thickness=3.0).draw([path])
 
 
 def _page(scene: str, analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> str:
-    """Return viser's page with our title, words, controls and places."""
+    """Return viser's page with our title, notes, controls and places."""
     title = f"PAMINSA: {analysis.trajectory.name}"
     data = json.dumps(_data(analysis, times, frames))
     player = asset(
         "player.html",
         SCRIPT=asset("player.js"),
         TITLE=html.escape(title),
-        WORDS="".join(f"<p>{html.escape(line)}</p>" for line in _words(analysis)),
+        WORDS="".join(f"<p>{html.escape(line)}</p>" for line in _notes(analysis)),
         DATA=data.replace("<", "\\u003c"),  # a name may hold </script>
     )
     page = titled(scene, title)
@@ -227,17 +227,17 @@ def _page(scene: str, analysis: TrajectoryAnalysis, times: Array, frames: Frames
     return page[:end] + player + page[end:]
 
 
-def _words(analysis: TrajectoryAnalysis) -> list[str]:
+def _notes(analysis: TrajectoryAnalysis) -> list[str]:
     """Return what the page says of the motion, a line each."""
     trajectory, first = analysis.trajectory, analysis.check.first
-    words = [
+    notes = [
         f"Design “{analysis.design.name}”, {analysis.solved.geometry.knee.label}; "
         f"{trajectory.duration:.4g} s. paminsa_viz {__version__}.",
         *trajectory.notes,
     ]
     if first is not None:
-        words.insert(0, f"The motion fails {first.explanation}. It is played up to there.")
-    return words
+        notes.insert(0, f"The motion fails {first.explanation}. It is played up to there.")
+    return notes
 
 
 def _data(analysis: TrajectoryAnalysis, times: Array, frames: Frames) -> dict[str, Any]:

@@ -43,7 +43,7 @@ class MapStore:
         self._field = lru_cache(kept)(workspace_field)
 
     def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
-        """Return the maps of a state, at the theta and z asked for.
+        """Return the maps of a state, at the requested theta and z.
 
         With ``map_view.difference`` and a pinned reference, they show the design minus the
         reference, each with its own geometry, masked where either is out of reach.
@@ -53,16 +53,16 @@ class MapStore:
             cells: Cells along each side.
             quantities: Keys of what to show, one a panel, all in one unit.
         """
-        present = self.present(state, cells, quantities)
+        shown = self.current(state, cells, quantities)
         reference = state.document.reference
         if not shows_difference(state) or reference is None:
-            return present
-        return difference(present, self._of(state, reference, cells, quantities))
+            return shown
+        return difference(shown, self._of(state, reference, cells, quantities))
 
-    def present(
+    def current(
         self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES
     ) -> MapData:
-        """Return the maps of the present design, whether or not the difference is shown."""
+        """Return the maps of the current design, whether or not the difference is shown."""
         return self._of(state, state.document.design, cells, quantities)
 
     def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
@@ -106,7 +106,7 @@ def hold_range(state: State) -> State:
     largest = 0.0
     for design in (document.design, document.reference or APPENDIX_4):
         shown = replace(state, document=replace(document, design=design))
-        data = store.present(shown, COARSE, TORQUES)
+        data = store.current(shown, COARSE, TORQUES)
         scale = choose(data, data, MapView())[0]
         if np.nanmax(np.abs(data.values), initial=0.0) > 0:
             largest = max(largest, -scale.low, scale.high)
@@ -130,7 +130,7 @@ def go_to(state: State, x: float, y: float) -> State:
 
 
 def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
-    """Return the color scales that a person asked for, one a panel.
+    """Return the color scales that a person chose, one a panel.
 
     A manual range counts for maps in the unit of ``view.quantity`` only; others get the robust
     range. Its ends may be given in either order.
@@ -138,7 +138,7 @@ def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
     Args:
         data: The maps; their extremes decide on the full range.
         sample: The same maps, coarse; they decide on the robust range.
-        view: What was asked for.
+        view: What was chosen.
     """
     choice = ScaleChoice(
         shared=view.shared,

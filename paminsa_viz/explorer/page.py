@@ -33,7 +33,7 @@ SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic 
 """Parts of the names of what draws in the absence of a graphics card."""
 
 LATER_TABS = ("Design", "Balance", "Motion", "Drives", "Compare", "View", "File")
-"""Tabs beside the first one; they are filled when the page stands."""
+"""Tabs after the first one; they are filled when the page is there."""
 
 
 def has_graphics_card(renderer: object) -> bool:
@@ -46,7 +46,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     """Build the page of a tab that has just connected, and start its worker.
 
     The first tab comes first, then the robot; the rest follows when the browser shows them, so that
-    nobody waits for it. Whoever adds views asks for a new state, so that they are drawn.
+    nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
     session = Session(client, initial_state(design))
     bridge = Bridge(client)

@@ -64,7 +64,7 @@ class Document:
 
     Attributes:
         design: The robot.
-        pose: The pose asked for; it may be out of reach.
+        pose: The requested pose; it may be out of reach.
         reference: A pinned design to compare with, or None.
         motion: The motion that is planned.
     """
@@ -97,7 +97,7 @@ class State:
     """Everything one browser tab shows.
 
     Attributes:
-        document, standing: What is worked on, and where the robot stands.
+        document, standing: What is worked on, and where the robot is.
         map_view: How the maps are drawn.
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.

@@ -12,11 +12,12 @@ TIME = "t_s"
 POSE = ("x_m", "y_m", "theta_rad", "z_m")
 VELOCITY = ("vx_m_s", "vy_m_s", "omega_rad_s", "vz_m_s")
 ACCELERATION = ("ax_m_s2", "ay_m_s2", "alpha_rad_s2", "az_m_s2")
+LOAD = ("Fx_N", "Fy_N", "Fz_N", "Mx_Nm", "My_Nm", "Mz_Nm")
 ACTUATORS = ("theta1_rad", "theta2_rad", "theta3_rad", "Z_m")
 SPEEDS = ("theta1_rate_rad_s", "theta2_rate_rad_s", "theta3_rate_rad_s", "Z_rate_m_s")
 TORQUES = ("tau1_Nm", "tau2_Nm", "tau3_Nm", "f4_N")
 POWERS = ("power1_W", "power2_W", "power3_W", "power4_W")
-PARTS = ("gravity", "inertial", "velocity", "friction")
+PARTS = ("gravity", "inertial", "velocity", "friction", "load")
 STATUS = "status"
 
 
@@ -34,6 +35,8 @@ UNITS: dict[str, dict[str, float]] = {
     "s": {"s": 1.0, "ms": 1e-3},
     "m": {"m": 1.0, "mm": 1e-3},
     "rad": {"rad": 1.0, "deg": math.pi / 180},
+    "N": {"N": 1.0, "kN": 1e3},
+    "Nm": {"Nm": 1.0},
 }
 """Units that may be written for an SI unit, each with its factor."""
 
@@ -71,7 +74,11 @@ POSES = TableKind(
 TRAJECTORY = TableKind(
     "a trajectory",
     (TIME, *POSE),
-    (("velocity", VELOCITY, VELOCITY), ("acceleration", ACCELERATION, VELOCITY + ACCELERATION)),
+    (
+        ("velocity", VELOCITY, VELOCITY),
+        ("acceleration", ACCELERATION, VELOCITY + ACCELERATION),
+        ("load", LOAD, ()),
+    ),
     any_unit=True,
 )
 

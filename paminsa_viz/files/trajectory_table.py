@@ -1,6 +1,8 @@
 """Trajectories and simulations as tables in SI units; trajectories can be read again.
 
-A table to read has a column of time, the pose, and optionally its rates, with units in the header.
+A table to read has a column of time, the pose, and optionally its rates and a load on the platform
+that varies with time, with units in the header. Of the load any columns may be left out, which are
+zero then; it comes on top of the design's load, at its point and in its directions.
 """
 
 from __future__ import annotations
@@ -16,6 +18,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
+    LOAD,
     PARTS,
     POSE,
     POWERS,
@@ -51,10 +54,13 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
     columns = {TIME: t.t}
     columns |= _named(POSE, t.pose) | _named(VELOCITY, t.velocity)
     columns |= _named(ACCELERATION, t.acceleration)
+    columns |= {} if t.load is None else _named(LOAD, t.load)
     columns |= _named(ACTUATORS, solved.actuators) | _named(SPEEDS, solved.speed)
     columns |= _named(TORQUES, analysis.torque)
+    loaded = solved.loaded(analysis.design)
     for part in PARTS:
-        columns |= _named(part_columns(part), getattr(parts, part))
+        if part != "load" or loaded:
+            columns |= _named(part_columns(part), getattr(parts, part))
     columns |= _named(POWERS, analysis.power)
     first = analysis.check.first
     published = [item.name for item in Misprint if item in solved.misprints and item.name]
@@ -147,13 +153,15 @@ def parse_trajectory(
         raise TableFileError(source, f"a trajectory needs at least two rows; there are {len(t)}")
 
     def group(names: tuple[str, ...]) -> NDArray[np.float64] | None:
-        present = names[0] in values
-        return np.stack([values[name] for name in names], axis=1) if present else None
+        if not any(name in values for name in names):
+            return None
+        zero = np.zeros(len(t))  # columns of a load that are left out
+        return np.stack([values.get(name, zero) for name in names], axis=1)
 
     pose = np.stack([values[name] for name in POSE], axis=1)
     try:
         return from_samples(
-            t, pose, group(VELOCITY), group(ACCELERATION), rest=rest,
+            t, pose, group(VELOCITY), group(ACCELERATION), load=group(LOAD), rest=rest,
             name=name or Path(source).stem or "imported",
         )  # fmt: skip
     except InvalidInput as error:

@@ -37,6 +37,7 @@ CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
     ("inertial", "inertia", "#E69F00", "solid"),
     ("velocity", "centrifugal and Coriolis", "#CC79A7", "dashdot"),
     ("friction", "friction", "#6b6b6b", "dotted"),
+    ("load", "load", "#009E73", "dashed"),
 )
 """Parts of a torque: attribute of `TorqueBreakdown`, label, color, stroke."""
 
@@ -167,15 +168,19 @@ def _energy(sources: SeriesSources) -> Iterator[SeriesPanel]:
 
 
 def _breakdown(sources: SeriesSources) -> Iterator[SeriesPanel]:
-    """Yield each actuator's torque by its causes; friction only where there is any."""
+    """Yield each actuator's torque by its causes; friction and load only where there is any."""
     analysis = sources.analysis
     parts = analysis.breakdown
-    rubs = bool(np.nanmax(np.abs(parts.friction), initial=0.0) > 0)
+    absent = {
+        name
+        for name in ("friction", "load")
+        if not np.nanmax(np.abs(getattr(parts, name)), initial=0.0) > 0
+    }
     for j, panel in _actuators(SYMBOLS, UNITS):
         causes = [
             Trace(label, getattr(parts, name)[:, j], color, dash)
             for name, label, color, dash in CAUSES
-            if rubs or name != "friction"
+            if name not in absent
         ]
         notes = [
             ", ".join(f"{t.label} up to {_size_text(t.values, panel.unit)}" for t in row)

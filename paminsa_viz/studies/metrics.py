@@ -245,6 +245,9 @@ def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, 
 def samples_hash(trajectory: Trajectory) -> str:
     """Return a hash of a motion's samples; its name does not count."""
     found = hashlib.sha256()
-    for array in (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration):
+    arrays = (trajectory.t, trajectory.pose, trajectory.velocity, trajectory.acceleration)
+    for array in arrays if trajectory.load is None else (*arrays, trajectory.load):
         found.update(array.astype("<f8").tobytes())
+    if trajectory.load is not None:
+        found.update(trajectory.load.astype("<f8").tobytes())
     return found.hexdigest()[:32]

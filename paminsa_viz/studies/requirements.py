@@ -11,9 +11,10 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.grids import ROTARY_TORQUES
+from paminsa_viz.model.grids import ROTARY_TORQUES, WRENCH_TORQUES
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.leg_points import bar_length
+from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.reach import LEAST_MARGIN
 from paminsa_viz.model.singularity import DEXTERITY, singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
@@ -110,6 +111,11 @@ def measure(design: Design, needs: Requirements) -> Measures:
     margin = backend.on_arrays(LEAST_MARGIN, *args)[0]
     condition = backend.on_arrays(DEXTERITY, *args)[1]
     torque = abs(static_imbalance(design)) * np.abs(gamma).max()
+    if design.load.acts:
+        j = np.array(backend.on_arrays(WRENCH_TORQUES, *args)).reshape(3, 3, -1)
+        w = generalized_force(design.load, theta)[:, :3]
+        loaded = static_imbalance(design) * gamma - np.einsum("ijn,ni->jn", j, w)
+        torque = np.abs(loaded).max()
     corners = np.abs([needs.low, needs.high])
     far = float(np.hypot(*corners[:, :2].max(axis=0)))
     # the circle is smallest at the theta nearest to zero

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor
 from dataclasses import dataclass, field
 
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.metrics import METRICS, MOTION_METRICS, RUNS, Metric
+from paminsa_viz.studies.metrics import METRICS, MOTION_METRICS, RUNS
 from paminsa_viz.studies.study import OK, Study
 
 PART = 8
@@ -36,7 +37,7 @@ class Extremes:
     least_row: int = -1
     largest_row: int = -1
 
-    def take_in(self, row: int, value: float) -> None:
+    def add(self, row: int, value: float) -> None:
         """Count one more value."""
         if self.least_row < 0 or value < self.least:
             self.least, self.least_row = value, row
@@ -61,34 +62,25 @@ class StudySummary:
     study: Study
     rows: int = 0
     found: int = 0
-    status: dict[str, int] = field(default_factory=dict)
-    motion: dict[str, int] = field(default_factory=dict)
+    status: Counter[str] = field(default_factory=Counter)
+    motion: Counter[str] = field(default_factory=Counter)
     extremes: dict[str, Extremes] = field(init=False)
 
     def __post_init__(self) -> None:
         self.extremes = {metric.column: Extremes() for metric in self.study.metrics}
 
-    def take_in(self, cells: Sequence[str]) -> None:
+    def add(self, cells: Sequence[str]) -> None:
         """Count one more row of the table."""
         self.rows += 1
         row = dict(zip(self.study.columns, cells, strict=True))
-        if _count(self.status, row["status"]) == OK:
-            self._accumulate(row, METRICS)
-        if row.get("motion") and _count(self.motion, row["motion"]) == RUNS:
-            self._accumulate(row, MOTION_METRICS)
-
-    def _accumulate(self, row: Mapping[str, str], metrics: tuple[Metric, ...]) -> None:
-        for metric in metrics:
-            cell = row[metric.column]
-            if cell:
-                self.extremes[metric.column].take_in(int(row["row"]), float(cell))
-
-
-def _count(counts: dict[str, int], status: str) -> str:
-    """Count a word, and return it without what it adds after a colon."""
-    word = status.partition(":")[0]
-    counts[word] = counts.get(word, 0) + 1
-    return word
+        parts = (self.status, "status", OK, METRICS), (self.motion, "motion", RUNS, MOTION_METRICS)
+        for counts, column, good, metrics in parts:
+            word = row.get(column, "").partition(":")[0]
+            if word:
+                counts[word] += 1
+            for metric in metrics if word == good else ():
+                if row[metric.column]:
+                    self.extremes[metric.column].add(int(row["row"]), float(row[metric.column]))
 
 
 def run_study(
@@ -122,7 +114,7 @@ def run_study(
     with ResumableCsv(path, head, study.columns, identity="study", restart=restart) as table:
         for cells in table.read():
             try:
-                summary.take_in(cells)
+                summary.add(cells)
             except ValueError:  # in a table of an earlier version, whose rows have no checksum
                 raise table.row_error("has a word where a number belongs") from None
         summary.found = summary.rows
@@ -134,7 +126,7 @@ def run_study(
             for rows in workers.in_order(study.rows, parts):
                 table.append(rows)
                 for cells in rows:
-                    summary.take_in(cells)
+                    summary.add(cells)
                 if progress is not None:
                     progress(summary)
         except BrokenExecutor as error:

@@ -131,7 +131,11 @@ class Study:
         facts = {
             "format": FORMAT,
             "version": __version__,
-            "design": {p.path: self.design.value(p.path) for p in PARAMETERS},
+            "design": {
+                p.path: self.design.value(p.path)
+                for p in PARAMETERS
+                if p.group != "load" or self._loaded  # tables of before there was one go on
+            },
             "counterweights": [asdict(weight) for weight in self.design.counterweights],
             "kind": type(self.variation).__name__,
             "variation": asdict(self.variation),
@@ -141,6 +145,8 @@ class Study:
             "columns": self.columns,
             "motion": None if self.trajectory is None else samples_hash(self.trajectory),
         }
+        if self._loaded:
+            facts["load frame"] = self.design.load.frame.value
         if any(self.design.drives):
             facts["drives"] = [drive and asdict(drive) for drive in self.design.drives]
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
@@ -184,6 +190,12 @@ class Study:
             if drive is not None:
                 facts[f"design drives.{name}"] = drive.summary
         return {key: printable(value) for key, value in facts.items() if value}
+
+    @property
+    def _loaded(self) -> bool:
+        """Whether a load acts on any design of it."""
+        varies = any(path.startswith("load.") for path in self.variation.paths)
+        return self.design.load.acts or varies
 
     @cached_property
     def _base_mass(self) -> float:

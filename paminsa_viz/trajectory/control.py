@@ -56,7 +56,8 @@ class Controller:
         if (self.proportional is None) != (self.derivative is None):
             raise InvalidInput("derivative", "proportional and derivative gains come together")
         for name in ("proportional", "derivative"):
-            value = np.asarray(getattr(self, name) or np.zeros(4), dtype=np.float64)
+            given = getattr(self, name)
+            value = np.zeros(4) if given is None else np.asarray(given, dtype=np.float64)
             if value.shape != (4,) or not (np.isfinite(value).all() and (value >= 0).all()):
                 raise InvalidInput(name, "four finite gains of at least 0 are needed")
 

@@ -160,7 +160,7 @@ class Chain:
         """Return the curves with the instants of their own 0 and 1."""
         turned = self.backward or (False,) * len(self.curves)
         spans = zip(self.curves, turned, pairwise(self.ends), strict=True)
-        return [(c, *(span[::-1] if back else span)) for c, back, span in spans]
+        return [(c, b, a) if back else (c, a, b) for c, back, (a, b) in spans]
 
     @property
     def breaks(self) -> Array:

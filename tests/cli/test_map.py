@@ -6,12 +6,10 @@ import json
 import math
 from dataclasses import replace
 from functools import partial
-from typing import get_args, get_type_hints
 
 import numpy as np
 import pytest
 
-from paminsa_viz.cli import COMMANDS
 from paminsa_viz.cli.map import Map, maps_of, scales_of
 from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
@@ -19,12 +17,11 @@ from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, backend, static_torques
 from paminsa_viz.model.reach import home_pose
-from paminsa_viz.quantities import QUANTITIES
 from tests.support import commands
 from tests.support.samples import with_knee
 
 run = partial(commands.run, "map")
-told = partial(commands.run_json, "map")
+run_json = partial(commands.run_json, "map")
 
 LIGHT = replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light")
 
@@ -33,12 +30,6 @@ LIGHT = replace(APPENDIX_4.vary({"links.b4": 0.3}), name="Light")
 def one_backend() -> None:
     """The compiled formulas from the start, so that equal maps are equal to the last bit."""
     backend.compile_now()
-
-
-def test_every_quantity_can_be_mapped() -> None:
-    assert "map" in COMMANDS
-    names = get_args(get_type_hints(Map)["quantity"])
-    assert {name.replace("-", "_") for name in names} == {"torques", *QUANTITIES}
 
 
 def state_of(pose: tuple[float, ...], view: MapView, reference: Design | None = None) -> State:
@@ -51,7 +42,7 @@ def state_of(pose: tuple[float, ...], view: MapView, reference: Design | None = 
 def test_files_are_those_of_the_explorer(capsys, folder) -> None:
     words = ("--z", "-500", "--at", "50", "-30", "--out", "a.svg", "--out", "a.csv", "--width",
              "120", "--dpi", "60")  # fmt: skip
-    told(capsys, *words)
+    run_json(capsys, *words)
     state = state_of((0.05, -0.03, math.pi / 3, -0.5), MapView())
     state = state.updated("export", width=120, dpi=60)
     store = MapStore()
@@ -63,7 +54,7 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
     save_design(LIGHT, "light.toml")
     words = ("--quantity", "max-torque", "--log", "--range", "-2", "3", "--reference", "light.toml",
              "--out", "a.svg", "--dpi", "60")  # fmt: skip
-    told(capsys, *words)
+    run_json(capsys, *words)
     view = MapView("max_torque", RangeMode.MANUAL, -2.0, 3.0, logarithmic=True, difference=True)
     state = state_of((0.0, 0.0, math.pi / 3, home_pose(APPENDIX_4.geometry)[3]), view, LIGHT)
     state = state.updated("export", single=True, dpi=60)
@@ -73,7 +64,7 @@ def test_a_difference_is_that_of_the_explorer(capsys, folder) -> None:
 @pytest.mark.parametrize("knee", list(KneeBranch))
 def test_numbers_are_static_torques(capsys, folder, knee) -> None:
     z = -0.5 if knee is KneeBranch.LOWER else 0.5
-    found = told(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
+    found = run_json(capsys, "--theta", "20", "--z", str(1e3 * z), "--cells", "40", "--assembly",
                  knee.value, "--out", "a.npz")  # fmt: skip
     with np.load(folder / "a.npz") as arrays:
         x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])

@@ -145,7 +145,7 @@ class TestOnTheGround:
     def test_the_legend_says_what_the_colors_mean(self, desk: Desk) -> None:
         view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
         desk.dispatch(lambda s: s.updated("map_view", quantity="tau_1", **view))
-        words = desk.panel._legend._words
+        words = desk.panel._legend._labels
         desk.until(lambda: (words["low"].text, words["high"].text) == ("−2.5", "7.5"))
         assert words["name"].text == "τ₁  [N·m]"
 

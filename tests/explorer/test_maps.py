@@ -154,7 +154,7 @@ def test_difference_is_that_of_both_designs_where_both_reach(path: str) -> None:
     assert delta.reference == APPENDIX_4
     plain = state.updated("map_view", difference=False)
     np.testing.assert_array_equal(
-        store.present(state, CELLS).values, store.data(plain, CELLS).values
+        store.current(state, CELLS).values, store.data(plain, CELLS).values
     )
 
 

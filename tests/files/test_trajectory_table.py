@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from paminsa_viz.files.columns import (
     ACCELERATION,
+    LOAD,
     POSE,
     RESULTS,
     TORQUES,
@@ -19,6 +20,7 @@ from paminsa_viz.files.columns import (
     UNITS,
     VELOCITY,
     match_columns,
+    part_columns,
 )
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.tables import table_csv, table_npz
@@ -180,7 +182,8 @@ def test_a_written_trajectory_comes_back(samples, knee, tmp_path) -> None:
 def test_columns_and_provenance_of_a_written_table() -> None:
     found = analyze(APPENDIX_4, LEAVING, misprints=Misprint.APP3_MC4)
     table = analysis_table(found)
-    assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS}
+    loads = {*LOAD, *part_columns("load")}  # only where there is one
+    assert set(table.columns) == {*TRAJECTORY.columns, *RESULTS} - loads
     text = table_csv(table).decode()
     comments = [line for line in text.splitlines() if line.startswith("# ")]
     head, *rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
@@ -232,3 +235,19 @@ def test_hostile_names_stay_on_one_line() -> None:
     found = analyze(APPENDIX_4.vary({}), samples)
     text = table_csv(analysis_table(found)).decode()
     assert parse(text).size == samples.size
+
+
+def test_loads_are_read_and_written_with_any_of_their_columns() -> None:
+    head = f"{HEAD},Fx_N,Fz [kN],Mz [N m]"
+    rows = "0,0,0,0,-0.5,10,-0.2,1\n0.5,0.01,0,0,-0.5,20,-0.1,3\n"
+    motion = parse(f"{head}\n{rows}")
+    assert motion.load is not None
+    np.testing.assert_allclose(motion.load, [[10, 0, -200, 0, 0, 1], [20, 0, -100, 0, 0, 3]])
+    assert parse(f"{HEAD}\n{ROWS}").load is None
+    table = analysis_table(analyze(APPENDIX_4, motion))
+    assert "tau1_load_Nm" in table.columns
+    again = parse(table_csv(table).decode())
+    np.testing.assert_array_equal(again.load, motion.load)
+    plain = analysis_table(analyze(APPENDIX_4, SAMPLES)).columns
+    assert not [name for name in plain if "load" in name or name.startswith("F")]
+    assert "write Fx_N or Fx_kN" in str(refusal(f"{HEAD},Fx\n{ROWS}"))

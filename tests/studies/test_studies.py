@@ -309,6 +309,8 @@ def test_every_difference_makes_another_table() -> None:
         replace(RANDOM, variation=replace(RANDOM.variation, seed=4)),
         replace(SMALL, trajectory=MOTION),
         replace(SMALL, trajectory=replace(MOTION, velocity=2 * MOTION.velocity)),
+        replace(SMALL, trajectory=replace(MOTION, load=np.zeros((MOTION.size, 6)))),
+        replace(SMALL, trajectory=replace(MOTION, load=np.ones((MOTION.size, 6)))),
     ]
     marks = {study.fingerprint for study in (SMALL, *others)}
     assert len(marks) == 1 + len(others)

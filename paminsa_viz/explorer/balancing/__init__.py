@@ -1,1 +1,1 @@
-"""Balancing on the page: what is asked for, how it is worked out, what comes of it."""
+"""Balancing on the page: settings, tasks, their solution and their outcome."""

@@ -90,7 +90,7 @@ def receive_result(state: State, outcome: Outcome) -> State:
     if outcome.job.task is Task.SENSITIVITY:
         return state.updated("balancing", running=None, tornado=outcome)
     if outcome.after is not None and state.document.design != outcome.job.design:
-        problem = InvalidInput("design", "it was changed in the meantime; ask once more")
+        problem = InvalidInput("design", "it was changed in the meantime; start again")
         outcome = Outcome(outcome.job, problem=problem)
     state = state.updated("balancing", running=None, outcome=outcome)
     if outcome.after is None or outcome.after == state.document.design:

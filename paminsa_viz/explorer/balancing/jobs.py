@@ -175,9 +175,9 @@ class Outcome:
         after: The best design, or None.
         optimum: It, with its proof.
         effects: What it does to torques and masses.
-        front: The front, if that was asked for.
+        front: The front, if that was the task.
         designs: The designs of its points.
-        tornado: The sensitivity, if that was asked for.
+        tornado: The sensitivity, if that was the task.
         problem: Why there is nothing.
     """
 

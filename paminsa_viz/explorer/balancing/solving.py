@@ -1,4 +1,4 @@
-"""Works a job out; pure functions, run on any thread."""
+"""Solves the tasks of the balance; pure functions, run on any thread."""
 
 from __future__ import annotations
 
@@ -61,11 +61,11 @@ SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
 Progress = Callable[[float], bool]
-"""Is told what part is done, and says whether to stop."""
+"""Takes what part is done, and returns whether to stop."""
 
 
 def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
-    """Work a job out; what cannot be done is part of the outcome."""
+    """Solve a task; what cannot be done is part of the outcome."""
     try:
         if job.task is Task.FRONT:
             return _front(job, progress)
@@ -172,11 +172,10 @@ def effects(job: Job, after: Design) -> tuple[Effect, ...]:
 def static_torque(job: Job, design: Design) -> tuple[float, float]:
     """Return peak and RMS of the static torques of M1..M3 over the plane [N m]; NaN without one."""
     field = plane(job)
-    gamma = field.gamma[:3, field.status == Limit.OK]
-    if gamma.size == 0:
+    torque = field.torques(design)[:3, field.status == Limit.OK]
+    if torque.size == 0:
         return np.nan, np.nan
-    size = abs(static_imbalance(design))
-    return size * float(np.abs(gamma).max()), size * float(np.sqrt(np.mean(gamma**2)))
+    return float(np.abs(torque).max()), float(np.sqrt(np.mean(torque**2)))
 
 
 def dynamic_torque(job: Job, design: Design) -> tuple[float, float]:

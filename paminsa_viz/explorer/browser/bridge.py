@@ -53,7 +53,7 @@ class Bridge:
     def open(self) -> None:
         """Set up the tab's side; a ``hello`` with the saved state, or None, comes back.
 
-        After it comes a ``shown``, once what has been sent so far stands on the screen; it may come
+        After it comes a ``shown``, once what has been sent so far is on the screen; it may come
         twice. A ``graphics`` names what draws the 3D view.
         """
         try:
@@ -151,7 +151,7 @@ def marker(name: str, share: float = 1.0, inputs: str = "") -> str:
     Args:
         name: Name of the place.
         share: What the picture takes of the container's width.
-        inputs: Where the container's inputs stand, for ``browser/page.css``.
+        inputs: Where the container's inputs are, for ``browser/page.css``.
     """
     arranged = f' data-paminsa-inputs="{inputs}"' if inputs else ""
     return f'<span data-paminsa-slot="{name}" data-share="{share:g}"{arranged}></span>'

@@ -20,7 +20,7 @@ from paminsa_viz.palette import ACTUATOR_COLORS, BAD, INK, MUTED, OK, REFERENCE,
 TOP: Final = "#fcfdfe"
 BOTTOM: Final = "#d8dee5"
 MIDDLE: Final = "#eef1f5"
-"""The gradient behind the 3D view; the middle stands for it where a gradient costs too much."""
+"""The gradient behind the 3D view; the middle replaces it where a gradient costs too much."""
 
 _COLORS: Final = {
     "ink": INK,
@@ -55,7 +55,7 @@ MARGIN = 15
 """Room to the edges of the 3D view [px]."""
 WIDEST, NARROWEST = 900, 640
 """Width of the panel at the start [px]."""
-BESIDE = 380 + 2 * MARGIN
+CONTROLS_WIDTH = 380 + 2 * MARGIN
 """What the control panel at the right takes, with margins [px]."""
 SHARE = 0.40
 """Largest share of the window's height that the panel takes at the start."""
@@ -67,7 +67,7 @@ def start_width(window_width: float, window_height: float) -> int:
     Three panels side by side take a width of about three times their height, and everything else
     in the panel about 105 px of height.
     """
-    fits = window_width - BESIDE
+    fits = window_width - CONTROLS_WIDTH
     by_height = 3 * (SHARE * window_height - 105 - 55) + 149
     wanted = min(fits, by_height, WIDEST)
     return int(max(wanted, NARROWEST)) if math.isfinite(wanted) else NARROWEST

@@ -54,7 +54,7 @@ def change(state: State, **changes: Any) -> State:
 
 
 def choose_preset(state: State, key: str) -> State:
-    """Choose a preset, in its own duration unless the shortest one is asked for."""
+    """Choose a preset, in its own duration unless the shortest one is chosen."""
     if key not in PRESET:
         raise InvalidInput("motion", f"one of {', '.join(PRESET)} is needed")
     motion = state.document.motion
@@ -81,19 +81,19 @@ def limit(state: State, name: str, value: float) -> State:
 
 
 def current_pose(state: State) -> Pose:
-    """Return the pose at which the robot stands, to the micrometer."""
+    """Return the pose of the robot, to the micrometer."""
     x, y, theta, z = (round(value, 6) + 0.0 for value in state.standing.pose)
     return (x, y, theta, z)
 
 
 def start_here(state: State) -> State:
-    """Let the motion from pose to pose begin where the robot stands."""
+    """Let the motion from pose to pose begin at the robot's pose."""
     _, goal = _ends(state)
     return change(state, start=current_pose(state), goal=goal)
 
 
 def goal_here(state: State) -> State:
-    """Let the motion from pose to pose end where the robot stands."""
+    """Let the motion from pose to pose end at the robot's pose."""
     start, _ = _ends(state)
     return change(state, start=start, goal=current_pose(state))
 
@@ -104,25 +104,25 @@ def _ends(state: State) -> tuple[Pose, Pose]:
 
 
 def swap_ends(state: State) -> State:
-    """Let the motion from pose to pose run the other way."""
+    """Let the motion from pose to pose run in the other direction."""
     start, goal = _ends(state)
     return change(state, start=goal, goal=start)
 
 
 def center_here(state: State) -> State:
-    """Put the circle's center where the robot stands."""
+    """Put the circle's center at the robot's pose."""
     return change(state, center=current_pose(state))
 
 
 def add_waypoint(state: State) -> State:
-    """Add the pose at which the robot stands to the waypoints.
+    """Add the pose of the robot to the waypoints.
 
     Raises:
         InvalidInput: If it is the last one again, or there are too many.
     """
     way, pose = state.document.motion.waypoints, current_pose(state)
     if way and way[-1] == pose:
-        raise InvalidInput("waypoints", "the robot stands at the last one; move it first")
+        raise InvalidInput("waypoints", "the robot is at the last one; move it first")
     return change(state, waypoints=(*way, pose))
 
 
@@ -137,13 +137,13 @@ def use_table(state: State, table: Trajectory) -> State:
 
 
 def show_time(state: State, time: float) -> State:
-    """Show another instant; the robot stands there if it follows the motion."""
+    """Show another instant; the robot goes there if it follows the motion."""
     moved = state.updated("playback", time=time)
     return with_document(moved, moved.document)
 
 
 def scrub(state: State, time: float) -> State:
-    """Go to an instant of the motion [s], and let the robot stand there; playing stops."""
+    """Go to an instant of the motion [s], and let the robot go there; playing stops."""
     if not math.isfinite(time):
         raise InvalidInput("time", "a finite time is needed")
     time = min(max(time, 0.0), duration(state))
@@ -187,7 +187,7 @@ def advance_time(state: State, passed: float) -> State:
 
 
 def wanted_job(state: State) -> SimulationJob:
-    """Return what a simulation of the present state is of.
+    """Return the simulation of the current state.
 
     Raises:
         InvalidInput: If there is no motion, or it is too long.
@@ -198,7 +198,7 @@ def wanted_job(state: State) -> SimulationJob:
 
 
 def simulate(state: State) -> State:
-    """Ask for a simulation of the present state, and for its curves.
+    """Start a simulation of the current state, and for its curves.
 
     Raises:
         InvalidInput: If there is nothing to simulate, or one runs already.
@@ -211,7 +211,7 @@ def simulate(state: State) -> State:
 
 
 def simulation_is_current(state: State) -> bool:
-    """Whether the last simulation is one of the present design, motion and settings."""
+    """Whether the last simulation is one of the current design, motion and settings."""
     outcome = state.simulating.outcome
     try:
         return outcome is not None and outcome.job.same(wanted_job(state))

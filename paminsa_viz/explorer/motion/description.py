@@ -19,10 +19,10 @@ Pose = tuple[float, float, float, float]
 MOST_WAYPOINTS = 40
 
 DURATIONS = (0.05, 600.0)
-"""Shortest and longest duration that can be asked for [s]."""
+"""Shortest and longest possible duration [s]."""
 
 RATES = (50.0, 10_000.0)
-"""Lowest and highest rate of samples that can be asked for [1/s]."""
+"""Lowest and highest possible rate of samples [1/s]."""
 
 LENGTHS = (1e-4, 10.0)
 """Smallest and largest radius or height of a motion [m]."""
@@ -86,7 +86,7 @@ class Motion:
     Attributes:
         kind: How it is made.
         preset: Key of the preset.
-        start, goal: Ends of a move, a line (which keeps theta) or an arch; None for ends beside
+        start, goal: Ends of a move, a line (which keeps theta) or an arch; None for ends next to
             the middle of the workspace.
         height: How far an arch rises [m].
         waypoints: Poses to pass.
@@ -213,7 +213,7 @@ class Playback:
     Attributes:
         time: Since the motion's start [s].
         playing: Whether it moves on.
-        following: Whether the robot stands where the motion is at ``time``; it does not once a
+        following: Whether the robot is where the motion is at ``time``; it does not once a
             person has moved it, until the motion is played or scrubbed again.
         speed: Times as fast as true time.
         loop: Whether the motion starts again at its end.

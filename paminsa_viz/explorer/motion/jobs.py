@@ -66,7 +66,7 @@ class SimulationSettings:
 
 @dataclass(frozen=True, eq=False)
 class SimulationJob:
-    """What was simulated, to tell whether a result is still that of the present state."""
+    """What was simulated, to compare a result with the current state."""
 
     design: Design
     trajectory: Trajectory
@@ -181,7 +181,7 @@ class Answer:
     Attributes:
         analysis: The design on the motion that it was asked about.
         found: Its torques, or None.
-        problem: Why there are none, in words.
+        problem: Why there are none.
         missing: Whether that is because there is no engine here, whatever the design.
     """
 

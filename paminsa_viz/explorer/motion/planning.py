@@ -40,8 +40,8 @@ class Planned:
 
     Attributes:
         trajectory: The motion, or None if its numbers make none.
-        problem: Why there is none, or none that keeps its limits, in words.
-        bound: What keeps it from being shorter, in words; empty if the duration was given.
+        problem: Why there is none, or none that keeps its limits.
+        bound: What keeps it from being shorter; empty if the duration was given.
     """
 
     trajectory: Trajectory | None

@@ -271,7 +271,7 @@ class BalancePanel(Panel):
         bridge.on("click", self._click)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the state, and start what is asked for."""
+        """Follow the state, and start what is requested."""
         self._job.request(frame.state.balancing.running)
         super().draw(frame, dragging)
 

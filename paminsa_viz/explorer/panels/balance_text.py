@@ -81,7 +81,7 @@ def _goal(outcome: Outcome) -> Goal:
 
 
 def variable_html(name: str) -> Markup:
-    """Return what may change, or is limited: its symbol, its words, or where a weight is."""
+    """Return what may change, or is limited: its symbol, its name, or where a counterweight is."""
     if name in PARAMETER:
         return Markup(symbol_html(PARAMETER[name].symbol))
     head, _, rest = name.partition(".")

@@ -35,7 +35,7 @@ class Group:
     """A folder of sliders.
 
     Attributes:
-        tab: Tab that it stands on.
+        tab: Its tab.
         title: Its heading, with the unit of its rows.
         prefixes: Starts of the paths that it holds.
         open: Whether it is open at first.

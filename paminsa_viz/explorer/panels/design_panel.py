@@ -126,7 +126,7 @@ LOAD = (
         read=lambda state: state.document.design.load.frame, apply=_set_frame,
     ),
 )  # fmt: skip
-"""What stands above the sliders of the load."""
+"""What is above the sliders of the load."""
 
 
 def _tab(tab: str) -> tuple[Entry, ...]:

@@ -30,7 +30,7 @@ LIVE_QUALITY = 88
 """Quality of the JPEG shown while dragging; the picture shown when idle is without loss."""
 
 Inputs = Literal["below", "right"]
-"""Where a picture's inputs stand: side by side below it, or one below the other at its right."""
+"""Where a picture's inputs are: side by side below it, or one below the other at its right."""
 
 SHARES: dict[Inputs, float] = {"below": 1.0, "right": 0.52}
 """What the picture takes of the panel's width; ``browser/page.css`` makes the room."""
@@ -94,7 +94,7 @@ class MapPicture:
         document, view = state.document, state.map_view
         reference = document.reference if shows_difference(state) else None
         motion = self._motions.analysis(state) if "path" in state.layers else None
-        # Where the robot stands is not part of it: the marker lies over the picture.
+        # Where the robot is, is not part of it: the marker lies over the picture.
         values = (document.design, document.pose[2:], reference, view, quantities, width)
         shown = (*values, self._slots.ratio, motion and motion.trajectory)
         if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):

@@ -76,7 +76,7 @@ class TimeCursor:
     of it thirty times a second.
 
     Args:
-        bridge: The way to the tab.
+        bridge: Scripts to the tab and messages from it.
         chosen: Called with the time [s] that was clicked on a chart.
     """
 

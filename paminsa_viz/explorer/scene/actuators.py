@@ -30,8 +30,8 @@ FULL_LENGTH: Final = 0.26
 THIN, THICK = 0.0045, 0.0095
 """Radius of an arrow's shaft at zero and at full scale [m]."""
 
-BESIDE_LIFT: Final = 0.072 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
-"""Where the force arrow stands beside the lift's axis, (x, y) [m]."""
+NEXT_TO_LIFT: Final = 0.072 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])
+"""Place of the force arrow next to the lift's axis, (x, y) [m]."""
 
 _RINGS, _SIDES = 24, 8
 
@@ -103,7 +103,7 @@ def force_arrow(fraction: float) -> Array:
 
 
 def arrow_scales(design: Design) -> tuple[float, float]:
-    """Return the torque [N m] and the force [N] that an arrow at full size stands for.
+    """Return the torque [N m] and the force [N] of an arrow at full size.
 
     They follow the weight of the design, so that the arrows of a balanced one are seen to shrink
     only because its torques do.
@@ -117,7 +117,7 @@ def arrow_scales(design: Design) -> tuple[float, float]:
 class TorqueArrows:
     """The layer ``torques``: torques of M1..M3 and the force of M4; made when first shown.
 
-    The longest arrow stands for a full scale, see `arrow_scales`; greater values are drawn as
+    The longest arrow is a full scale, see `arrow_scales`; greater values are drawn as
     long, and values that are not finite are not drawn.
     """
 
@@ -149,7 +149,7 @@ class TorqueArrows:
                 x, y = geometry.base_radius * np.array([np.cos(angle), np.sin(angle)])
                 node.position = (float(x), float(y), ARC_HEIGHT * geometry.knee.sign)
         if frame.drawable:
-            self._nodes[3].position = (*BESIDE_LIFT.tolist(), frame.configuration.actuators[3])
+            self._nodes[3].position = (*NEXT_TO_LIFT.tolist(), frame.configuration.actuators[3])
 
     def _draw_arrows(self) -> None:
         drawn = np.nan_to_num(self._fractions, nan=0.0, posinf=1.0, neginf=-1.0)
@@ -170,7 +170,7 @@ class TorqueArrows:
 
 
 def label_places(geometry: Geometry) -> list[tuple[float, float, float]]:
-    """Return where the names of M1..M4 stand [m]."""
+    """Return the places of the names M1..M4 [m]."""
     radius = geometry.base_radius + 0.165
     height = geometry.knee.sign * (at.MOUNT + at.PLATE + 0.018)
     around = [(float(radius * np.cos(a)), float(radius * np.sin(a)), height) for a in AXIS_ANGLES]
@@ -191,7 +191,7 @@ class ActuatorLabels:
         ]  # fmt: skip
 
     def draw(self, frame: Frame, dragging: bool) -> None:
-        """Stand at the actuators of the geometry."""
+        """Follow the actuators of the geometry."""
         del dragging
         geometry = frame.standing_design.geometry
         if geometry is not self._geometry:

@@ -1,4 +1,4 @@
-"""The robot's bodies as scene nodes, hung from each other as in the machine.
+"""The robot's bodies as scene nodes, attached to each other as in the machine.
 
 A pose moves nodes and sends nothing else. Each leg is a frame that turns about its axis; within it
 the shaft and the slider slide, the bars swing from them, and B4 swings from the end of B8. One
@@ -36,7 +36,7 @@ PARENT: Final = {
     "b8": "slider/",
     "b4": "slider/b8/",
 }
-"""What each body of a leg hangs from; empty for the leg's own frame."""
+"""What each body of a leg is attached to; empty for the leg's own frame."""
 
 
 @cache
@@ -90,7 +90,7 @@ class Bodies:
 
     def _build(self, geometry: Geometry) -> None:
         """Make or replace the bodies whose defining lengths or detail differ."""
-        for body in (*STANDING, *_HANGING_ORDER):
+        for body in (*STANDING, *_MOVING):
             wanted = (shapes.lengths_of(body, geometry), self._fine)
             if self._built.get(body) != wanted:
                 self._built[body] = wanted
@@ -100,7 +100,7 @@ class Bodies:
             self._nodes[node_name(f"leg{leg}/b4")].position = (geometry.crank_length, 0.0, 0.0)
 
     def _put(self, name: str, data: bytes) -> Any:
-        """Make or replace one node; a replaced one keeps its pose and what hangs from it."""
+        """Make or replace one node; a replaced one keeps its pose and what is attached to it."""
         node = self._nodes.get(name)
         if node is None:
             node = self._nodes[name] = self._scene.add_glb(name, data)
@@ -186,9 +186,9 @@ def _radius_in_leg_plane(configuration: Configuration, joint: int) -> Array:
 STANDING: Final = tuple(body for body in shapes.STANDING if body != "ground")
 """Bodies that do not move; the ground belongs to the stage."""
 
-_HANGING_ORDER: Final = (
+_MOVING: Final = (
     "carriage",
     "platform",
     *(f"leg{leg}/{kind}" for leg in (1, 2, 3) for kind in PARENT),
 )
-"""Moving bodies, each after the one it hangs from."""
+"""Moving bodies, each after the one it is attached to."""

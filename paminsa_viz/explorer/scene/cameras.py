@@ -1,4 +1,4 @@
-"""Camera presets: where to stand for the whole robot, from above, in front, at a leg."""
+"""Camera presets: the whole robot, from above, from the front, one leg."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ CAMERAS: Final = ("3D", "Top", "Front", "Leg 1", "Leg 2", "Leg 3")
 
 @dataclass(frozen=True)
 class CameraView:
-    """A camera: where it stands and what it looks at [m], and its field of view [rad]."""
+    """A camera: its position and what it looks at [m], and its field of view [rad]."""
 
     position: tuple[float, float, float]
     look_at: tuple[float, float, float]
@@ -44,9 +44,9 @@ def preset(
 
     Args:
         name: One of `CAMERAS`. "Leg k" faces the leg's plane as the paper's Fig. 2 does, from the
-            side where the mast does not stand in the way.
+            side where the mast is not in front of it.
         geometry: Lengths of the robot.
-        configuration: With it, "Leg k" squares up to the plane as it is now; without, as at home.
+        configuration: With it, "Leg k" faces the plane as it is now; without, as at home.
         aspect: Width of the picture divided by its height.
 
     Raises:
@@ -145,7 +145,7 @@ def look(session: Session, name: str) -> None:
     """Move a tab's camera to a preset, with the robot in the part of the view that is free.
 
     Args:
-        session: The tab; "Leg k" squares up to the leg as it stands.
+        session: The tab; "Leg k" faces the leg at the robot's pose.
         name: One of `CAMERAS`.
     """
     client, standing = session.client, session.state.standing

@@ -83,19 +83,19 @@ class FloorMap:
         self._curves_key: tuple[Any, ...] = ()
         self._legend_key: tuple[Any, ...] = ()
 
-    def draw(self, frame: Frame, moving: bool) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed; nothing is computed for layers that are hidden."""
         state = frame.state
         layers, standing = state.layers, state.standing
         self._stand(layout(standing.geometry).ground)
         x, y = standing.pose[:2]
         self._ring.position = (x, y, self._height + ABOVE["ring"])
-        if not moving or time.monotonic() >= self._due:
+        if not dragging or time.monotonic() >= self._due:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
             if "floor_map" in layers:
-                self._draw_map(state, moving)
+                self._draw_map(state, dragging)
             if layers & {"workspace", "singularity"}:
-                self._draw_curves(state, moving)
+                self._draw_curves(state, dragging)
         for node in (self._map, self._legend, self._ring):
             node.visible = "floor_map" in layers
         self._boundary.visible = "workspace" in layers
@@ -108,21 +108,21 @@ class FloorMap:
         self._map.position = (0.0, 0.0, height + ABOVE["map"])
         self._curves_key = self._legend_key = ()
 
-    def _draw_map(self, state: State, moving: bool) -> None:
+    def _draw_map(self, state: State, dragging: bool) -> None:
         document, view, opacity = state.document, state.map_view, state.floor_opacity
         reference = document.reference if shows_difference(state) else None
         theta, z = document.pose[2:]
         shown = (document.design, theta, z, reference, view, opacity)
-        if self._key and self._key[0] == shown and (moving or self._key[1]):
+        if self._key and self._key[0] == shown and (dragging or self._key[1]):
             return
         quantities = (view.quantity,)
-        data = self._store.data(state, COARSE if moving else FULL, quantities)
+        data = self._store.data(state, COARSE if dragging else FULL, quantities)
         scale = self._store.scales(state, data, quantities)[0]
         self._map.image = floor_image(data, scale, opacity)
         side = 2 * half_width(document.design.geometry)
         self._map.scale = (side, side, 1.0)
         self._draw_legend(data, scale, state)
-        self._key = (shown, not moving)
+        self._key = (shown, not dragging)
 
     def _draw_legend(self, data: MapData, scale: Scale, state: State) -> None:
         geometry = state.standing.geometry
@@ -133,20 +133,20 @@ class FloorMap:
         self._legend.draw(data, scale)
         self._legend.stand(geometry, self._height + ABOVE["legend"])
 
-    def _draw_curves(self, state: State, moving: bool) -> None:
+    def _draw_curves(self, state: State, dragging: bool) -> None:
         document = state.document
         theta, z = document.pose[2:]
         shown = (document.design.geometry, theta, z)
-        if self._curves_key and self._curves_key[0] == shown and (moving or self._curves_key[1]):
+        if self._curves_key and self._curves_key[0] == shown and (dragging or self._curves_key[1]):
             return
         # Shapes of the reach alone: the same for every quantity, and without a reference.
-        cells = COARSE if moving else FULL
-        data = self._store.present(state, cells, ("reach_margin",))
+        cells = COARSE if dragging else FULL
+        data = self._store.current(state, cells, ("reach_margin",))
         outline = [thinned(line, OUTLINE) for line in contours.pieces(contours.boundary(data))]
         self._boundary.draw(outline, self._height + ABOVE["boundary"])
         circle = contours.pieces(contours.singular_circle(data))
         self._circle.draw(circle, self._height + ABOVE["circle"])
-        self._curves_key = (shown, not moving)
+        self._curves_key = (shown, not dragging)
 
     def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])

@@ -1,6 +1,6 @@
-"""The legend beside the map on the ground: what its colors mean.
+"""The legend next to the map on the ground: what its colors mean.
 
-The colors lie on the ground; name and numbers stand beside them in letters of one size on the
+The colors lie on the ground; name and numbers are next to them in letters of one size on the
 screen, which stay legible however flat a camera looks at the ground.
 """
 
@@ -26,7 +26,7 @@ PIXELS: Final = 440
 """Pixels along the width."""
 DIRECTION: Final = np.radians(-52.0)
 """Where it lies, seen from the robot's axis: in front for the 3D camera."""
-WORDS: Final = 0.72
+LETTERS: Final = 0.72
 """Size of the letters, as a share of that of the actuators' names."""
 
 
@@ -35,10 +35,10 @@ def legend_place(
 ) -> tuple[tuple[float, float], tuple[float, float, float, float]]:
     """Return where the legend's center lies (x, y) [m] and how it is turned (wxyz)."""
     half_width, height = LEGEND_SIZE[0] / 2, LEGEND_SIZE[1]
-    # Beside the map, but not so far out that its outer corners leave the plinth.
+    # Next to the map, but not so far out that its outer corners leave the plinth.
     outer = np.sqrt(max((plinth_radius(geometry) - 0.03) ** 2 - half_width**2, 0.0))
-    beside = workspace_radius(geometry) + height / 2 + 0.03
-    radius = float(max(min(beside, outer - height / 2), height))
+    near = workspace_radius(geometry) + height / 2 + 0.03
+    radius = float(max(min(near, outer - height / 2), height))
     turn = DIRECTION + np.pi / 2
     place = (radius * float(np.cos(DIRECTION)), radius * float(np.sin(DIRECTION)))
     return place, (float(np.cos(turn / 2)), 0.0, 0.0, float(np.sin(turn / 2)))
@@ -75,8 +75,8 @@ class FloorLegend:
             cast_shadow=False, receive_shadow=False, visible=False,
         )  # fmt: skip
         out, across = LEGEND_SIZE[0] / 2 + 0.012, -LEGEND_SIZE[1] / 2 - 0.012
-        looks: dict[str, Any] = {"text": "", "font_screen_scale": WORDS, "visible": False}
-        self._words = {
+        looks: dict[str, Any] = {"text": "", "font_screen_scale": LETTERS, "visible": False}
+        self._labels = {
             "low": scene.add_label(
                 "/floor/legend/low", position=(-out, 0.0, 0.0), anchor="center-right", **looks
             ),
@@ -92,16 +92,16 @@ class FloorLegend:
         """Show a map's name and scale."""
         self.bar.image = legend_image(scale)
         factor, unit = data.display
-        words = {
+        texts = {
             "low": number(scale.low * factor),
             "high": number(scale.high * factor),
             "name": f"{data.names[0]}  {f'[{unit}]' if unit else ''}".rstrip(),
         }
-        for name, text in words.items():
-            self._words[name].text = text
+        for name, text in texts.items():
+            self._labels[name].text = text
 
     def stand(self, geometry: Geometry, height: float) -> None:
-        """Lie beside the map at a height [m]."""
+        """Lie next to the map at a height [m]."""
         (x, y), wxyz = legend_place(geometry)
         self.bar.position = (x, y, height)
         self.bar.wxyz = wxyz
@@ -114,5 +114,5 @@ class FloorLegend:
     @visible.setter
     def visible(self, visible: bool) -> None:
         self.bar.visible = visible
-        for label in self._words.values():
+        for label in self._labels.values():
             label.visible = visible

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     ViewFactory = Callable[["SceneContext"], View]
 
 
-def _ignore(source: str, intent: Callable[[Any], Any]) -> None:
+def _ignore(source: str, action: Callable[[Any], Any]) -> None:
     """Dispatch nothing: a scene without a session answers to nobody."""
 
 

@@ -136,7 +136,7 @@ Array = NDArray[np.float64]
 LINKS: Final = ("b1", "b2", "b3", "b4", "b7", "b8", "b10")
 
 BALL: Final = 0.0225
-"""Radius of the sphere that stands for 1 kg [m]."""
+"""Radius of the sphere of 1 kg [m]."""
 
 ARROW_PER_NEWTON: Final = 0.010
 LONGEST_ARROW: Final = 0.30

@@ -30,7 +30,7 @@ _LIGHTEST: Final = 0.9
 
 
 class PathScale(NamedTuple):
-    """Sizes of torque [N m] or force [N] that the first and the last color stand for."""
+    """Sizes of torque [N m] or force [N] that the first and the last color mean."""
 
     low: float
     high: float
@@ -110,9 +110,9 @@ class MotionPath:
         self._below = Curve(self._scene, "/path/below", INK, 2.0)
         self._key: tuple[object, ...] = ()
 
-    def draw(self, frame: Frame, moving: bool) -> None:
+    def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed; nothing is worked out for a path that is hidden."""
-        del moving
+        del dragging
         state = frame.state
         analysis = self._store.analysis(state) if "path" in state.layers else None
         height = layout(state.standing.geometry).ground + ABOVE

@@ -133,9 +133,9 @@ class Gizmo:
 
     def _dragged(self, event: viser.TransformControlsEvent) -> None:
         self._held = event.phase != "end"
-        self._dispatch("gizmo", self._intent)
+        self._dispatch("gizmo", self._move)
 
-    def _intent(self, state: State) -> State:
+    def _move(self, state: State) -> State:
         x, y, z = (float(v) for v in self.handle.position)
         w, _, _, k = (float(v) for v in self.handle.wxyz)
         if not np.isfinite((x, y, z, w, k)).all():
@@ -147,7 +147,7 @@ class Gizmo:
         return actions.move(state, x=x, y=y, theta=theta, z=z)
 
     def draw(self, frame: Frame, dragging: bool) -> None:
-        """Stand at the platform, unless it is being dragged."""
+        """Follow the platform, unless it is being dragged."""
         self.handle.visible = "gizmo" in frame.state.layers
         if (self._held and dragging) or not frame.drawable:
             return

@@ -141,7 +141,7 @@ def test_motion_passes_its_waypoints() -> None:
     motion = trajectory(state)
     for pose in poses:
         assert np.abs(motion.pose - pose).max(axis=1).min() < 1e-4
-    with pytest.raises(InvalidInput, match="stands at the last"):
+    with pytest.raises(InvalidInput, match="is at the last"):
         motions.add_waypoint(state)
     assert len(motions.remove_waypoint(state).document.motion.waypoints) == 2
     assert motions.change(state, waypoints=()).document.motion.waypoints == ()
