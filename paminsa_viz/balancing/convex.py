@@ -7,7 +7,7 @@ where a trial solution breaks them; a norm may go to the solver whole, as a seco
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,6 +93,16 @@ class MaxAbs(ConvexTerm):
 @dataclass(frozen=True, eq=False)
 class Norm(ConvexTerm):
     """The Euclidean norm |matrix . s + offset|, which a conic solver takes as it is."""
+
+    @classmethod
+    def of_many(cls, matrix: Array, offset: Array) -> Norm:
+        """Return the norm of many rows: that of the triangle of their QR factors."""
+        used = matrix.any(axis=0)
+        triangle: Any = np.linalg.qr(np.column_stack([matrix[:, used], offset]), mode="r")
+        triangle = triangle[np.abs(triangle).max(axis=1) > 1e-15 * np.abs(triangle).max()]
+        rows = np.zeros((len(triangle), matrix.shape[1]))
+        rows[:, used] = triangle[:, :-1]
+        return cls(rows, triangle[:, -1])
 
     def value(self, state: Array) -> float:
         return float(np.linalg.norm(self.at(state)))

@@ -271,11 +271,9 @@ def fit_springs(
         raise InvalidInput("pose", "the robot cannot take a single one of the poses")
     offset = gravity[good].ravel()
     rows = np.ascontiguousarray(matrix[:, good].reshape(-1, offset.size).T)
-    if measure == "peak":
-        function = MaxAbs(rows, offset)
-    else:
-        triangle = np.linalg.qr(np.column_stack([rows, offset]), mode="r") / np.sqrt(len(offset))
-        function = Norm(triangle[:, :-1], triangle[:, -1])
+    root = np.sqrt(offset.size)
+    peak = measure == "peak"
+    function = MaxAbs(rows, offset) if peak else Norm.of_many(rows / root, offset / root)
     size = 2 * len(places)
     variables = []
     for number, place in enumerate(places):  # K and K L of each spring: its lever is L

@@ -7,7 +7,7 @@ peak is a maximum of linear functions, their RMS a norm, the driving energy a su
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -78,13 +78,9 @@ def _reached(space: MassSpace, field: Field) -> Array:
 
 def _static(space: MassSpace, field: Field) -> tuple[Array, Array]:
     """Return static torques of M1..M3 as matrix . s + offset, (3 n, d), (3 n,); load the offset."""
-    gamma, load = _reached(space, field)[:3].ravel(), _against(space, field)[:3].ravel()
-    return gamma[:, None] * _row(len(space.start), Mp2=1.0), load
-
-
-def _against(space: MassSpace, field: Field) -> Array:
-    """Return what the actuators need against the load where Gamma has a value, (4, n) [N m, N]."""
-    return field.load_torques(space.design)[:, field.status == Limit.OK]
+    gamma = _reached(space, field)[:3].ravel()
+    load = field.load_torques(space.design)[:3, field.status == Limit.OK]
+    return gamma[:, None] * _row(len(space.start), Mp2=1.0), load.ravel()
 
 
 def _imbalance(space: MassSpace, factor: float) -> MaxAbs:
@@ -118,10 +114,9 @@ class StaticPeak:
 
     def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        gamma = _reached(space, self.field)[:3]
         if space.design.load.acts:
             return MaxAbs(*_static(space, self.field))
-        return _imbalance(space, float(np.abs(gamma).max()))
+        return _imbalance(space, float(np.abs(_reached(space, self.field)[:3]).max()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,13 +129,12 @@ class StaticRms:
 
     def convex_term(self, space: MassSpace) -> ConvexTerm:
         """See `Term`."""
-        gamma = _reached(space, self.field)[:3]
         if not space.design.load.acts:
+            gamma = _reached(space, self.field)[:3]
             return _imbalance(space, float(np.sqrt(np.mean(gamma**2))))
-        load = _against(space, self.field)[:3]
-        both = np.stack([gamma.ravel(), load.ravel()], axis=1) / np.sqrt(gamma.size)
-        triangle: Any = np.linalg.qr(both, mode="r")
-        return Norm(triangle[:, :1] * _row(len(space.start), Mp2=1.0), triangle[:, 1])
+        matrix, load = _static(space, self.field)
+        root = np.sqrt(load.size)
+        return Norm.of_many(matrix / root, load / root)
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,14 +181,11 @@ def trajectory_rows(
         extra = space.design.gravity - solved.gravity
         k = space.design.geometry.magnification
         matrix[:, actuators.index(3), PLATFORM] += k * extra
-    offset = np.zeros(matrix.shape[:2])
-    if any(space.design.drive_inertia):
-        offset += solved.drive_inertia_torque(space.design)[:, actuators]
-    if not space.design.actuator_friction.zero:
-        offset += solved.friction(space.design)[:, actuators]
-    if solved.loaded(space.design):
-        offset += solved.load_torques(space.design)[:, actuators]
-    return matrix, offset
+    design = space.design
+    offset = solved.friction(design) + solved.drive_inertia_torque(design)
+    if solved.loaded(design):
+        offset += solved.load_torques(design)
+    return matrix, offset[:, actuators]
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,12 +211,7 @@ class _Effort:
 
 
 class TrajectoryPeak(_Effort):
-    """Largest torque, in size, of some actuators over a trajectory's samples [N m, N].
-
-    Attributes:
-        solved: The trajectory, solved for the geometry.
-        actuators: Which actuators, 0 to 3.
-    """
+    """Largest torque, in size, of ``actuators`` (0 to 3) on a ``solved`` motion [N m, N]."""
 
     measure = "peak"
 
@@ -238,12 +224,7 @@ class TrajectoryPeak(_Effort):
 
 
 class TrajectoryRms(_Effort):
-    """Root mean square over a trajectory's time, over all of some actuators [N m, N].
-
-    Attributes:
-        solved: The trajectory, solved for the geometry.
-        actuators: Which actuators, 0 to 3.
-    """
+    """Root mean square over time and ``actuators`` (0 to 3) on a ``solved`` motion [N m, N]."""
 
     measure = "RMS"
 
@@ -252,14 +233,8 @@ class TrajectoryRms(_Effort):
         matrix, offset = trajectory_rows(space, self.solved, self.actuators)
         t = self.solved.trajectory.t
         weight = np.sqrt(time_weights(t) / ((t[-1] - t[0]) * len(self.actuators)))
-        both = np.concatenate([matrix[..., :MASS], offset[..., None]], axis=-1)
-        scaled: Array = (both * weight[:, None, None]).reshape(-1, MASS + 1)
-        # The norm of many rows is that of the triangle of their QR factors.
-        triangle: Any = np.linalg.qr(scaled, mode="r")
-        used = np.abs(triangle).max(axis=1) > 1e-15 * np.abs(triangle).max()
-        rows = np.zeros((int(used.sum()), len(space.start)))
-        rows[:, :MASS] = triangle[used, :-1]
-        return Norm(rows, triangle[used, -1])
+        matrix, offset = matrix * weight[:, None, None], offset * weight[:, None]
+        return Norm.of_many(matrix.reshape(-1, matrix.shape[-1]), offset.ravel())
 
 
 @dataclass(frozen=True, eq=False)
