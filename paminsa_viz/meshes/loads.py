@@ -12,9 +12,8 @@ from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import ACROSS, ALONG, Array, moved, rod, turn
-from paminsa_viz.model.counterweight_clearance import counterweight_clearance
 from paminsa_viz.model.design import Geometry, KneeBranch
-from paminsa_viz.model.leg_points import bar_length
+from paminsa_viz.model.leg_points import bar_length, counterweight_clearance
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 
 LOAD_DENSITY: Final = 3500.0

@@ -19,7 +19,6 @@ from paminsa_viz.model import (
     check_reach,
     forward_dynamics,
     inverse_dynamics,
-    inverse_kinematics,
     measure_singularity,
     rotary_torques,
     solve_field,
@@ -88,47 +87,6 @@ def test_numbers_exist_exactly_where_the_status_is_ok(
         assert np.isnan(flat[~ok]).all()
 
 
-@given(case=cases(), stroke=st.floats(0.3, 1.2), clearance=st.floats(0.0, 0.3))
-def test_maps_agree_with_reach(case: Case, stroke: float, clearance: float) -> None:
-    design = limited(case, stroke, clearance)
-    rng = np.random.default_rng(case.seed)
-    g = design.geometry
-    grid = Grid.over(
-        [0.0, 0.0, rng.uniform(-1, 1), -0.5 * g.coupler_length],
-        y=rng.uniform(-2, 2, 12) * g.base_radius,
-        x=rng.uniform(-2, 2, 11) * g.base_radius,
-    )
-    field = solve_field(g, grid)
-    reach = check_reach(g, grid.poses())
-    np.testing.assert_array_equal(field.status, reach.status)
-    np.testing.assert_array_equal(field.leg, reach.leg)
-    np.testing.assert_array_equal(field.margin < 0, ~reach.ok)
-    for values in (*field.gamma, field.determinant, field.condition):
-        np.testing.assert_array_equal(np.isnan(values), ~reach.ok)
-    for values in rotary_torques(design, grid):
-        np.testing.assert_array_equal(np.isnan(values), ~reach.ok)
-
-
-@given(case=cases(), side=st.sampled_from([-1, 1]))
-def test_a_guide_is_used_to_its_end_and_no_further(case: Case, side: int) -> None:
-    """A billionth of the stroke decides between a torque and none."""
-    pose = case.poses(1)[0]
-    p = inverse_kinematics(case.geometry, pose).points
-    travel = np.linalg.norm((p[8] - p[3])[:, :2], axis=-1)
-    stroke = float(travel.max()) * (1 + side * 1e-9)
-    design = replace(case.design, geometry=replace(case.geometry, guide_stroke=stroke))
-    allowed = side > 0
-    assert bool(check_reach(design.geometry, pose).ok) == allowed
-    measured = measure_singularity(design.geometry, pose)
-    for values in (
-        static_torques(design, pose),
-        inverse_dynamics(design, pose, np.ones(4), np.ones(4)).torque,
-        measured.condition,
-        measured.determinant,
-    ):
-        assert np.isfinite(values).all() == allowed
-
-
 @BOTH
 def test_exactly_at_the_end_of_a_guide_everything_is_known(knee: KneeBranch) -> None:
     """Lengths that are exact in binary: |X_4| of leg 3 is the stroke to the last bit."""
@@ -154,28 +112,6 @@ def test_exactly_at_the_end_of_a_guide_everything_is_known(knee: KneeBranch) -> 
         field.condition,
     ):
         assert np.isfinite(values).all()
-
-
-@given(case=cases(), longer=st.floats(1.0, 3.0))
-def test_a_longer_guide_only_adds_poses(case: Case, longer: float) -> None:
-    pose = wide_poses(case.design, case.seed, 300)
-    g = case.geometry
-    before = check_reach(g, pose)
-    after = check_reach(replace(g, guide_stroke=longer * g.stroke), pose)
-    assert not (before.ok & ~after.ok).any()
-    lost = ~before.ok & after.ok
-    assert (before.status[lost] == Limit.GUIDE).all()
-    np.testing.assert_array_equal(after.margins[..., [0, 1, 3]], before.margins[..., [0, 1, 3]])
-
-
-@given(case=cases(), clearance=st.floats(0.0, 0.5))
-def test_a_clearance_only_takes_poses_away(case: Case, clearance: float) -> None:
-    pose = wide_poses(case.design, case.seed, 300)
-    g = case.geometry
-    before = check_reach(g, pose)
-    after = check_reach(replace(g, axis_clearance=clearance * g.base_radius), pose)
-    assert not (after.ok & ~before.ok).any()
-    assert (after.status[before.ok & ~after.ok] == Limit.AXIS).all()
 
 
 NOT_FINITE = [(i, bad) for i in range(4) for bad in (np.nan, np.inf, -np.inf)]
@@ -207,19 +143,3 @@ def test_poses_that_are_not_finite_are_quiet_and_named(
         rotary_torques(with_knee(APPENDIX_4, knee), Grid.over(pose)),
     ):
         assert np.isnan(values).all()
-
-
-@BOTH
-def test_on_a_singularity_there_is_a_reason_instead_of_a_torque(knee: KneeBranch) -> None:
-    """Lengths that are exact in binary, so that the determinant is exactly zero."""
-    design = APPENDIX_4.vary({"geometry.base_radius": 0.5, "geometry.platform_radius": 0.25})
-    pose = [[0.25, 0.0, 0.0, -0.5], [0.1, 0.0, 0.0, -0.5]]
-    result = inverse_dynamics(with_knee(design, knee), pose, np.zeros(4), np.zeros(4))
-    assert result.status.tolist() == [Limit.SINGULAR, Limit.OK]
-    assert result.leg.tolist() == [-1, -1]
-    assert np.isnan(result.torque[0]).all()
-    assert not np.isfinite(unit_torques(with_knee(design.geometry, knee), pose)[0, :3]).any()
-    field = solve_field(with_knee(design.geometry, knee), Grid.over(pose[0], x=[0.25, 0.1]))
-    assert field.status.tolist() == [Limit.SINGULAR, Limit.OK]
-    assert np.isnan(field.gamma[:, 0]).all()
-    assert np.isfinite(field.gamma[:, 1]).all()

@@ -17,11 +17,11 @@ from paminsa_viz.model import (
     singular_radius,
     singular_rotation,
 )
-from paminsa_viz.model.counterweight_clearance import (
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.leg_points import (
     CounterweightClearance,
     counterweight_clearance,
 )
-from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.reach import Limit
 from tests.support.samples import random_design, with_knee

@@ -12,24 +12,32 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import (
     APPENDIX_4,
+    COEFFICIENTS,
     Design,
     Friction,
-    KneeBranch,
     Limit,
+    Misprint,
     actuator_power,
     actuator_velocity,
+    backend,
     forward_dynamics,
     inverse_dynamics,
+    joint_rates,
     kinetic_energy,
-    mass_matrix,
+    lumped_coefficients,
+    lumped_matrix,
+    mass_vector,
     potential_energy,
     static_torques,
     torque_breakdown,
+    torque_regressor,
+    unit_torques,
 )
-from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model import regressor as module
+from paminsa_viz.model.regressor import regressor_torques
+from tests.model import paper
 from tests.support import samples
-from tests.support.cases import BOTH, BY_HAND, Case, assert_close, assert_within, cases
-from tests.support.samples import with_knee
+from tests.support.cases import BY_HAND, PROTOTYPES, Case, assert_close, assert_within, cases
 
 RUBBING = Friction(
     viscous_rotary=0.4,
@@ -113,88 +121,6 @@ def test_forward_dynamics_undoes_inverse_dynamics(case: Case) -> None:
         assert_close(forward_dynamics(design, pose, v, torque), a, 1e-10)
 
 
-@given(case=cases())
-def test_inverse_dynamics_undoes_forward_dynamics(case: Case) -> None:
-    pose, v, _ = case.states()
-    rng = np.random.default_rng(case.seed)
-    torque = static_torques(case.design, pose) + rng.normal(size=pose.shape)
-    for design in (case.design, rubbing(case.design)):
-        a = forward_dynamics(design, pose, v, torque)
-        back = inverse_dynamics(design, pose, v, a).torque
-        assert_close(back, torque, 1e-10)
-
-
-@given(case=cases(), other=st.integers(0, 1000), scale=st.floats(0.0, 10.0))
-def test_torques_are_linear_in_the_masses(case: Case, other: int, scale: float) -> None:
-    states, design = case.states(), case.design
-    added = samples.random_design(np.random.default_rng(other))
-    added = replace(added, geometry=design.geometry, gravity=design.gravity)
-    both = design.vary({p: design.value(p) + scale * added.value(p) for p in MASS_PATHS})
-    one, two, sums = (inverse_dynamics(d, *states).torque for d in (design, added, both))
-    assert_within(sums, one + scale * two, 1e-11 * (np.abs(one).max() + scale * np.abs(two).max()))
-
-
-@given(case=cases(), turns=st.integers(1, 2))
-def test_a_third_of_a_turn_renames_the_actuators(case: Case, turns: int) -> None:
-    angle = 2 * np.pi / 3 * turns
-    c, s = np.cos(angle), np.sin(angle)
-
-    def turn(vectors: Any) -> Any:
-        turned = vectors.copy()
-        turned[:, :2] = vectors[:, :2] @ np.array([[c, s], [-s, c]])
-        return turned
-
-    def rename(values: Any) -> Any:
-        return np.concatenate([np.roll(values[:, :3], turns, axis=1), values[:, 3:]], -1)
-
-    pose, v, a = case.states()
-    design = rubbing(case.design)
-    one = inverse_dynamics(design, pose, v, a)
-    two = inverse_dynamics(design, turn(pose), turn(v), turn(a))
-    assert_close(two.torque, rename(one.torque), 1e-11)
-    assert_close(two.multipliers, rename(one.multipliers), 1e-10)
-    for energy in (kinetic_energy(design, pose, v), kinetic_energy(design, turn(pose), turn(v))):
-        np.testing.assert_allclose(energy, kinetic_energy(design, pose, v), rtol=1e-12)
-    around = np.eye(4)
-    around[:2, :2] = [[c, -s], [s, c]]
-    inertia = mass_matrix(design, pose)
-    expected = around @ inertia @ around.T
-    got = mass_matrix(design, turn(pose))
-    assert_within(got, expected, 1e-11 * np.abs(expected).max())
-    torque = rename(one.torque)
-    forward = forward_dynamics(design, turn(pose), turn(v), torque)
-    assert_close(forward, turn(a), 1e-9)
-
-
-@given(case=cases())
-def test_time_can_run_backwards(case: Case) -> None:
-    """Without friction the torques of a motion and of its reverse are the same."""
-    pose, v, a = case.states()
-    one = inverse_dynamics(case.design, pose, v, a)
-    two = inverse_dynamics(case.design, pose, -v, a)
-    assert_close(two.torque, one.torque, 1e-12)
-    assert_close(two.multipliers, one.multipliers, 1e-12)
-
-
-@BOTH
-def test_at_rest_the_torques_are_the_static_ones(knee: KneeBranch) -> None:
-    still = np.zeros(4)
-    for design in (APPENDIX_4, rubbing(APPENDIX_4)):
-        result = inverse_dynamics(with_knee(design, knee), BY_HAND, still, still)
-        assert_close(result.torque, static_torques(with_knee(design, knee), BY_HAND), 1e-12)
-
-
-def test_the_payload_counts_as_much_as_the_platform() -> None:
-    heavy = APPENDIX_4.vary({"platform.mass": 5.301, "platform.inertia": 0.035})
-    loaded = APPENDIX_4.vary({"payload.mass": 3.0, "payload.inertia": 0.02})
-    v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
-    one, two = (inverse_dynamics(d, BY_HAND, v, a).torque for d in (heavy, loaded))
-    assert_close(one, two, 1e-13)
-    # moved sideways, a payload does ask something of M1..M3, unlike its weight
-    bare = inverse_dynamics(APPENDIX_4, BY_HAND, v, a).torque
-    assert np.abs(one - bare)[:, :3].max() > 0.5
-
-
 @pytest.mark.parametrize("which", ["velocity", "acceleration"])
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_motions_that_are_not_finite_are_named_so(which: str, bad: float) -> None:
@@ -206,3 +132,110 @@ def test_motions_that_are_not_finite_are_named_so(which: str, bad: float) -> Non
         assert np.isnan(result.torque[1]).all()
         assert np.isnan(result.multipliers[1]).all()
         assert np.isfinite(result.torque[[0, 2]]).all()
+
+
+def solve_eq_15(
+    design: Design, states: Any, misprints: Misprint = Misprint.NONE
+) -> tuple[Any, Any]:
+    """Multipliers from the first four Lagrange equations, torques from the last four."""
+    pose, v, a = (np.asarray(s, float) for s in states)
+    motion = joint_rates(design.geometry, pose, v, a)
+    q = np.concatenate([pose, motion.configuration.actuators], -1)
+    v8 = np.concatenate([v, motion.actuators_velocity], -1)
+    a8 = np.concatenate([a, motion.actuators_acceleration], -1)
+    left = paper.lagrange(design, q, v8, a8, misprints)
+    coefficients = paper.slopes(
+        lambda p: paper.closure(design.geometry, p), list(np.moveaxis(q, -1, 0))
+    )
+    by_pose = np.swapaxes(coefficients[..., :4], -1, -2)
+    multipliers = np.linalg.solve(by_pose, left[..., :4, None])[..., 0]
+    reaction = np.einsum("...ij,...i->...j", coefficients[..., 4:], multipliers)
+    return multipliers, left[..., 4:] - reaction
+
+
+@given(case=cases())
+def test_multipliers_and_torques_are_those_of_the_papers_equations(case: Case) -> None:
+    states = case.states()
+    multipliers, torque = solve_eq_15(case.design, states)
+    result = inverse_dynamics(case.design, *states)
+    assert_close(result.torque, torque, 1e-10)
+    assert_close(result.multipliers, multipliers, 1e-10)
+
+
+@pytest.mark.parametrize("misprints", [*Misprint, Misprint.ALL], ids=str)
+@given(case=cases())
+def test_the_formulas_as_printed_are_those_of_the_text(misprints: Misprint, case: Case) -> None:
+    states = case.states()
+    multipliers, torque = solve_eq_15(case.design, states, misprints)
+    result = inverse_dynamics(case.design, *states, misprints)
+    assert_close(result.torque, torque, 1e-10)
+    assert_close(result.multipliers, multipliers, 1e-10)
+
+
+@given(case=cases(), flags=st.integers(0, Misprint.ALL.value).map(Misprint))
+def test_both_routes_agree_with_any_of_the_misprints(case: Case, flags: Misprint) -> None:
+    """Jourdain's principle against Lagrange's multipliers."""
+    states, gravity = case.states(), case.design.gravity
+    y = torque_regressor(case.geometry, *states, gravity=gravity, misprints=flags)
+    assert y.shape == (8, 4, 18)
+    torque = y @ lumped_coefficients(case.design, flags)
+    expected = inverse_dynamics(case.design, *states, flags).torque
+    assert_close(torque, expected, 1e-11)
+
+
+@given(case=cases(), other=st.integers(0, 10000))
+def test_one_regressor_serves_all_masses(case: Case, other: int) -> None:
+    """Another robot's masses on the same trajectory: one product, and no new Y."""
+    states = case.states()
+    y = torque_regressor(case.geometry, *states, gravity=case.design.gravity)
+    masses = samples.random_design(np.random.default_rng(other))
+    design = replace(masses, geometry=case.geometry, gravity=case.design.gravity)
+    c = lumped_matrix(case.geometry, design.gravity) @ mass_vector(design)
+    torque = regressor_torques(y, c)
+    assert_close(torque, y @ c, 1e-13)
+    expected = inverse_dynamics(design, *states).torque
+    assert_close(torque, expected, 1e-11)
+
+
+@PROTOTYPES
+def test_at_rest_its_columns_are_the_static_maps(design: Design) -> None:
+    still = np.zeros(4)
+    y = torque_regressor(design.geometry, BY_HAND, still, still)
+    named = dict(zip(COEFFICIENTS, np.moveaxis(y, -1, 0), strict=True))
+    lift = np.broadcast_to([0.0, 0.0, 0.0, 1.0], (3, 4))
+    assert_within(named["Mp1"], 9 * lift, 1e-14)  # 3 legs times k
+    assert_within(named["Mp3"], 3 * lift, 1e-14)
+    assert_within(named["Mp2"], unit_torques(design.geometry, BY_HAND), 1e-13)
+    assert_within(named["m_pl"], 9.81 * 3 * lift, 1e-13)
+    for name in (*(f"Mc{i}" for i in range(1, 14)), "I_pl"):
+        np.testing.assert_array_equal(named[name], 0.0)
+
+
+@PROTOTYPES
+def test_gravity_enters_through_the_platforms_mass_alone(design: Design) -> None:
+    v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
+    heavy, light = (
+        torque_regressor(design.geometry, BY_HAND, v, a, gravity=g) for g in (9.81, 1.62)
+    )
+    change = heavy - light
+    assert_within(change[:, 3, 16], np.full(3, 3 * (9.81 - 1.62)), 1e-13)
+    change[:, 3, 16] = 0.0
+    np.testing.assert_array_equal(change, 0.0)
+
+
+def test_a_misprint_of_a_coefficient_is_none_of_the_regressor() -> None:
+    v, a = np.array([0.3, -0.2, 0.8, 0.1]), np.array([1.0, 2.0, -3.0, 0.5])
+    right = torque_regressor(APPENDIX_4.geometry, BY_HAND, v, a)
+    for flag in Misprint:
+        printed = torque_regressor(APPENDIX_4.geometry, BY_HAND, v, a, misprints=flag)
+        assert (printed != right).any() == (flag is not Misprint.APP3_MC4)
+
+
+def test_long_trajectories_are_worked_in_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(3)
+    states = samples.random_states(rng, APPENDIX_4, n=25)
+    whole = torque_regressor(APPENDIX_4.geometry, *states)
+    for block in (1, 7, 24):
+        monkeypatch.setattr(module, "BLOCK", block)
+        with backend.use_numpy():
+            assert_close(torque_regressor(APPENDIX_4.geometry, *states), whole, 1e-12)

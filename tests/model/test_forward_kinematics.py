@@ -131,19 +131,6 @@ def test_the_continued_pose_is_the_one_it_came_from(case: Case, turns: int) -> N
     assert_within(nearest_solution(case.geometry, actuators, near), pose, 1e-11)
 
 
-def test_continuing_follows_a_path_around_the_workspace() -> None:
-    """A circle in (x, y) and theta, each pose found from its actuators and the pose before."""
-    t = np.linspace(0, 2 * np.pi, 400)
-    path = np.stack(
-        [0.06 * np.cos(t), 0.05 * np.sin(t), 0.5 * np.sin(2 * t), -0.5 + 0.1 * np.sin(t)], -1
-    )
-    actuators = inverse_kinematics(APPENDIX_4.geometry, path).actuators
-    pose = path[0]
-    for wanted, q in zip(path, actuators, strict=True):
-        pose = nearest_solution(APPENDIX_4.geometry, q, pose)
-        assert_within(pose, wanted, 1e-12)
-
-
 def test_the_nearer_of_two_assembly_modes_is_taken() -> None:
     geometry = APPENDIX_4.geometry
     actuators = inverse_kinematics(geometry, BY_HAND).actuators

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from hypothesis import given
 
-from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, inverse_kinematics, joint_rates
-from paminsa_viz.model.kinematics import LEG_AXES, wrap
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    actuator_velocity,
+    closure,
+    closure_matrix,
+    inverse_jacobian,
+    inverse_jacobian_rate,
+    inverse_kinematics,
+    jacobian,
+    joint_rates,
+)
+from paminsa_viz.model.kinematics import LEG_AXES
 from paminsa_viz.model.leg import leg_motion, leg_position, mechanism
 from tests import oracle
-from tests.support.cases import BOTH, BY_HAND, Case, assert_within, cases
-from tests.support.samples import with_knee
+from tests.model import paper
+from tests.support.cases import Case, assert_within, cases
 
 JOINTS = (2, 3, 4, 5, 7, 8, 9)
 
@@ -69,42 +79,6 @@ def test_bars_turn_as_first_principles_say(case: Case) -> None:
     assert_within(motion.actuators_acceleration[:, 3], top.second, 1e-12)
 
 
-def differences(f: Callable[[float], Any], h: float = 5e-4) -> tuple[Any, Any]:
-    """First and second derivative of f at 0, from seven values."""
-    v = {n: f(n * h) for n in range(-3, 4)}
-    first = (45 * (v[1] - v[-1]) - 9 * (v[2] - v[-2]) + (v[3] - v[-3])) / (60 * h)
-    second = 270 * (v[1] + v[-1]) - 27 * (v[2] + v[-2]) + 2 * (v[3] + v[-3]) - 490 * v[0]
-    return first, second / (180 * h * h)
-
-
-@given(case=cases())
-def test_motion_is_the_derivative_of_the_postures(case: Case) -> None:
-    """Nothing but `inverse_kinematics` itself, a little before and after."""
-    pose, v, a = case.states()
-    motion = joint_rates(case.geometry, pose, v, a)
-    now = inverse_kinematics(case.geometry, pose)
-
-    def at(t: float, of: Callable[[Any], Any]) -> Any:
-        return of(inverse_kinematics(case.geometry, pose + v * t + a * t * t / 2))
-
-    def check(of: Callable[[Any], Any], rate: Any, second: Any) -> None:
-        first, twice = differences(lambda t: at(t, of))
-        assert_within(rate, first, 1e-6 * largest(first))
-        assert_within(second, twice, 1e-4 * largest(twice))
-
-    for number in JOINTS:
-        check(lambda p, i=number: p.points[i], motion.velocity[number], motion.acceleration[number])
-    check(
-        lambda p: np.concatenate(
-            [wrap(p.actuators[:, :3] - now.actuators[:, :3]), p.actuators[:, 3:]], -1
-        ),
-        motion.actuators_velocity,
-        motion.actuators_acceleration,
-    )
-    check(lambda p: wrap(p.psi - now.psi), motion.psi_rate, motion.psi_acceleration)
-    check(lambda p: wrap(p.phi - now.phi), motion.phi_rate, motion.phi_acceleration)
-
-
 @given(case=cases())
 def test_the_formulas_carry_complex_steps(case: Case) -> None:
     """`leg_position` on complex numbers differentiates itself, to rounding."""
@@ -137,29 +111,6 @@ def test_the_formulas_carry_complex_steps(case: Case) -> None:
         assert_within(partial, getattr(motion, f"{name}_rate"), 1e-11 * largest(v, partial))
 
 
-@BOTH
-def test_a_robot_at_rest_does_not_move(knee: KneeBranch) -> None:
-    still = np.zeros(4)
-    motion = joint_rates(with_knee(APPENDIX_4.geometry, knee), BY_HAND, still, still)
-    for points in (*motion.velocity.values(), *motion.acceleration.values()):
-        np.testing.assert_array_equal(points, np.zeros((3, 3, 3)))
-    np.testing.assert_array_equal(motion.actuators_velocity, np.zeros((3, 4)))
-    np.testing.assert_array_equal(motion.configuration.pose, BY_HAND)
-    assert motion.configuration.geometry.knee is knee
-
-
-def test_the_lift_copies_the_height_divided_by_k() -> None:
-    """The decoupling of the paper: x, y, theta do not move Z, and z does not move M1..M3."""
-    level = joint_rates(APPENDIX_4.geometry, BY_HAND, [0.4, -0.3, 0.8, 0.0], [1.0, 2.0, 3.0, 0.0])
-    np.testing.assert_array_equal(level.actuators_velocity[:, 3], 0.0)
-    np.testing.assert_array_equal(level.actuators_acceleration[:, 3], 0.0)
-    upright = joint_rates(APPENDIX_4.geometry, BY_HAND, [0.0, 0.0, 0.0, 0.6], [0.0, 0.0, 0.0, 1.5])
-    np.testing.assert_array_equal(upright.actuators_velocity[:, :3], 0.0)
-    assert_within(upright.actuators_velocity[:, 3], np.full(3, 0.2), 1e-15)
-    assert_within(upright.actuators_acceleration[:, 3], np.full(3, 0.5), 1e-15)
-    np.testing.assert_array_equal(upright.velocity[8], 0.0)
-
-
 def test_joints_that_do_not_hang_on_the_knee_are_known_out_of_reach() -> None:
     motion = joint_rates(APPENDIX_4.geometry, [0.0, 0.0, 0.0, -1.2], np.ones(4), np.ones(4))
     for number in (2, 3, 5, 8):
@@ -168,3 +119,96 @@ def test_joints_that_do_not_hang_on_the_knee_are_known_out_of_reach() -> None:
     for number in (4, 7, 9):
         assert np.isnan(motion.velocity[number]).all()
         assert np.isnan(motion.acceleration[number]).all()
+
+
+def eight(pose: Any, actuators: Any) -> list[Any]:
+    """The paper's eight coordinates as a list of arrays."""
+    return list(np.moveaxis(np.concatenate([pose, actuators], -1), -1, 0))
+
+
+@given(case=cases())
+def test_a_ij_are_the_derivatives_of_the_printed_closure(case: Case) -> None:
+    """Complex steps through Eqs. 16 and 17, also at actuators that do not fit the pose."""
+    pose = case.poses()
+    fitting = inverse_kinematics(case.geometry, pose).actuators
+    rng = np.random.default_rng(case.seed)
+    for actuators in (fitting, fitting + rng.normal(size=fitting.shape)):
+        exact = paper.slopes(
+            lambda q: paper.closure(case.geometry, q), eight(pose, actuators)
+        )  # (n, 4, 8)
+        assert_within(closure_matrix(case.geometry, pose, actuators), exact, 1e-14)
+
+
+@given(case=cases())
+def test_a_ij_are_the_derivatives_of_the_closure_function(case: Case) -> None:
+    pose, h = case.poses(), 1e-5
+    rng = np.random.default_rng(case.seed)
+    actuators = inverse_kinematics(case.geometry, pose).actuators + rng.normal(size=pose.shape)
+    matrix = closure_matrix(case.geometry, pose, actuators)
+    for j in range(8):
+        step = np.zeros(8)
+        step[j] = h
+        ahead = closure(case.geometry, pose + step[:4], actuators + step[4:])
+        behind = closure(case.geometry, pose - step[:4], actuators - step[4:])
+        assert_within(matrix[..., j], (ahead - behind) / (2 * h), 1e-10)
+
+
+@given(case=cases())
+def test_the_closure_stays_closed_along_a_motion(case: Case) -> None:
+    """A (v, q') = 0: the actuators follow the platform."""
+    pose, v, _ = case.states()
+    actuators = inverse_kinematics(case.geometry, pose).actuators
+    rates = np.concatenate([v, actuator_velocity(case.design, pose, v)], -1)
+    gap = np.einsum("nij,nj->ni", closure_matrix(case.geometry, pose, actuators), rates)
+    assert_within(gap, np.zeros_like(gap), 1e-13)
+
+
+@given(case=cases())
+def test_the_inverse_jacobian_is_that_of_first_principles(case: Case) -> None:
+    pose = case.poses()
+    exact = oracle.actuator_jacobian(case.design, pose)
+    got = inverse_jacobian(case.geometry, pose)
+    assert_within(got, exact, 1e-12 * np.abs(exact).max())
+    # decoupled as the paper says: z moves the lift alone, and the lift follows z alone
+    np.testing.assert_array_equal(got[:, :3, 3], 0.0)
+    np.testing.assert_array_equal(got[:, 3, :3], 0.0)
+    assert_within(got[:, 3, 3] * case.geometry.magnification, np.ones(len(pose)), 1e-15)
+
+
+@given(case=cases())
+def test_jacobian_and_inverse_jacobian_undo_each_other(case: Case) -> None:
+    pose = case.poses(32)
+    j, g = jacobian(case.geometry, pose), inverse_jacobian(case.geometry, pose)
+    one = np.broadcast_to(np.eye(4), g.shape)
+    assert_within(j @ g, one, 1e-12)
+    assert_within(g @ j, one, 1e-11)
+    assert_within(j, np.linalg.inv(g), 1e-11 * np.abs(j).max())
+
+
+@given(case=cases())
+def test_the_rate_is_the_change_of_the_inverse_jacobian(case: Case) -> None:
+    pose, v, a = case.states()
+    rate = inverse_jacobian_rate(case.geometry, pose, v)
+    h = 1e-5
+    ahead, behind = (inverse_jacobian(case.geometry, pose + s * h * v) for s in (1.0, -1.0))
+    assert_within(rate, (ahead - behind) / (2 * h), 1e-6 * np.abs(rate).max())
+    # and to rounding: the actuators' accelerations are G a + G' v
+    exact = joint_rates(case.geometry, pose, v, a).actuators_acceleration
+    got = np.einsum("nij,nj->ni", inverse_jacobian(case.geometry, pose), a)
+    got += np.einsum("nij,nj->ni", rate, v)
+    assert_within(got, exact, 1e-12 * np.abs(exact).max())
+
+
+@given(case=cases())
+def test_actuator_velocity_is_that_of_the_motion(case: Case) -> None:
+    pose, v, a = case.states()
+    exact = joint_rates(case.geometry, pose, v, a).actuators_velocity
+    assert_within(actuator_velocity(case.design, pose, v), exact, 1e-12 * np.abs(exact).max())
+
+
+def test_joint_5_on_its_axis_has_no_inverse_jacobian() -> None:
+    geometry = APPENDIX_4.geometry
+    on_axis = np.array([0.0, geometry.base_radius - geometry.platform_radius, 0.0, -0.3])
+    g = inverse_jacobian(geometry, on_axis)
+    assert not np.isfinite(g[2, :3]).any()
+    assert np.isfinite(g[[0, 1, 3]]).all()

@@ -121,21 +121,6 @@ def test_axis(case: Case, leg: int, clearance: float, share: float) -> None:
     assert check_reach(g, pose).ok
 
 
-def test_joint_5_on_a_leg_axis_is_no_pose_even_without_clearance() -> None:
-    g = replace(Geometry(), base_radius=0.5, platform_radius=0.25)
-    expect(roomy(g), [0.0, 0.25, 0.0, -0.3], Limit.AXIS, 2, 0.0)
-
-
-def test_a_guide_may_be_used_to_its_end() -> None:
-    """Numbers that are exact in binary: X_4 = 0.1875 in leg 3, shorter in the others."""
-    g = Geometry(base_radius=0.5, platform_radius=0.25, crank_length=0.5, coupler_length=0.7)
-    pose = [0.0, -0.125, 0.0, -0.5]
-    exact = check_reach(replace(g, guide_stroke=0.1875), pose)
-    assert exact.margins[2, 2] == 0.0
-    assert exact.ok
-    assert not check_reach(replace(g, guide_stroke=np.nextafter(0.1875, 0)), pose).ok
-
-
 def wide_poses(case: Case, n: int = 400) -> Any:
     """Poses far and near, most of them out of reach."""
     rng = np.random.default_rng(case.seed)
@@ -197,18 +182,6 @@ def test_the_fast_way_says_the_same(case: Case) -> None:
     np.testing.assert_array_equal(leg[clear], full.leg[clear])
     assert (status[::7] == Limit.NOT_FINITE).all()
     assert (status[1::7] == Limit.NOT_FINITE).all()
-
-
-@given(case=cases())
-def test_reach_does_not_depend_on_the_side_of_the_guides(case: Case) -> None:
-    pose = wide_poses(case)
-    mirrored = pose.copy()
-    mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
-    assert_within(
-        check_reach(case.geometry, mirrored).margins,
-        check_reach(case.geometry, pose).margins,
-        1e-12,
-    )
 
 
 @given(

@@ -173,25 +173,6 @@ def test_serial_distance_is_the_room_to_stretch_fold_and_axis(case: Case) -> Non
         assert_within(found, room.min(axis=-1), 1e-12)
 
 
-@given(case=cases(), turns=st.integers(1, 2))
-def test_measures_are_the_same_a_third_of_a_turn_on_and_mirrored(case: Case, turns: int) -> None:
-    pose = case.poses(16)
-    angle = 2 * np.pi / 3 * turns
-    turned = pose.copy()
-    turned[:, 0] = np.cos(angle) * pose[:, 0] - np.sin(angle) * pose[:, 1]
-    turned[:, 1] = np.sin(angle) * pose[:, 0] + np.cos(angle) * pose[:, 1]
-    mirrored = pose.copy()
-    mirrored[:, 3] = -pose[:, 3] - 2 * case.geometry.platform_joint_height
-    one = measure_singularity(case.geometry, pose)
-    for other in (turned, mirrored):
-        two = measure_singularity(case.geometry, other)
-        for name in ("determinant", "condition", "position_distance", "rotation_distance"):
-            np.testing.assert_allclose(
-                getattr(two, name), getattr(one, name), rtol=1e-9, atol=1e-12, err_msg=name
-            )
-        assert_within(two.serial_distance, one.serial_distance, 1e-12)
-
-
 def test_a_platform_larger_than_its_base() -> None:
     """No rotation is singular everywhere; the circle remains."""
     g = Geometry(platform_radius=0.45)
