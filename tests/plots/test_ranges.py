@@ -1,4 +1,4 @@
-"""Which range is chosen: explosions do not eat it, masses scale it, rounding errors vanish."""
+"""Color ranges: robust near singularities, scaled by masses, blind to rounding errors."""
 
 from __future__ import annotations
 
@@ -18,22 +18,19 @@ seeds = st.integers(0, 2**32 - 1)
 @given(seeds, st.floats(1e-3, 1e6))
 def test_ordinary_values_are_all_shown(seed: int, size: float) -> None:
     values = np.random.default_rng(seed).uniform(-size, size, 5000)
-    low, high = robust_range(values, signed=True)
-    assert low == -high
-    assert size * 0.99 <= high <= 1.6 * size
-    low, high = robust_range(np.abs(values), signed=False)
-    assert low == 0
-    assert size * 0.99 <= high <= 1.3 * size
+    for field, signed, most in ((values, True, 1.6), (np.abs(values), False, 1.3)):
+        low, high = robust_range(field, signed)
+        assert low == (-high if signed else 0)
+        assert size * 0.99 <= high <= most * size
 
 
 @given(seeds, st.floats(0.01, 0.3), st.floats(1e2, 1e8))
-def test_an_explosion_does_not_eat_the_scale(seed: int, share: float, factor: float) -> None:
+def test_exploding_values_run_over_the_scale(seed: int, share: float, factor: float) -> None:
     rng = np.random.default_rng(seed)
     values = rng.uniform(-5, 5, 5000)
-    burst = rng.random(5000) < share
-    values[burst] *= factor
-    for signed, field in ((True, values), (False, np.abs(values))):
-        assert robust_range(field, signed)[1] < 30, signed
+    values[rng.random(5000) < share] *= factor
+    assert robust_range(values, signed=True)[1] < 30
+    assert robust_range(np.abs(values), signed=False)[1] < 30
 
 
 @given(seeds, st.floats(1e-2, 1e3))
@@ -44,7 +41,7 @@ def test_the_range_grows_with_the_values(seed: int, factor: float) -> None:
 
 
 @given(seeds)
-def test_rounding_errors_of_a_balanced_robot_are_not_blown_up(seed: int) -> None:
+def test_rounding_errors_of_a_balanced_robot_count_as_zero(seed: int) -> None:
     noise = 0.1 * NEGLIGIBLE * np.random.default_rng(seed).standard_normal(100)
     assert robust_range(noise, signed=True) == (-1.0, 1.0)
     assert robust_range(np.abs(noise), signed=False) == (0.0, 1.0)
@@ -99,15 +96,22 @@ def test_a_log_shows_more_of_the_explosion() -> None:
     assert log.low == -log.high
 
 
-def test_signed_quantities_diverge_and_magnitudes_do_not() -> None:
-    assert choose_scales(real())[0].colors == "blue-vermillion"
-    magnitude = real(quantities=("max_torque",))
-    assert choose_scales(magnitude)[0].colors == "viridis"
-    assert choose_scales(magnitude, ScaleChoice(colors="magma"))[0].colors == "magma"
+@pytest.mark.parametrize(
+    ("quantity", "choice", "table"),
+    [
+        ("tau_1", None, "blue-vermillion"),
+        ("max_torque", None, "viridis"),
+        ("max_torque", ScaleChoice(colors="magma"), "magma"),
+    ],
+)
+def test_signed_quantities_diverge_and_magnitudes_do_not(
+    quantity: str, choice: ScaleChoice | None, table: str
+) -> None:
+    assert choose_scales(real(quantities=(quantity,)), choice)[0].colors == table
 
 
 def test_scales_are_counted() -> None:
-    data = made_up()
-    assert per_panel(data, Scale(0.0, 1.0)) == (Scale(0.0, 1.0),) * 3
+    data, scale = made_up(), Scale(0.0, 1.0)
+    assert per_panel(data, scale) == (scale,) * 3
     with pytest.raises(InvalidScale):
-        per_panel(data, [Scale(0.0, 1.0)] * 2)
+        per_panel(data, [scale] * 2)
