@@ -13,7 +13,7 @@ from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
-TABS = ["Pose", "Design", "Balance", "Motion", "Compare", "View", "File"]
+TABS = ["Pose", "Design", "Balance", "Motion", "Drives", "Compare", "View", "File"]
 STRIP = """tabs => tabs.map(tab => {
   const text = tab.querySelector("span");
   return {name: tab.title, top: tab.offsetTop, cut: text.scrollWidth > text.clientWidth};
