@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import tyro
 
@@ -15,6 +15,7 @@ from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.tables import table_endings
 from paminsa_viz.files.trajectory_table import read_trajectory
 from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
+from paminsa_viz.model.load import WRENCH, LoadFrame
 from paminsa_viz.plots.formats import figure_endings
 from paminsa_viz.trajectory import PRESET, Trajectory
 from paminsa_viz.units import MM
@@ -25,6 +26,8 @@ else:
     PresetName = Literal[tuple(PRESET)]
 
 Pose: TypeAlias = tuple[float, float, float, float]
+Point: TypeAlias = tuple[float, float, float]
+Wrench: TypeAlias = tuple[float, float, float, float, float, float]
 
 
 def check_ending(flag: str, path: Path | None, endings: Iterable[str]) -> None:
@@ -48,6 +51,13 @@ class DesignFlags:
     assembly: Literal["printed", "mirror"] | None = None
     """Branch of the knee 9: as Appendix 1 prints it (lower), or its mirror image; by default the
     design's own."""
+    load: Annotated[Wrench | None, tyro.conf.arg(metavar="FX FY FZ MX MY MZ")] = None
+    """External force [N] and moment [N m] on the platform, instead of the design's own. The
+    actuators do not see MX and MY: the bearings carry them."""
+    load_point: Annotated[Point | None, tyro.conf.arg(metavar="X Y Z")] = None
+    """Point of the force, in mm from the platform's center, in the platform's frame."""
+    load_frame: Literal["world", "platform"] | None = None
+    """What the directions of force and moment are fixed in."""
 
     def given_design(self) -> Design:
         """Return the design.
@@ -56,6 +66,14 @@ class DesignFlags:
             DesignFileError: If the file cannot be read or is refused.
         """
         design = APPENDIX_4 if self.design is None else load_design(self.design)
+        changes: dict[str, Any] = dict(zip(WRENCH, self.load or (), strict=False))
+        if self.load_point is not None:
+            x, y, z = (value / MM for value in self.load_point)
+            changes |= {"point_x": x, "point_y": y, "point_z": z}
+        if self.load_frame is not None:
+            changes["frame"] = LoadFrame(self.load_frame)
+        if changes:
+            design = replace(design, load=replace(design.load, **changes))
         return design if self.assembly is None else design.with_knee(KneeBranch(self.assembly))
 
 

@@ -18,6 +18,7 @@ from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.quantities import find
 from paminsa_viz.studies import (
     DesignAxis,
     DesignGrid,
@@ -99,6 +100,10 @@ class Sweep(JsonFlags, MotionFlags, DesignFlags):
     max_condition: float = 10.0
     """Largest condition number at which torques count; beyond it they grow without bound."""
 
+    index: Annotated[tuple[str, ...], tyro.conf.arg(metavar="QUANTITY")] = ()
+    """A quantity of maps whose global indices are measured: mean, least and spread over the
+    region, such as horizontal-force or transmission; can be repeated."""
+
     restart: bool = False
     """Start over, whatever the table holds."""
     jobs: int | None = None
@@ -173,7 +178,9 @@ def study_of(flags: Sweep, design: Design) -> Study:
         raise UsageError(f"{variation.size} designs are too many; {MOST} are possible")
     moving = flags.preset is not None or flags.file is not None
     motion = flags.given_motion(design.geometry) if moving else None
-    return Study(design, variation, region, flags.scale_bars, motion)
+    indices = tuple(key.replace("-", "_") for key in flags.index)
+    find(indices)  # refuses unknown ones
+    return Study(design, variation, region, flags.scale_bars, motion, indices)
 
 
 def _axis(text: str) -> DesignAxis:
@@ -215,7 +222,7 @@ def _range(text: str, design: Design, spread: float) -> DesignRange:
 
 def _check_size(path: str, values: tuple[float, ...]) -> None:
     most = PARAMETER[path].largest
-    if any(value > most for value in values):
+    if any(abs(value) > most for value in values):
         raise UsageError(f"--vary {path}: at most {most:g} is possible")
 
 

@@ -35,7 +35,8 @@ def exported_mjcf(
 ) -> str:
     """Return a design's MJCF text; MuJoCo's viewer opens it standing still.
 
-    It needs no engine: the holding forces and the servos' gains are the model's.
+    It needs no engine: the holding forces and the servos' gains are the model's. The design's load
+    acts on the platform, see `mjcf`.
 
     Args:
         design: The robot.
@@ -58,7 +59,7 @@ def exported_mjcf(
     inertia = j.T @ mass_matrix(design, start) @ j
     return mjcf_text(
         design, pose=start.tolist(), holding=holding.tolist(),
-        servos=Servos.critical(inertia) if servos else None,
+        servos=Servos.critical(inertia) if servos else None, load=True,
     )  # fmt: skip
 
 

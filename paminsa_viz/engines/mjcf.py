@@ -12,6 +12,10 @@ Two things that MuJoCo needs: a moving body may not be without mass or inertia, 
 `FLOOR`; and loops are closed by soft constraints, which are set as stiff as the time step allows.
 Friction of the design is left out: MuJoCo's dry friction is another law than the model's. The
 inertia of its drives is the ``armature`` of the actuated joints.
+
+MJCF has no place for ``xfrc_applied``. Where the design's load is asked for, it is an actuator
+``load`` on a site of the platform, whose force is the wrench times 1 + its control: it acts as soon
+as the model is loaded, and a control of -1 takes it away.
 """
 
 from __future__ import annotations
@@ -36,6 +40,7 @@ from paminsa_viz.engines.poses import joint_values, start_pose, unclosed
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.palette import LEG_COLORS, LIFT_COLOR, rgb
 from paminsa_viz.palette import PLATFORM as PLATFORM_COLOR
 
@@ -84,6 +89,7 @@ def mjcf_text(
     pose: Sequence[float] | None = None,
     holding: Sequence[float] = (0.0, 0.0, 0.0, 0.0),
     servos: Servos | None = None,
+    load: bool = False,
 ) -> str:
     """Write a design as an MJCF model.
 
@@ -94,6 +100,7 @@ def mjcf_text(
             their own, so that they hold without sagging; motors find them in keyframe ``start``.
         servos: Position servos as actuators; without them plain motors, whose controls are torques
             [N m] and a force [N].
+        load: Whether the design's load acts, by an actuator of its own.
 
     Raises:
         InvalidDesign: If a bar's inertias belong to no rigid body.
@@ -131,7 +138,11 @@ def mjcf_text(
     # One root, so that Pinocchio's reader, which takes only the first body, takes the whole robot.
     _add_links(_add(world, "body", name="base"), mechanism, values)
     _add_closures(root, mechanism)
-    _add_actuators(root, mechanism, design, values, holding, servos)
+    actuators = _add_actuators(root, mechanism, design, values, holding, servos)
+    if load and design.load.acts:
+        _add_load(root, actuators, design)
+        for key in root.iter("key"):
+            key.set("ctrl", f"{key.attrib['ctrl']} 0")
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
@@ -233,7 +244,7 @@ def _add_actuators(
     values: dict[str, float],
     holding: Sequence[float],
     servos: Servos | None,
-) -> None:
+) -> ET.Element:
     actuators = _add(root, "actuator")
     g = design.geometry
     for index, joint in enumerate(mechanism.actuated):
@@ -250,3 +261,20 @@ def _add_actuators(
         )  # fmt: skip
     if servos is None:
         _add(_add(root, "keyframe"), "key", name="start", ctrl=holding)
+    return actuators
+
+
+def _add_load(root: ET.Element, actuators: ET.Element, design: Design) -> None:
+    """Add the load as a site where it acts, with axes of the platform or the world's."""
+    load = design.load
+    platform = next(body for body in root.iter("body") if body.attrib.get("name") == PLATFORM)
+    _add(platform, "site", name="load", pos=load.point)
+    world = root.find("worldbody")
+    frame = {}
+    if load.frame is LoadFrame.WORLD and world is not None:
+        _add(world, "site", name="world", pos=(0, 0, 0))
+        frame["refsite"] = "world"
+    _add(
+        actuators, "general", name="load", site="load", gear=load.wrench, gaintype="fixed",
+        biastype="affine", gainprm=1, biasprm=(1, 0, 0), ctrlrange=(-1, 1), **frame,
+    )  # fmt: skip

@@ -20,6 +20,7 @@ from paminsa_viz.model.dynamics import (
     inverse_dynamics,
     kinetic_energy,
     mass_matrix,
+    platform_wrench,
     torque_breakdown,
 )
 from paminsa_viz.model.grids import (
@@ -70,6 +71,7 @@ from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
 from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
 from paminsa_viz.model.singularity import (
     Singularity,
+    escape_twist,
     measure_singularity,
     singular_radius,
     singular_rotation,
@@ -132,6 +134,7 @@ __all__ = [
     "closure",
     "closure_matrix",
     "drive_regressor",
+    "escape_twist",
     "forward_dynamics",
     "forward_kinematics",
     "friction_torque",
@@ -151,6 +154,7 @@ __all__ = [
     "mass_vector",
     "measure_singularity",
     "nearest_solution",
+    "platform_wrench",
     "potential_energy",
     "regressor_torques",
     "require_reachable",

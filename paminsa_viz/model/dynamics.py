@@ -18,7 +18,8 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobians import actuator_acceleration, inverse_jacobian
 from paminsa_viz.model.kinematics import LEG_AXES, leg_states
 from paminsa_viz.model.leg import leg_vector, mechanism
-from paminsa_viz.model.load import NO_LOAD
+from paminsa_viz.model.leg_forces import LegForces, leg_forces
+from paminsa_viz.model.load import NO_LOAD, generalized_force
 from paminsa_viz.model.lumped import EnergyTerms, Misprint, energy_terms, lumped_coefficients
 from paminsa_viz.model.parameters import ActuatorFriction, Friction
 from paminsa_viz.model.reach import Limit, reach_status
@@ -128,6 +129,51 @@ def inverse_dynamics(
         status=status.reshape(shape),
         leg=leg.reshape(shape),
     )
+
+
+@np.errstate(all="ignore")
+def platform_wrench(
+    design: Design,
+    pose: ArrayLike,
+    velocity: ArrayLike,
+    acceleration: ArrayLike,
+    *,
+    load: ArrayLike | None = None,
+) -> Array:
+    """Return F = M a + h + g - w, what the actuators have to make on the platform, (..., 4).
+
+    The torques follow from F = G^T tau, G the inverse Jacobian. Unlike them it is finite at type-2
+    singularities. The drives' inertia is part of it, the friction at the actuators is not.
+
+    Args:
+        design: The robot.
+        pose: (..., 4) [m, m, rad, m].
+        velocity: (..., 4) [m/s, m/s, rad/s, m/s].
+        acceleration: (..., 4) [m/s^2, m/s^2, rad/s^2, m/s^2].
+        load: (..., 6) a wrench on top of the design's load, see `load.center_wrench` [N, N m].
+
+    Returns:
+        In the coordinates x, y, theta, z [N, N, N m, N]; NaN where the bars cannot close.
+
+    Raises:
+        InvalidInput: If shapes do not fit or values are not real.
+    """
+    shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
+    e, geometry = _terms(design, Misprint.NONE), design.geometry
+    g, q = leg_states(geometry, p, v, a)
+    f = LegForces(*np.broadcast_arrays(*leg_forces(mechanism(geometry), e, g, q)))
+    x = f.radial * g.ux - f.tangential * g.uy
+    y = f.radial * g.uy + f.tangential * g.ux
+    on_point = np.stack([x, y, g.px * y - g.py * x, f.vertical], axis=-1).sum(axis=1)
+    actuators = np.concatenate([f.torque, f.lift.sum(axis=1, keepdims=True)], axis=1)
+    if any(design.drive_inertia):
+        growth = actuator_acceleration(geometry, p, v, a)
+        actuators = actuators + np.array(design.drive_inertia) * growth
+    on_actuators = np.einsum("nji,nj->ni", inverse_jacobian(geometry, p), actuators)
+    masses = np.array([e.mass, e.mass, e.inertia + 6.0 * e.turn, e.mass])
+    weight = np.array([0.0, 0.0, 0.0, e.mass * design.gravity])
+    held = generalized_force(design.load, p[:, 2], _flat_load(load, shape))
+    return (on_point + on_actuators + masses * a + weight - held).reshape(*shape, 4)
 
 
 def _flat_load(load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:

@@ -29,6 +29,10 @@ DEXTERITY = backend.Formula(measures.dexterity, 2)
 """The determinant of the rows (w_k, p_k x w_k) [m] and the condition number of J."""
 
 
+NEAR_LOCUS = 1e-6
+"""How far from a type-2 singular pose `escape_twist` is still defined [m]."""
+
+
 @np.errstate(invalid="ignore")
 def singular_radius(geometry: Geometry, theta: ArrayLike) -> Array:
     """Return the radius of the circle of type-2 singular positions at theta [rad], (...) [m]."""
@@ -41,6 +45,37 @@ def singular_rotation(geometry: Geometry) -> float:
     """Return the |theta| at which every position is singular [rad]; NaN if R_pl > R_b."""
     ratio = geometry.platform_radius / geometry.base_radius
     return float(np.arccos(ratio)) if ratio <= 1 else float("nan")
+
+
+def escape_twist(geometry: Geometry, pose: ArrayLike) -> Array:
+    """Return t_s, the platform's motion that no actuator feels at a type-2 singular pose, (..., 4).
+
+    With G the inverse Jacobian, G t_s = 0: t_s = (v, 1, 0), v = (R_pl/r_s^2) z x [(R_b R(-theta) -
+    R_pl)(x, y)]. On the circle it is tangent to the locus, so the platform can move along it with
+    locked actuators; at cos theta = R_pl/R_b the two assembly modes meet in a fold.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+
+    Returns:
+        (x', y', theta', z') [m/rad, m/rad, 1, m/rad], with theta' = 1. NaN farther than
+        `NEAR_LOCUS` from both loci; a turn counts as the path of the joints 5.
+    """
+    x, y, theta, _ = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
+    rb, rp = geometry.base_radius, geometry.platform_radius
+    radius = singular_radius(geometry, theta)
+    turn = rp * (singular_rotation(geometry) - np.abs(wrap(theta)))
+    with np.errstate(all="ignore"):
+        scale = rp / radius**2
+        cos, sin = np.cos(theta), np.sin(theta)
+        along_x = rb * (cos * x + sin * y) - rp * x
+        along_y = rb * (cos * y - sin * x) - rp * y
+        near = (np.abs(radius - np.hypot(x, y)) <= NEAR_LOCUS) | (np.abs(turn) <= NEAR_LOCUS)
+        twist = np.stack(
+            [-scale * along_y, scale * along_x, np.ones_like(x), np.zeros_like(x)], axis=-1
+        )
+    return np.where(near[..., None], twist, np.nan)
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,10 @@ loads, or where it fails and why.
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +23,7 @@ from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
+from paminsa_viz.quantities import Quantity, find
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze, home
 
 MOST_CELLS = 1000
@@ -123,6 +124,10 @@ class RegionResults:
         """Condition numbers of the poses that can be reached, (n,)."""
         return self.field.condition[self.reached]
 
+    def values(self, quantity: Quantity) -> Array:
+        """Return a quantity at the poses that can be reached, (n,) [SI]."""
+        return quantity.over(self.field, self.design)[self.reached]
+
     def share(self, poses: NDArray[np.bool_]) -> float:
         """Return the share of the region's poses that a mask holds."""
         return int(poses.sum()) / int(self.inside.sum())
@@ -198,16 +203,54 @@ METRICS: tuple[Metric[RegionResults], ...] = (
 """Everything that is measured over a region, in the order of a table's columns."""
 
 
-def measure_design(design: Design, region: Region, *, base_mass: float = 0.0) -> tuple[float, ...]:
-    """Return the `METRICS` of a design [SI]; NaN where there is none, as without a usable pose.
+def global_indices(keys: Sequence[str]) -> tuple[Metric[RegionResults], ...]:
+    """Return the global indices of quantities over a region: mean, minimum and spread of each.
+
+    After Gosselin and Angeles (J. Mech. Des. 113 (1991) 220): the mean is the integral over the
+    workspace divided by its volume, here over the poses of the region that can be reached; the
+    spread is the standard deviation.
+
+    Args:
+        keys: Keys of `paminsa_viz.quantities`.
+
+    Raises:
+        InvalidInput: If there is none of a key.
+    """
+    kinds: tuple[tuple[str, str, Callable[[Array], Any]], ...] = (
+        ("mean", "mean", np.mean),
+        ("min", "least", np.min),
+        ("spread", "standard deviation of", np.std),
+    )
+
+    def metric(quantity: Quantity, kind: str, words: str, of: Callable[[Array], Any]) -> Metric:
+        def value(found: RegionResults) -> float:
+            values = found.values(quantity)
+            return float(of(values)) if values.size else np.nan
+
+        meaning = f"{words} {quantity.label} over the poses that can be reached"
+        unit = "" if quantity.unit == "1" else quantity.unit
+        return Metric(f"{kind}_{quantity.key}", unit, meaning, value)
+
+    return tuple(metric(quantity, *kind) for quantity in find(keys) for kind in kinds)
+
+
+def measure_design(
+    design: Design,
+    region: Region,
+    *,
+    base_mass: float = 0.0,
+    metrics: tuple[Metric[RegionResults], ...] = METRICS,
+) -> tuple[float, ...]:
+    """Return metrics of a design [SI]; NaN where there is none, as without a usable pose.
 
     Args:
         design: The robot.
         region: The poses.
         base_mass: What the added mass is counted from [kg].
+        metrics: What to measure.
     """
     found = RegionResults(design, region, base_mass)
-    return tuple(metric.value(found) for metric in METRICS)
+    return tuple(metric.value(found) for metric in metrics)
 
 
 MOTION_METRICS: tuple[Metric[TrajectoryAnalysis], ...] = (

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.resumable_csv import ResumableCsv
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.metrics import METRICS, MOTION_METRICS, RUNS
+from paminsa_viz.studies.metrics import MOTION_METRICS, RUNS
 from paminsa_viz.studies.study import OK, Study
 
 PART = 8
@@ -73,7 +73,10 @@ class StudySummary:
         """Count one more row of the table."""
         self.rows += 1
         row = dict(zip(self.study.columns, cells, strict=True))
-        parts = (self.status, "status", OK, METRICS), (self.motion, "motion", RUNS, MOTION_METRICS)
+        parts = (
+            (self.status, "status", OK, self.study.region_metrics),
+            (self.motion, "motion", RUNS, MOTION_METRICS),
+        )
         for counts, column, good, metrics in parts:
             word = row.get(column, "").partition(":")[0]
             if word:

@@ -21,6 +21,7 @@ from paminsa_viz.studies.metrics import (
     MOTION_METRICS,
     Metric,
     Region,
+    global_indices,
     measure_design,
     measure_motion,
     samples_hash,
@@ -50,6 +51,7 @@ class Study:
         region: The poses that are looked at.
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
         trajectory: A motion, the same one for all designs, or None.
+        indices: Keys of quantities whose global indices are measured as well, see `global_indices`.
     """
 
     design: Design
@@ -57,6 +59,12 @@ class Study:
     region: Region
     scale_bars: bool = False
     trajectory: Trajectory | None = None
+    indices: tuple[str, ...] = ()
+
+    @property
+    def region_metrics(self) -> tuple[Metric, ...]:
+        """What is measured over the region, in the order of the table's columns."""
+        return METRICS + global_indices(self.indices)
 
     @property
     def size(self) -> int:
@@ -73,13 +81,13 @@ class Study:
     @property
     def metrics(self) -> tuple[Metric, ...]:
         """What is measured, in the order of the table's columns."""
-        return METRICS if self.trajectory is None else METRICS + MOTION_METRICS
+        return self.region_metrics + (() if self.trajectory is None else MOTION_METRICS)
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the table's columns."""
         first = ("row", *map(column, self.variation.paths), "status")
-        columns = first + tuple(metric.column for metric in METRICS)
+        columns = first + tuple(metric.column for metric in self.region_metrics)
         if self.trajectory is None:
             return columns
         return (*columns, "motion", "motion_fails_s", *(m.column for m in MOTION_METRICS))
@@ -114,7 +122,9 @@ class Study:
             cells = (str(index), *map(repr, values), f"impossible:{error.field}")
             return cells + ("",) * (len(self.columns) - len(cells))
         with np.errstate(all="ignore"):
-            found = measure_design(design, self.region, base_mass=self._base_mass)
+            found = measure_design(
+                design, self.region, base_mass=self._base_mass, metrics=self.region_metrics
+            )
             cells = (str(index), *map(repr, values), self._status(found), *map(_cell, found))
             if self.trajectory is None:
                 return cells

@@ -183,7 +183,7 @@ def via_points(
         raise InvalidInput("poses", f"at least two poses (n, 4) are needed; got {waypoints.shape}")
     waypoints = _finite(waypoints, "poses", waypoints.shape)
     if times is None:
-        ends = _shared_time(waypoints)
+        ends = shared_time(waypoints)
     else:
         given = _finite(as_numbers(times, "times"), "times", (len(waypoints),))
         if not (np.diff(given) > 0).all():
@@ -227,8 +227,8 @@ def round_trip(plan: Plan) -> Plan:
     return Plan(curve, 2 * plan.duration, f"{plan.name}, there and back", plan.kind, plan.notes)
 
 
-def _shared_time(waypoints: Array) -> Array:
-    """Return instants in [0, 1] for waypoints (n, 4)."""
+def shared_time(waypoints: Array) -> Array:
+    """Return instants in [0, 1] for waypoints (n, 4), by the roots of their distances."""
     steps = np.diff(waypoints, axis=0)
     length = np.hypot(np.linalg.norm(steps[:, PLACE], axis=1), TURN_LENGTH * steps[:, 2])
     if not length.all():

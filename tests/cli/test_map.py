@@ -101,3 +101,14 @@ def test_where_nothing_is_reached_the_exit_code_is_1(capsys, folder) -> None:
     assert (folder / "a.png").read_bytes().startswith(b"\x89PNG")
     code, out, _ = run(capsys, "--z", "-2000", "--cells", "20", "--json")
     assert json.loads(out)["maps"]["tau_1"]["largest"] is None
+
+
+def test_load_of_the_command_line_is_the_designs(capsys) -> None:
+    flags = ["--theta", "10", "--z", "-550", "--cells", "20"]
+    load = ["--load", "30", "-20", "-50", "9", "8", "2", "--load-point", "50", "0", "0"]
+    plain, loaded = run_json(capsys, *flags), run_json(capsys, *flags, *load)
+    assert loaded["maps"] != plain["maps"]
+    bearings = run_json(capsys, *flags, *load[:4], "0", "0", *load[6:])  # carry these moments alone
+    assert bearings["maps"] == loaded["maps"]
+    turned = run_json(capsys, *flags, *load, "--load-frame", "platform")
+    assert turned["maps"] != loaded["maps"]

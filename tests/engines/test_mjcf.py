@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.simulation import play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
+from paminsa_viz.model.load import LoadCase, LoadFrame
 from tests import oracle
 from tests.support import samples
 from tests.support.cases import PROTOTYPES
@@ -237,3 +239,36 @@ def test_play_names_unusable_input() -> None:
     two = np.repeat(pose, 2, axis=0)
     with pytest.raises(InvalidInput, match="times"):
         play(APPENDIX_4, [0.0, 0.0], two, 0 * two, 0 * two)
+
+
+@pytest.mark.parametrize("frame", LoadFrame)
+@pytest.mark.parametrize("servos", [True, False])
+def test_exported_model_stands_under_its_load(mujoco: Any, frame: LoadFrame, servos: bool) -> None:
+    """The load is an actuator on a site of the platform: MJCF has no ``xfrc_applied``."""
+    load = LoadCase(40.0, -30.0, -60.0, 2.0, -1.0, 3.0, 0.05, -0.04, 0.03, frame)
+    design, pose = replace(APPENDIX_4, load=load), np.array([0.03, -0.02, 0.4, -0.55])
+    text = exported_mjcf(design, pose=pose.tolist(), servos=servos)
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    if not servos:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    # the actuator's force on the joints is that of xfrc_applied
+    robot = MujocoRobot(design)
+    moment = data.qfrc_actuator.copy()
+    data.ctrl[4] = -1.0
+    mujoco.mj_forward(model, data)
+    moment -= data.qfrc_actuator
+    data.xfrc_applied[model.body("platform").id] = 0
+    robot.data.qpos[:] = data.qpos
+    mujoco.mj_fwdPosition(robot.model, robot.data)
+    robot.push(np.array(load.wrench))
+    mujoco.mj_fwdAcceleration(robot.model, robot.data)
+    pushed = robot.data.qfrc_smooth + robot.data.qfrc_bias - robot.data.qfrc_passive
+    np.testing.assert_allclose(moment, pushed, rtol=1e-10, atol=1e-10)
+    data.ctrl[4] = 0.0
+    for _ in range(round((1.0 if servos else 0.3) / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    moved = robot.pose(data.qpos) - pose
+    assert np.abs(moved).max() < (1e-4 if servos else 1e-3)
+    assert "load" not in exported_mjcf(APPENDIX_4)

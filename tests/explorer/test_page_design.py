@@ -19,7 +19,7 @@ def box(tab: Tab, label: str) -> Any:
 
 @pytest.mark.browser
 def test_the_tabs_share_one_row(tab: Tab) -> None:
-    names = ["Pose", "Design", "Balance", "Motion", "Compare", "View", "File"]
+    names = ["Pose", "Design", "Balance", "Motion", "Drives", "Compare", "View", "File"]
     for name in names:  # the name of the present one is bold and so takes more room
         tab.open_tab(name)
         strip = tab.page.locator('[role="tablist"]:has(> [title="Pose"]) > [role="tab"]')

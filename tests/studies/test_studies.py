@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import pickle
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import count
@@ -22,6 +23,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.studies import (
     METRICS,
     MOTION_METRICS,
@@ -38,7 +40,7 @@ from paminsa_viz.studies import (
     processes,
     run_study,
 )
-from paminsa_viz.studies.metrics import samples_hash
+from paminsa_viz.studies.metrics import RegionResults, samples_hash
 from paminsa_viz.trajectory import PRESET, Trajectory, analyze
 from tests.support.samples import random_design, with_knee
 
@@ -352,3 +354,29 @@ def test_the_last_bit_of_any_sample_makes_another_motion(row, column) -> None:
 def test_impossible_requests_are_rejected(make, place) -> None:
     with pytest.raises(InvalidInput, match=place):
         make()
+
+
+def test_global_indices_are_mean_least_and_spread_over_the_region() -> None:
+    keys = ("horizontal_force", "transmission")
+    study = replace(SMALL, indices=keys)
+    rows = [dict(zip(study.columns, study.row(i), strict=True)) for i in range(study.size)]
+    number = next(i for i, row in enumerate(rows) if row["status"] == "ok")
+    row = rows[number]
+    found = RegionResults(study.vary(study.variation.values(number)), study.region)
+    for key in keys:
+        values = QUANTITIES[key].over(found.field, found.design)[found.reached]
+        unit = {"horizontal_force": "_N"}.get(key, "")
+        assert float(row[f"mean_{key}{unit}"]) == pytest.approx(values.mean())
+        assert float(row[f"min_{key}{unit}"]) == pytest.approx(values.min())
+        assert float(row[f"spread_{key}{unit}"]) == pytest.approx(values.std())
+    assert study.columns[: len(SMALL.columns)] == SMALL.columns
+    assert study.fingerprint != SMALL.fingerprint
+    pickle.loads(pickle.dumps(study)).row(0)
+
+
+def test_a_load_that_varies_is_one_more_axis() -> None:
+    axis = DesignAxis("load.force_x", (-50.0, 0.0, 50.0))
+    study = Study(APPENDIX_4, DesignGrid((axis,)), SMALL.region)
+    rows = [dict(zip(study.columns, study.row(index), strict=True)) for index in range(3)]
+    peaks = [float(row["peak_torque_Nm"]) for row in rows]
+    assert peaks[1] < min(peaks[0], peaks[2])

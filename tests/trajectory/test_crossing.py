@@ -1,0 +1,266 @@
+"""Motions through type-2 singularities."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import balance
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    KneeBranch,
+    escape_twist,
+    inverse_dynamics,
+    inverse_jacobian,
+    mass_matrix,
+    platform_wrench,
+    singular_radius,
+    singular_rotation,
+)
+from paminsa_viz.trajectory import MotionLimits
+from paminsa_viz.trajectory import crossing_plan as planner
+from paminsa_viz.trajectory.crossing import (
+    CrossingKind,
+    Locus,
+    PathOnLocus,
+    crossing_condition,
+    crossings,
+)
+from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
+from paminsa_viz.trajectory.paths import spline_path, straight_path
+from tests.support.samples import random_design, random_states
+
+BALANCED = balance(APPENDIX_4).after
+TURN = straight_path([0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5])
+"""A turn through 73.4 degrees, where every position is singular."""
+LINE = straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
+"""A line through the singular circle."""
+TEN = MotionLimits(torque=10.0)
+
+
+def _singular_poses(design: Design, rng: np.random.Generator, n: int = 20) -> np.ndarray:
+    geometry = design.geometry
+    theta, angle = rng.uniform(-1.5, 1.5, n), rng.uniform(0.0, 2 * np.pi, n)
+    radius = singular_radius(geometry, theta)
+    poses = np.stack([radius * np.cos(angle), radius * np.sin(angle), theta, 0 * angle], axis=1)
+    if geometry.platform_radius < geometry.base_radius:
+        poses[::2, :2] *= rng.uniform(0.1, 0.9, (n // 2, 1))
+        poses[::2, 2] = singular_rotation(geometry) * rng.choice([-1, 1], n // 2)
+    return poses
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_no_actuator_feels_the_escape_twist(knee: KneeBranch) -> None:
+    rng = np.random.default_rng(1)
+    for _ in range(50):
+        design = random_design(rng).with_knee(knee)
+        poses = _singular_poses(design, rng)
+        g, twist = inverse_jacobian(design.geometry, poses), escape_twist(design.geometry, poses)
+        felt = np.einsum("nij,nj->ni", g, twist)
+        assert np.abs(felt).max() < 1e-12 * np.abs(g).max()
+
+
+def test_the_escape_twist_is_tangent_to_the_circle_and_ends_away_from_it() -> None:
+    rng = np.random.default_rng(2)
+    poses = _singular_poses(APPENDIX_4, rng)[1::2]  # on the circle
+    twist = escape_twist(APPENDIX_4.geometry, poses)
+    assert np.allclose(np.hypot(*twist[:, :2].T), APPENDIX_4.geometry.platform_radius, rtol=1e-12)
+    step = 1e-6
+    radius = singular_radius(APPENDIX_4.geometry, (poses + step * twist)[:, 2])
+    moved = np.hypot(*(poses + step * twist)[:, :2].T)
+    assert np.abs(moved - radius).max() < 10 * step**2
+    poses[:, 0] += 1e-4
+    assert np.isnan(escape_twist(APPENDIX_4.geometry, poses)).all()
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_the_wrench_of_the_platform_is_that_of_the_torques(knee: KneeBranch) -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(5):
+        design = random_design(rng).with_knee(knee).without_friction()
+        pose, velocity, acceleration = random_states(rng, design, 20)
+        torque = inverse_dynamics(design, pose, velocity, acceleration).torque
+        wrench = platform_wrench(design, pose, velocity, acceleration)
+        expected = np.einsum("nji,nj->ni", inverse_jacobian(design.geometry, pose), torque)
+        assert np.abs(wrench - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+def test_the_wrench_is_finite_and_continuous_across_the_locus() -> None:
+    s = np.array([-1e-7, 0.0, 1e-7]) + crossings(APPENDIX_4.geometry, LINE)[0].s
+    pose, still = LINE(s), np.zeros((3, 4))
+    wrench = platform_wrench(APPENDIX_4, pose, still, still + 1.0)
+    assert np.isfinite(wrench).all()
+    assert np.ptp(wrench, axis=0).max() < 1e-3
+
+
+def test_the_condition_of_the_turn_is_the_published_one() -> None:
+    """Numbers from a derivation that did not use this program."""
+    (crossing,) = crossings(APPENDIX_4.geometry, TURN)
+    assert crossing.locus is Locus.ROTATION
+    assert crossing.kind is CrossingKind.SIMPLE
+    assert crossing.s == pytest.approx(0.506363, abs=5e-7)
+    found = crossing_condition(APPENDIX_4, TURN, crossing.s)
+    assert found.a == pytest.approx(0.078338, abs=5e-7)
+    assert found.b == pytest.approx(-0.0034651, abs=5e-8)
+    assert found.c == pytest.approx(-1.1754, abs=5e-5)
+    assert plan_crossing(APPENDIX_4, TURN, TEN).plan.duration == pytest.approx(0.372, abs=5e-4)
+
+
+@pytest.mark.parametrize("path", [TURN, LINE], ids=["turn", "line"])
+def test_weights_do_no_work_on_the_twist_of_a_balanced_robot(path: object) -> None:
+    (crossing,) = crossings(BALANCED.geometry, path)
+    assert abs(crossing_condition(BALANCED, path, crossing.s).c) < 1e-12
+
+
+def _torque(design: Design, found: CrossingPlan, t: np.ndarray) -> np.ndarray:
+    state = found.plan.at(t)
+    return inverse_dynamics(design, state.pose, state.velocity, state.acceleration).torque
+
+
+@pytest.fixture(
+    scope="module",
+    params=[(APPENDIX_4, TURN), (BALANCED, TURN), (BALANCED, LINE)],
+    ids=["turn", "balanced turn", "balanced line"],
+)
+def planned(request: pytest.FixtureRequest) -> tuple[Design, CrossingPlan]:
+    design, path = request.param
+    return design, plan_crossing(design, path, TEN)
+
+
+def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, CrossingPlan]) -> None:
+    design, found = planned
+    (crossing,) = found.crossings
+    assert abs(crossing.residual) < 1e-9
+    near = _torque(design, found, crossing.t + np.array([-1e-6, 1e-6]))
+    assert np.abs(near - crossing.torque).max() < 1e-2
+    t = np.linspace(0.0, found.plan.duration, 20 * planner.INTERVALS * planner.POINTS)
+    torque = _torque(design, found, t[np.abs(t - crossing.t) > 1e-6])
+    assert np.abs(torque[:, :3]).max() < 10.1
+
+
+def test_a_motion_that_ignores_the_condition_needs_torques_without_bound() -> None:
+    (crossing,) = crossings(APPENDIX_4.geometry, TURN)
+    peaks = []
+    for distance in (1e-3, 1e-5):  # s'' = 0, s' = 2
+        s = crossing.s + np.array([-distance, distance])
+        torque = inverse_dynamics(APPENDIX_4, TURN(s), 2.0 * TURN(s, 1), 4.0 * TURN(s, 2)).torque
+        peaks.append(np.abs(torque[:, :3]).max())
+    assert peaks[1] > 50 * peaks[0]
+    condition = crossing_condition(APPENDIX_4, TURN, crossing.s)
+    expected = condition.residual(2.0, 0.0) * np.array(condition.growth) / 1e-5
+    assert torque[1] == pytest.approx(expected, rel=1e-2, abs=300)
+
+
+def test_a_finer_spline_hardly_changes_the_shortest_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    times = []
+    for count in (planner.INTERVALS, 2 * planner.INTERVALS):
+        monkeypatch.setattr(planner, "INTERVALS", count)
+        times.append(plan_crossing(APPENDIX_4, TURN, TEN).plan.duration)
+    assert times[1] == pytest.approx(times[0], rel=5e-3)
+
+
+def test_a_balanced_motion_may_be_stretched() -> None:
+    found = plan_crossing(BALANCED, TURN, TEN)
+    slow = replace(found, plan=found.plan.lasting(2.0 * found.plan.duration))
+    t = np.linspace(0.0, found.plan.duration, 301)[1:-1]
+    quick, slower = _torque(BALANCED, found, t), _torque(BALANCED, slow, 2.0 * t)
+    assert np.abs(slower[:, :3] - quick[:, :3] / 4.0).max() < 1e-9 * np.abs(quick).max()
+
+
+@pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
+def test_a_given_duration_is_kept(design: Design) -> None:
+    low, high = plan_crossing(design, TURN, TEN).durations
+    wanted = min(2.0 * low, 0.5 * (low + high))
+    found = plan_crossing(design, TURN, TEN, wanted)
+    assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
+    assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
+    with pytest.raises(planner.InvalidInput, match="duration"):
+        plan_crossing(design, TURN, TEN, 0.5 * low)
+
+
+def test_the_time_law_is_the_derivative_of_itself() -> None:
+    curve = plan_crossing(APPENDIX_4, TURN, TEN).plan.curve
+    u, step = np.linspace(0.05, 0.95, 60), 1e-6
+    for order in range(3):
+        rate = (curve(u + step, order) - curve(u - step, order)) / (2 * step)
+        size = np.abs(curve(u, order + 1)).max()
+        assert np.abs(rate - curve(u, order + 1)).max() < 1e-5 * size
+    assert np.allclose(curve(np.array([0.0, 1.0])), TURN(np.array([0.0, 1.0])), atol=1e-12)
+    assert np.abs(curve(np.array([0.0, 1.0]), 1)).max() < 1e-6
+
+
+def test_speeds_are_kept() -> None:
+    limits = MotionLimits(torque=10.0, turn_speed=3.0)
+    plan = plan_crossing(APPENDIX_4, TURN, limits).plan
+    turn = plan.at(np.linspace(0.0, plan.duration, 2000)).velocity[:, 2]
+    assert 2.97 < turn.max() < 3.01
+
+
+@pytest.mark.parametrize("crossed", [TURN, LINE], ids=["turn", "line"])
+def test_the_other_side_of_a_crossing_is_reached(crossed: object) -> None:
+    """Passage and bounce have the same actuator positions at a fold; poses tell them apart."""
+    plan = plan_crossing(BALANCED, crossed, TEN).plan
+    s = plan.curve.place_at(np.linspace(0.0, plan.duration, 50))
+    assert (np.diff(s) > 0).all()
+
+
+def test_refusals_name_their_cause() -> None:
+    geometry = APPENDIX_4.geometry
+    turn = singular_rotation(geometry)
+    radius = float(singular_radius(geometry, 0.3))
+    cases = {
+        "rest": straight_path([0.0, 0.01, turn, -0.5], [0.0, 0.01, 0.3, -0.5]),
+        "hold": straight_path([0.0, 0.01, turn - 1e-3, -0.5], [0.0, 0.01, 0.3, -0.5]),
+        "tangent": straight_path([radius, -0.1, 0.3, -0.5], [radius, 0.1, 0.3, -0.5]),
+        "reach": straight_path([0.0, 0.0, 0.3, -0.5], [2.0, 0.0, 0.3, -0.5]),
+    }
+    for cause, path in cases.items():
+        with pytest.raises(CrossingRefused) as refusal:
+            plan_crossing(APPENDIX_4, path, MotionLimits(torque=5.0))
+        assert refusal.value.cause == cause
+    with pytest.raises(CrossingRefused, match=r"times as large") as refusal:
+        plan_crossing(APPENDIX_4, TURN, MotionLimits(torque=6.0))
+    factor = float(str(refusal.value).split("at least ")[1].split(" times")[0])
+    assert plan_crossing(APPENDIX_4, TURN, MotionLimits(torque=6.0 * factor * 1.01)).crossings
+
+
+def test_both_loci_at_once_are_refused() -> None:
+    geometry = APPENDIX_4.geometry
+    turn = singular_rotation(geometry)
+    meet = np.array([float(singular_radius(geometry, turn)), 0.0, turn, -0.5])
+    shift = np.array([0.05, 0.0, 0.1, 0.0])
+    with pytest.raises(CrossingRefused) as refusal:
+        plan_crossing(APPENDIX_4, straight_path(meet - shift, meet + shift), TEN)
+    assert refusal.value.cause == "double"
+
+
+def test_a_path_along_a_locus_is_refused() -> None:
+    turn = singular_rotation(APPENDIX_4.geometry)
+    with pytest.raises(PathOnLocus):
+        crossings(
+            APPENDIX_4.geometry, straight_path([0.0, 0.0, turn, -0.5], [0.1, 0.0, turn, -0.5])
+        )
+
+
+def test_several_crossings_in_one_motion() -> None:
+    path = spline_path(
+        [[0.03, 0.02, 0.9, -0.5], [0.03, 0.02, 1.5, -0.5], [0.05, 0.0, 1.5, -0.45],
+         [0.05, 0.0, 0.9, -0.45]]
+    )  # fmt: skip
+    found = plan_crossing(BALANCED, path, MotionLimits(torque=20.0))
+    assert len(found.crossings) == 2
+    for crossing in found.crossings:
+        near = _torque(BALANCED, found, crossing.t + np.array([-1e-6, 1e-6]))
+        assert np.abs(near - crossing.torque).max() < 2e-2
+
+
+def test_a_is_the_mass_between_twist_and_path() -> None:
+    (crossing,) = crossings(APPENDIX_4.geometry, TURN)
+    twist = escape_twist(APPENDIX_4.geometry, np.array(crossing.pose))
+    condition = crossing_condition(APPENDIX_4, TURN, crossing.s)
+    along = TURN(np.array([crossing.s]), 1)[0]
+    expected = twist @ mass_matrix(APPENDIX_4, np.array(crossing.pose)) @ along
+    assert condition.a == pytest.approx(expected, rel=1e-12)
