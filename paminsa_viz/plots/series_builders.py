@@ -29,9 +29,6 @@ SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
 UNITS = ("N m", "N m", "N m", "N")
 COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
-SIMULATED = "#8aa4bf"
-"""Color of the simulated motion, below the wanted one."""
-
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
     ("gravity", "gravity", "#56B4E9", "dashed"),
     ("inertial", "inertia", "#E69F00", "solid"),
@@ -218,7 +215,7 @@ def _tracking(sources: SeriesSources) -> Iterator[SeriesPanel]:
     actual = np.full((time.size, 4), np.nan)
     actual[: simulation.t.size] = simulation.pose
     for i, panel in _coordinates():
-        simulated = Trace("simulated", actual[:, i], SIMULATED, width=2.2)
+        simulated = Trace("simulated", actual[:, i], "#8aa4bf", width=2.2)
         traces = (simulated, Trace("wanted", wanted[:, i], INK, "dashed", 0.9))
         yield replace(panel, traces=traces)
         yield _difference(panel, "Error", time, actual[:, i] - wanted[:, i])

@@ -45,33 +45,22 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         ("x = 1", None, "", "is not a design file"),
         ("schema_version = 2\nnew = 1", 1, "schema_version", "newer"),
         ("schema_version = 0", 1, "schema_version", "whole number"),
-        ("schema_version = true", 1, "schema_version", "whole number"),
         ("schema_version = '1'", 1, "schema_version", "whole number"),
         (VERSION + "[links]\nb3_kg = 'heavy'", 3, "links.b3_kg", "without quotes or unit"),
         (VERSION + "[links]\nb3_kg = true", 3, "links.b3_kg", "a number is needed"),
-        (VERSION + "[links]\nb3_kg = [1]", 3, "links.b3_kg", "a list: a number is needed"),
-        (VERSION + "[links]\nb3_kg = 1979-05-27", 3, "links.b3_kg", "a number is needed"),
         (VERSION + "[links]\nb3_kg = {a=1}", 3, "links.b3_kg", "a table: a number is needed"),
         (VERSION + "[links]\nb3_kg = nan", 3, "links.b3_kg", "nan: a finite number"),
-        (VERSION + "[links]\nb3_kg = -inf", 3, "links.b3_kg", "-inf: a finite number"),
         (VERSION + "[links]\nb3_kg = 1e999", 3, "links.b3_kg", "a finite number"),
         (VERSION + "[links]\nb3_kg = 1" + 400 * "0", 3, "links.b3_kg", "a finite number"),
         (VERSION + "[links]\n\nb3_kg = -1", 4, "links.b3_kg", "-1.0: a finite number of at least"),
-        (
-            VERSION + "links.b3_kg = -1",
-            2,
-            "links.b3_kg",
-            "of at least 0 and at most 10000",
-        ),
-        (
-            VERSION + "links = {b3_kg = -1}",
-            2,
-            "links.b3_kg",
-            "of at least 0 and at most 10000",
-        ),
+        (VERSION + "links.b3_kg = -1", 2, "links.b3_kg", "of at least 0 and at most 10000"),
+        (VERSION + "links = {b3_kg = -1}", 2, "links.b3_kg", "of at least 0 and at most 10000"),
         (VERSION + "[platform]\nmass_kg = 0", 3, "platform.mass_kg", "above 0"),
         (VERSION + "gravity_m_per_s2 = -9.81", 2, "gravity_m_per_s2", "of at least 0"),
         (VERSION + "[geometry]\nmagnification = 1", 3, "geometry.magnification", "greater than 1"),
+        (VERSION + '[geometry]\nknee = "upper"', 3, "geometry.knee", '"printed" or "mirror" is'),
+        (VERSION + "[geometry]\nknee = 1", 3, "geometry.knee", '"printed" or "mirror" is needed'),
+        (VERSION + '[load]\nframe = "tool"', 3, "load.frame", '"world" or "platform" is needed'),
         (VERSION + "links = 4", 2, "links", "a table [links]"),
         (VERSION + "[[links]]\nb3_kg = 1", 2, "links", "in single brackets"),
         (VERSION + "[link]\nb3_kg = 1", 2, "link", "did you mean [links]?"),
@@ -80,29 +69,22 @@ def refusal(content: str | bytes, source: str = "up.toml") -> DesignFileError:
         (VERSION + "[joints]\nb3_kg = 1", 3, "joints.b3_kg", "did you mean b3_kg in [links]"),
         (VERSION + "b3_kg = 1", 2, "b3_kg", "did you mean b3_kg in [links]"),
         (VERSION + "[geometry]\nR_b = 1", 3, "geometry.R_b", "did you mean base_radius_m"),
-        (VERSION + "[geometry]\nl_B7_m = 1", 3, "geometry.l_B7_m", "did you mean coupler_length_m"),
         (VERSION + "nam = 'x'", 2, "nam", "did you mean name?"),
         (VERSION + "zzz = 'x'", 2, "zzz", "there are gravity_m_per_s2"),
         (VERSION + 'name = "a\\u0007"', 2, "name", "a name is one line"),
-        (VERSION + "name = 3", 2, "name", "a name is one line"),
         (VERSION + "value_count = 2\ngravity_m_per_s2 = 1", 2, "value_count", "cut short"),
         (VERSION + "value_count = 1.5", 2, "value_count", "whole number"),
         (VERSION + "[links]\nb3_kg = 1\nb3_kg = 2", 4, "", "twice"),
-        (VERSION + "[links]\nb3_kg = 1\n[links]", 4, "", "twice"),
         (VERSION + "[links]\nb3_kg = 0,5", 3, "", "decimals are written with a point"),
         (VERSION + "[links]\nb3_kg = .5", 3, "", "digits on both sides"),
         (VERSION + "[links]\nb3_kg = 0.5 kg", 3, "", "without its unit"),
-        (VERSION + "[links]\nb3_kg = ", 3, "", "is not valid TOML"),
         (VERSION + "[links\nb3_kg = 1", 2, "", "is not valid TOML"),
-        (VERSION + "x = '''abc", 2, "", "is not valid TOML"),
         (VERSION + "x = 1" + 5000 * "0", 2, "", "too long"),
         (VERSION + "x = " + 900 * "[", None, "", "nested too deeply"),
         (VERSION + "x = " + 50_000 * "[\n", None, "", "nested too deeply"),
         (b"\xff\xfe\x00", None, "", "is not a text file"),
         (b"a = 1\n\x80", 2, "", "is not a text file"),
         (b"\x7fELF\x02\x01\x01\x00", 1, "", "is not valid TOML"),
-        (b"PK\x03\x04", 1, "", "is not valid TOML"),
-        (b"x" * (LARGEST_FILE + 1), None, "", "too large"),
         ("x" * (LARGEST_FILE + 1), None, "", "too large"),
     ],
 )
@@ -132,6 +114,35 @@ def test_a_refused_counterweight_is_named_with_its_line(old, new, line, key, wor
     error = refusal(VERSION + WEIGHT + WEIGHT.replace(old, new))
     assert (error.line, error.key) == (line, key)
     assert words in str(error)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "words"),
+    [
+        ("drives.M1]\nrotor_inertia_kg_m2 = -1.0", "drives.M1.rotor_inertia_kg_m2", "at least 0"),
+        ("drives.M1]\nefficiency = 1.2", "drives.M1.efficiency", "at most 1"),
+        ("drives.M1]\ngear_rato = 3.0", "drives.M1.gear_rato", "did you mean gear_ratio"),
+        ("drives.M5]\ngear_ratio = 3.0", "drives.M5", "[drives.M1]"),
+        ("drives.M2]\nenvelope = [[0, 1], [0, 2]]", "drives.M2.envelope", "increase"),
+        ("drives.M2]\nenvelope = [[0, 1, 2]]", "drives.M2.envelope.0", "pairs"),
+        ("drives.M4]\ngear_ratio = 3.0", "drives.M4.lead_m", "screw or belt"),
+        ('drives.M1]\nbrake = "yes"', "drives.M1.brake", "true or false"),
+        ('drives.M1]\ntransmission = "rope"', "drives.M1.transmission", "screw"),
+    ],
+)
+def test_impossible_drives_are_refused_with_their_key(table: str, key: str, words: str) -> None:
+    error = refusal(f"{VERSION}[{table}\n")
+    assert error.key == key
+    assert words in error.problem
+    assert error.line is not None
+
+
+def test_the_knee_stands_in_a_file_only_where_it_is_not_the_printed_one() -> None:
+    upper = APPENDIX_4.with_knee(KneeBranch.UPPER)
+    assert "\nknee" not in write_design(APPENDIX_4)
+    assert '\nknee = "mirror"' in write_design(upper)
+    assert read_design(f'{VERSION}[geometry]\nknee = "mirror"', "d").geometry == upper.geometry
+    assert read_design(f'{VERSION}[geometry]\nknee = "printed"', "d") == APPENDIX_4
 
 
 def test_counterweights_are_tables_in_double_brackets() -> None:

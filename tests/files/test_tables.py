@@ -1,4 +1,4 @@
-"""Tables of poses: every cell arrives, every fault is named by row and column."""
+"""Tables are read with every cell in its place, or refused by row and column."""
 
 from __future__ import annotations
 
@@ -9,17 +9,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.cli import main
-from paminsa_viz.explorer import exports
-from paminsa_viz.explorer.maps import MapStore
-from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.files.columns import ACCELERATION, POSE, POSES, VELOCITY
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.table_reader import LONGEST_ROW, TableBlock, TableReader, open_table
-from paminsa_viz.files.tables import TABLE_FORMATS, DataTable, csv_rows
+from paminsa_viz.files.tables import csv_rows
+from paminsa_viz.files.trajectory_table import parse_trajectory, read_trajectory
 
 ALL = POSES.columns
 HEAD = ",".join(POSE)
+TIMED = f"t_s,{HEAD}"
+ROWS = "0,0,0,0,-0.5\n0.5,0.01,0,0,-0.5\n"
 FLOATS = st.floats(allow_nan=False, allow_infinity=False)
 
 
@@ -27,9 +26,13 @@ def read(text: str, rows_at_once: int = 1000) -> list[TableBlock]:
     return list(TableReader(io.StringIO(text, newline=""), POSES, "in.csv").blocks(rows_at_once))
 
 
-def refusal(text: str, rows_at_once: int = 1000) -> TableFileError:
+def parse(text: str) -> object:
+    return parse_trajectory(io.StringIO(text, newline=""), "in.csv")
+
+
+def check_refused(reader, *words) -> TableFileError:
     with pytest.raises(TableFileError) as caught:
-        read(text, rows_at_once)
+        reader(*words)
     assert str(caught.value).isprintable()
     assert len(str(caught.value)) < 500
     return caught.value
@@ -63,66 +66,95 @@ def test_every_cell_arrives_in_its_place(columns, rows, end, style, rows_at_once
     ("text", "row", "column", "words"),
     [
         ("", None, "", "is empty; a header row with x_m,y_m,theta_rad,z_m"),
-        ("\n1,2,3,4", 1, "x_m", "the column is missing"),
         ("1,2,3,4\n", 1, "1", "the first row has to name the columns"),
         ("x_m,y_m,theta_rad\n", 1, "z_m", "a pose needs x_m,y_m,theta_rad,z_m"),
         ("x_m;y_m;theta_rad;z_m\n", 1, "x_m;y_m;theta_rad;z_m", "separated by commas"),
         (f"{HEAD},x_m\n", 1, "x_m", "twice"),
         (f"{HEAD},\n", 1, "", "column 5 has no name"),
-        ("x_mm,y_m,theta_rad,z_m\n", 1, "x_mm", "did you mean x_m?"),
         ("x_m,y_m,theta_deg,z_m\n", 1, "theta_deg", "did you mean theta_rad?"),
         ("x_m,y_m,theta_rad,Z_m\n", 1, "Z_m", "did you mean z_m?"),
         (f"{HEAD},Z_m\n", 1, "Z_m", "it is a result"),
-        (f"{HEAD},status\n", 1, "status", "it is a result"),
         (f"{HEAD},comment\n", 1, "comment", "there are x_m,"),
         (f"{HEAD},vx_m_s\n", 1, "vy_m_s", "with velocity columns come vx_m_s,vy_m_s"),
         (f"{HEAD}\n0,0,0,0\n0,,0,0\n", 3, "y_m", "the value is missing"),
-        (f"{HEAD}\n0,0,0,0\n0, ,0,0\n", 3, "y_m", "the value is missing"),
         (f"{HEAD}\n0,0,0\n", 2, "z_m", "the value is missing"),
         (f"{HEAD}\n0,0,0,0,0\n", 2, "", "there are 5 values for 4 columns"),
         (f"{HEAD}\n0,0,0,0\n0,0,1e,0\n", 3, "theta_rad", "'1e' is not a number"),
         (f"{HEAD}\n0,0,1_0,0\n", 2, "theta_rad", "'1_0' is not a number"),
         (f"{HEAD}\n0,0,٣,0\n", 2, "theta_rad", "'٣' is not a number"),
-        (f"{HEAD}\n0,0,0x1,0\n", 2, "theta_rad", "'0x1' is not a number"),
         (f"{HEAD}\n0,0,0,nan\n", 2, "z_m", "'nan' is not a finite number"),
-        (f"{HEAD}\n0,0,0,-inf\n", 2, "z_m", "'-inf' is not a finite number"),
         (f"{HEAD}\n0,0,0,1e999\n", 2, "z_m", "'1e999' is not a finite number"),
         (f"{HEAD}\n0,0,0,a\0b\x1b\n", 2, "z_m", "is not a number"),
         (f"{HEAD}\n0,0,0,0\n\n\n0,0,0,0\n", 3, "", "the row is empty, but others follow"),
         (f"{HEAD}\n0,0,0,0\n,,,\n0,0,0,0\n", 3, "", "the row is empty, but others follow"),
         (f'{HEAD}\n0,0,0,"0', 2, "", "is not valid CSV"),
         (f'{HEAD}\n0,0,0,"0"1\n', 2, "", "is not valid CSV"),
-        (f'{HEAD}\n0,0,"0\n",x\n', 2, "z_m", "'x' is not a number"),
         (f'{HEAD}\n0,0,"0\n",0\n0,0,0,x\n', 3, "z_m", "'x' is not a number"),
         (f"{HEAD}\n0,0,0,0\n{'1' * LONGEST_ROW}", 3, "", "longer than"),
         (f"{HEAD}\n0,0,0,{'v' * 5000}\n", 2, "z_m", "is not a number"),
     ],
 )
 @pytest.mark.parametrize("rows_at_once", [1, 2, 1000])
-def test_a_refusal_names_row_and_column(text, row, column, words, rows_at_once) -> None:
-    error = refusal(text, rows_at_once)
+def test_a_refused_pose_is_named_by_row_and_column(text, row, column, words, rows_at_once) -> None:
+    error = check_refused(read, text, rows_at_once)
     assert (error.row, error.column) == (row, column)
     assert words in str(error)
     assert row is None or f"in.csv, row {row}" in str(error)
+
+
+@pytest.mark.parametrize(
+    ("text", "row", "column", "words"),
+    [
+        ("x_m,y_m,theta_rad,z_m\n", 1, "t_s", "the column is missing"),
+        ("t_s,x_m,y_m,z_m\n", 1, "theta_rad", "a trajectory needs"),
+        ("t,x_m,y_m,theta_rad,z_m\n", 1, "t", "its unit is missing; write t_s or t_ms"),
+        ("t_s,x_m,y_m,theta,z_m\n", 1, "theta", "write theta_rad or theta_deg"),
+        ("t_s,x_inch,y_m,theta_rad,z_m\n", 1, "x_inch", "'inch' is no unit of it"),
+        ("t_s,x [rad],y_m,theta_rad,z_m\n", 1, "x [rad]", "'rad' is no unit of it"),
+        (f"{TIMED},velocityx_m_s\n", 1, "velocityx_m_s", "there is no such column"),
+        (f"T_S{TIMED[3:]}\n", 1, "T_S", "did you mean t_s?"),
+        (f"{TIMED},vx_m_s\n", 1, "vy_m_s", "with velocity columns come"),
+        (f"{TIMED},ax_m_s2\n", 1, "vx_m_s", "with acceleration columns come"),
+        (f"{TIMED}\n", None, "", "at least two rows; there are 0"),
+        (f"{TIMED}\n{ROWS}0.5,0,0,0,0\n", 4, "t_s", "0.5 follows 0.5"),
+        (f"# a\n# b\n{TIMED}\n{ROWS}0.4,0,0,0,0\n", 6, "t_s", "0.4 follows 0.5"),
+        (f'# a\n{TIMED}\n{ROWS}1,0,0,0,"0\n', 5, "", "is not valid CSV"),
+        ("t_ms" + TIMED[3:] + "\n0,0,0,0,0\n1500,0,0,0,0\n900,0,0,0,0\n", 4, "t_ms",
+         "900.0 follows 1500.0"),
+    ],
+)  # fmt: skip
+def test_a_refused_trajectory_is_named_by_row_and_column(text, row, column, words) -> None:
+    error = check_refused(parse, text)
+    assert (error.row, error.column) == (row, column)
+    assert words in str(error)
 
 
 @given(st.integers(0, 30), st.integers(0, 3), st.sampled_from(["", "x", "nan"]), st.integers(1, 9))
 def test_the_bad_cell_is_found_wherever_it_is(row, column, bad, rows_at_once) -> None:
     rows = [["0.5"] * 4 for _ in range(31)]
     rows[row][column] = bad
-    error = refusal("\n".join([HEAD, *map(",".join, rows)]), rows_at_once)
+    error = check_refused(read, "\n".join([HEAD, *map(",".join, rows)]), rows_at_once)
     assert (error.row, error.column, error.value) == (row + 2, POSE[column], bad)
 
 
-@given(st.text(max_size=100))
-def test_any_text_is_refused_in_one_line_or_has_no_rows(text: str) -> None:
-    refusal(text)
+@pytest.mark.parametrize(("reader", "head"), [(read, HEAD), (parse, TIMED)], ids=["poses", "times"])
+@given(text=st.text(max_size=100))
+def test_any_text_is_refused_in_one_line_or_read(reader, head, text: str) -> None:
+    check_refused(reader, text)
     try:
-        pieces = read(f"{HEAD}\n{text}")
+        reader(f"{head}\n{text}")
     except TableFileError:
-        refusal(f"{HEAD}\n{text}")
+        check_refused(reader, f"{head}\n{text}")
     else:
-        assert pieces == [] or text.count(",") >= 3
+        assert not text.strip() or text.count(",") >= 3
+
+
+def test_too_many_rows_and_too_long_a_time_are_refused(monkeypatch) -> None:
+    monkeypatch.setattr("paminsa_viz.files.trajectory_table.MOST_SAMPLES", 2)
+    assert "more than 2 rows" in str(check_refused(parse, f"{TIMED}\n{ROWS}1,0,0,0,0\n"))
+    lines = io.StringIO(f"{TIMED}\n{ROWS}", newline="")
+    with pytest.raises(TableFileError, match=r"in\.csv: takes longer than 0 s to read"):
+        parse_trajectory(lines, "in.csv", timeout=0.0)
 
 
 def test_a_header_alone_has_no_rows() -> None:
@@ -154,11 +186,11 @@ def test_a_byte_order_mark_is_no_part_of_the_first_column(tmp_path) -> None:
         assert TableReader(lines, POSES, "in.csv").header == POSE
 
 
-def test_files_that_cannot_be_opened_are_refused(tmp_path) -> None:
-    with pytest.raises(TableFileError, match="no such file"):
-        open_table(tmp_path / "none.csv")
-    with pytest.raises(TableFileError, match="is a directory"):
-        open_table(tmp_path)
+@pytest.mark.parametrize("reader", [open_table, read_trajectory])
+def test_files_that_cannot_be_opened_are_refused(tmp_path, reader) -> None:
+    for path, problem in ((tmp_path / "none.csv", "no such file"), (tmp_path, "is a directory")):
+        with pytest.raises(TableFileError, match=problem):
+            reader(path)
 
 
 @given(st.lists(st.lists(FLOATS, min_size=2, max_size=2), min_size=1, max_size=4))
@@ -169,17 +201,3 @@ def test_numbers_are_written_with_all_their_digits_and_nan_as_nothing(rows) -> N
     assert [[float(cell) for cell in line[:2]] for line in lines[:-1]] == rows
     assert [line[2] for line in lines] == words.tolist()
     assert lines[-1] == ["", "7.0", "stretched:leg2"]
-
-
-def test_a_format_is_one_entry_that_commands_and_exports_offer(monkeypatch, tmp_path) -> None:
-    def names(table: DataTable) -> bytes:
-        return ",".join(table.columns).encode()
-
-    monkeypatch.setitem(TABLE_FORMATS, "names", names)
-    monkeypatch.chdir(tmp_path)
-    assert main(["map", "--cells", "10", "--out", "map.names"]) == 0
-    assert (tmp_path / "map.names").read_text().startswith("x_m,y_m,theta_rad,z_m,tau1_Nm")
-    assert main(["trajectory", "--preset", "line", "--out", "motion.names"]) == 0
-    assert (tmp_path / "motion.names").read_text().startswith("t_s,x_m")
-    state = initial_state()
-    assert exports.table(state, MapStore(), "names").name.endswith(".names")

@@ -1,4 +1,4 @@
-"""Which range is chosen: explosions do not eat it, masses scale it, rounding errors vanish."""
+"""Color ranges: robust near singularities, scaled by masses, blind to rounding errors."""
 
 from __future__ import annotations
 
@@ -18,22 +18,19 @@ seeds = st.integers(0, 2**32 - 1)
 @given(seeds, st.floats(1e-3, 1e6))
 def test_ordinary_values_are_all_shown(seed: int, size: float) -> None:
     values = np.random.default_rng(seed).uniform(-size, size, 5000)
-    low, high = robust_range(values, signed=True)
-    assert low == -high
-    assert size * 0.99 <= high <= 1.6 * size
-    low, high = robust_range(np.abs(values), signed=False)
-    assert low == 0
-    assert size * 0.99 <= high <= 1.3 * size
+    for field, signed, most in ((values, True, 1.6), (np.abs(values), False, 1.3)):
+        low, high = robust_range(field, signed)
+        assert low == (-high if signed else 0)
+        assert size * 0.99 <= high <= most * size
 
 
 @given(seeds, st.floats(0.01, 0.3), st.floats(1e2, 1e8))
-def test_an_explosion_does_not_eat_the_scale(seed: int, share: float, factor: float) -> None:
+def test_exploding_values_run_over_the_scale(seed: int, share: float, factor: float) -> None:
     rng = np.random.default_rng(seed)
     values = rng.uniform(-5, 5, 5000)
-    burst = rng.random(5000) < share
-    values[burst] *= factor
-    for signed, field in ((True, values), (False, np.abs(values))):
-        assert robust_range(field, signed)[1] < 30, signed
+    values[rng.random(5000) < share] *= factor
+    assert robust_range(values, signed=True)[1] < 30
+    assert robust_range(np.abs(values), signed=False)[1] < 30
 
 
 @given(seeds, st.floats(1e-2, 1e3))
@@ -44,7 +41,7 @@ def test_the_range_grows_with_the_values(seed: int, factor: float) -> None:
 
 
 @given(seeds)
-def test_rounding_errors_of_a_balanced_robot_are_not_blown_up(seed: int) -> None:
+def test_rounding_errors_of_a_balanced_robot_count_as_zero(seed: int) -> None:
     noise = 0.1 * NEGLIGIBLE * np.random.default_rng(seed).standard_normal(100)
     assert robust_range(noise, signed=True) == (-1.0, 1.0)
     assert robust_range(np.abs(noise), signed=False) == (0.0, 1.0)
@@ -52,7 +49,7 @@ def test_rounding_errors_of_a_balanced_robot_are_not_blown_up(seed: int) -> None
 
 @pytest.mark.parametrize("signed", [True, False])
 @pytest.mark.parametrize("values", [[], [np.nan], [np.inf, -np.inf], [0.0], [7.0] * 9, [-3.0] * 4])
-def test_odd_data_still_give_a_scale(values: list[float], signed: bool) -> None:
+def test_constant_infinite_and_missing_data_give_a_scale(values: list[float], signed: bool) -> None:
     low, high = robust_range(values, signed)
     Scale(low, high)
     finite = np.array(values)[np.isfinite(values)]
@@ -64,7 +61,7 @@ def test_magnitudes_far_from_zero_keep_their_own_range() -> None:
     assert robust_range(np.linspace(182.0, 249.0, 500), signed=False) == (180.0, 250.0)
 
 
-def test_the_real_torques_are_shown_where_the_robot_works() -> None:
+def test_range_shows_torques_near_the_center() -> None:
     data = real()
     scale = choose_scales(data)[0]
     x, y = np.meshgrid(data.x, data.y)
@@ -74,7 +71,7 @@ def test_the_real_torques_are_shown_where_the_robot_works() -> None:
     assert np.nanmax(np.abs(data.values)) > 10 * scale.high  # the explosion is there
 
 
-def test_a_heavier_robot_has_a_wider_range() -> None:
+def test_range_grows_with_the_robots_masses() -> None:
     light = choose_scales(real())[0]
     heavy = real(design=APPENDIX_4.vary({"links.b8": 4.0}))
     factor = np.nanmedian(np.abs(heavy.values)) / np.nanmedian(np.abs(real().values))
@@ -92,22 +89,29 @@ def test_one_range_for_all_or_one_for_each() -> None:
         assert {(scale.low, scale.high) for scale in scales} == {(-1.234, 5.678)}
 
 
-def test_a_log_shows_more_of_the_explosion() -> None:
+def test_symlog_range_is_wider() -> None:
     data = real()
     linear, log = (choose_scales(data, ScaleChoice(kind=kind))[0] for kind in ("linear", "symlog"))
     assert log.high > 5 * linear.high
     assert log.low == -log.high
 
 
-def test_signed_quantities_diverge_and_magnitudes_do_not() -> None:
-    assert choose_scales(real())[0].colors == "blue-vermillion"
-    magnitude = real(quantities=("max_torque",))
-    assert choose_scales(magnitude)[0].colors == "viridis"
-    assert choose_scales(magnitude, ScaleChoice(colors="magma"))[0].colors == "magma"
+@pytest.mark.parametrize(
+    ("quantity", "choice", "table"),
+    [
+        ("tau_1", None, "blue-vermillion"),
+        ("max_torque", None, "viridis"),
+        ("max_torque", ScaleChoice(colors="magma"), "magma"),
+    ],
+)
+def test_signed_quantities_diverge_and_magnitudes_do_not(
+    quantity: str, choice: ScaleChoice | None, table: str
+) -> None:
+    assert choose_scales(real(quantities=(quantity,)), choice)[0].colors == table
 
 
 def test_scales_are_counted() -> None:
-    data = made_up()
-    assert per_panel(data, Scale(0.0, 1.0)) == (Scale(0.0, 1.0),) * 3
+    data, scale = made_up(), Scale(0.0, 1.0)
+    assert per_panel(data, scale) == (scale,) * 3
     with pytest.raises(InvalidScale):
-        per_panel(data, [Scale(0.0, 1.0)] * 2)
+        per_panel(data, [scale] * 2)

@@ -1,4 +1,4 @@
-"""Curves of an engine beside the formulas's."""
+"""Torques of an engine next to those of the formulas."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def test_where_the_motion_fails_there_is_no_torque() -> None:
     assert 0 < np.isnan(found.torque).sum() < found.torque.size
 
 
-def test_an_engine_is_not_asked_for_hours(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_engine_samples_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verified, "MOST_STATES", 10)
     with pytest.raises(InvalidInput, match="at most 10 samples"):
         engine_torques(analyze(APPENDIX_4, MOTION))
 
 
-def test_a_verification_is_drawn_engine_by_engine_then_as_printed() -> None:
+def test_a_verification_has_a_figure_for_each_engine_and_for_the_published_formulas() -> None:
     found = verify(APPENDIX_4, MOTION, poses=5, misprints=())
     figures = verification_figures(found)
     assert len(figures) == len(found.engines) + 1
