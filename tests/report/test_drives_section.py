@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from paminsa_viz.model import APPENDIX_4, Design, Drive
 from paminsa_viz.report.blocks import Note, Section, Table
 from paminsa_viz.report.drives_section import drives_section
@@ -49,7 +51,7 @@ def test_drives_that_are_too_weak_are_named() -> None:
 
 def test_a_motion_that_cannot_be_run_is_not_measured() -> None:
     far = PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
-    far = replace(far, pose=far.pose + [0.5, 0.0, 0.0, 0.0])
+    far = replace(far, pose=np.add(far.pose, (0.5, 0.0, 0.0, 0.0)))
     design = replace(APPENDIX_4, drives=(SERVO, None, None, None))
     found = drives_section(design, analyze(design, far))
     assert found is not None
