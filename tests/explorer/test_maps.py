@@ -17,6 +17,7 @@ from paminsa_viz.explorer.maps import MapStore, choose, go_to
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
+    Design,
     KneeBranch,
     Limit,
     check_reach,
@@ -263,7 +264,9 @@ def test_map_with_nothing_in_reach_has_a_scale(mode: RangeMode) -> None:
 
 
 @given(design=loaded_designs(), mode=st.sampled_from(RangeMode), logarithmic=st.booleans())
-def test_a_design_of_any_possible_masses_has_maps_and_colors(design, mode, logarithmic) -> None:
+def test_any_possible_masses_have_maps_and_colors(
+    design: Design, mode: RangeMode, logarithmic: bool
+) -> None:
     view = MapView(range_mode=mode, logarithmic=logarithmic)
     state = initial_state(design).updated("map_view", range_mode=mode)
     for quantities in (("tau_1", "tau_2", "tau_3"), ("f_4",)):

@@ -88,7 +88,7 @@ def test_numbers_exist_exactly_where_the_status_is_ok(
 
 
 @BOTH
-def test_exactly_at_the_end_of_a_guide_everything_is_known(knee: KneeBranch) -> None:
+def test_end_of_the_guide_is_reachable(knee: KneeBranch) -> None:
     """Lengths that are exact in binary: |X_4| of leg 3 is the stroke to the last bit."""
     design = APPENDIX_4.vary(
         {
@@ -120,7 +120,7 @@ NOT_FINITE += [(i, 1e200) for i in (0, 1, 3)]  # squares of it are infinite
 
 @pytest.mark.parametrize(("coordinate", "bad"), NOT_FINITE)
 @BOTH
-def test_poses_that_are_not_finite_are_quiet_and_named(
+def test_poses_that_are_not_finite_have_that_status(
     knee: KneeBranch, coordinate: int, bad: float
 ) -> None:
     """Warnings are errors in this suite."""

@@ -1,4 +1,4 @@
-"""The report: complete, self-contained, and saying of the robot what the model says."""
+"""The report: complete, self-contained, with the model's numbers."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def blocks(section: Section, kind: type[Any]) -> list[Any]:
     return [block for block in section.blocks if isinstance(block, kind)]
 
 
-def test_it_is_one_file_that_needs_nothing_else() -> None:
+def test_report_is_one_self_contained_file() -> None:
     text = report()
     page = Reader(text)
     assert all(place.startswith("data:image/svg+xml;base64,") for place in page.attributes["src"])
@@ -152,7 +152,7 @@ def test_bodies_add_up_to_mp2(seed: int) -> None:
     assert len(parts) == 9
 
 
-def test_balance_is_shown_or_found_to_be_there() -> None:
+def test_balance_is_shown_unless_the_design_is_balanced() -> None:
     motion = request_for().trajectory
     tables = blocks(balance_section(analyze(APPENDIX_4, motion)), Table)
     assert tables[1].rows[-1] == Row(("M_p2", "", "9.1 N", "0 N"), "total")
@@ -166,7 +166,9 @@ def test_balance_is_shown_or_found_to_be_there() -> None:
     assert any("is balanced" in note.text for note in notes)
 
 
-def test_verification_is_in_it_or_why_not(mujoco: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_verification_is_reported_or_the_reason_it_is_missing(
+    mujoco: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert "Not requested" in Reader(report()).text
     found = checked(request_for())
     assert not isinstance(found, str)
@@ -202,9 +204,7 @@ def test_a_pose_out_of_reach_is_refused() -> None:
 
 
 @pytest.mark.browser
-def test_a_browser_shows_it_without_asking_for_anything_and_prints_it(
-    browser: Any, tmp_path: Path
-) -> None:
+def test_browser_shows_and_prints_the_report_without_requests(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "report.html"
     path.write_text(report(), encoding="utf-8")
     page = browser.new_page(viewport={"width": 1280, "height": 900})
