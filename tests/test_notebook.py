@@ -1,4 +1,4 @@
-"""What a notebook shows inline: the explorer's own robot, maps and curves."""
+"""Inline views of a notebook: robot, maps and curves."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def motion():
     return PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
 
 
-def test_a_page_is_a_frame_that_holds_all_of_it(tmp_path) -> None:
+def test_inline_page_is_a_sandboxed_frame_with_the_whole_page(tmp_path) -> None:
     page = InlinePage('<p title="a">&amp; é</p>'.encode(), height=300)
     shown = page._repr_html_()
     found = re.fullmatch(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts" .*</iframe>', shown)
@@ -37,7 +37,7 @@ def test_a_page_is_a_frame_that_holds_all_of_it(tmp_path) -> None:
     assert (tmp_path / "page.html").read_bytes() == page.content
 
 
-def test_the_robot_stands_in_the_pose_asked_for() -> None:
+def test_robot_view_is_the_exported_page_of_the_pose() -> None:
     page = robot_view(APPENDIX_4, POSE).content.decode()
     assert page.lstrip().lower().startswith("<!doctype html>")
     assert "<title>PAMINSA: Appendix 4</title>" in page
@@ -45,7 +45,7 @@ def test_the_robot_stands_in_the_pose_asked_for() -> None:
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
-def test_without_a_pose_it_is_one_that_can_be_taken(knee) -> None:
+def test_default_pose_is_reachable(knee) -> None:
     design = APPENDIX_4.with_knee(knee)
     assert robot_view(design).content
     assert map_view(design, cells=10).data
@@ -59,7 +59,7 @@ def test_an_impossible_pose_is_refused(error, pose) -> None:
         robot_view(APPENDIX_4, pose)
 
 
-def test_a_motion_is_the_page_of_the_export(motion) -> None:
+def test_motion_view_is_the_exported_page(motion) -> None:
     page = motion_view(motion, height=600)
     assert len(page.content) == pytest.approx(len(motion_html(APPENDIX_4, motion)), rel=0.01)
     assert b"pick-and-place arch" in page.content

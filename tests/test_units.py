@@ -38,7 +38,7 @@ from paminsa_viz.units import (
         ("g", "g", "<i>g</i>"),
     ],
 )
-def test_symbols_read_like_the_paper(symbol: str, label: str, markup: str) -> None:
+def test_symbols_as_text_and_html(symbol: str, label: str, markup: str) -> None:
     assert symbol_text(symbol) == label
     assert symbol_html(symbol) == markup
 
@@ -84,7 +84,7 @@ def test_a_value_survives_the_display_unit(path: str, value: float) -> None:
         (-1.234e-13, "N m", "−1.234·10⁻¹³ N·m"), (np.nan, "m", "–"),
     ],
 )  # fmt: skip
-def test_values_are_shown_in_the_unit_that_people_read(value: float, unit: str, text: str) -> None:
+def test_values_are_formatted_in_display_units(value: float, unit: str, text: str) -> None:
     assert format_value(value, unit) == text
 
 

@@ -24,8 +24,8 @@ class Comparison:
     """Actuator torques of the formulas and of an engine, at the same n states.
 
     Attributes:
-        computed: (n, 4) the formulas's [N m, N].
-        reference: (n, 4) the engine's.
+        computed: (n, 4) those of the formulas [N m, N].
+        reference: (n, 4) those of the engine.
         scale: (4,) what differences of each actuator are measured by, see `torque_scale`.
     """
 

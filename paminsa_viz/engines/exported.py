@@ -1,4 +1,4 @@
-"""The exported MJCF model: it stands held in a pose, with servos to move it."""
+"""The exported MJCF model: held in a pose, with servos to move it."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def exported_mjcf(
         InvalidDesign: If a bar's inertias belong to no rigid body.
         InvalidInput: If the start pose is singular, so that nothing could hold it, or if nothing
             resists the motion of a link, so that MuJoCo could not step it.
-        UnreachablePose: If the robot cannot stand in the start pose.
+        UnreachablePose: If the robot cannot be in the start pose.
     """
     _check_inertia(build_mechanism(design))
     start = start_pose(design) if pose is None else np.asarray(pose, float)

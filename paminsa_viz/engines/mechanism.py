@@ -191,7 +191,7 @@ def _platform(design: Design) -> Link:
 
 
 def _lift(design: Design) -> Link:
-    """The lift with the three arms B1; it only rises and sinks, so one mass stands for them."""
+    """The lift with the three arms B1; it only rises and sinks, so one mass replaces them."""
     radius = design.geometry.base_radius
     arms = Part("arms_3xB1", 3 * design.links.b1, ORIGIN)
     rods = tuple(

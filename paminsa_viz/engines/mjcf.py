@@ -1,14 +1,14 @@
 """The robot as an MJCF text for MuJoCo, written without needing MuJoCo.
 
 All numbers are written in full precision, so that the text carries the design exactly. The model
-stands assembled in its start pose when it is loaded; hinge and slide values are the mechanism's own
+is assembled in its start pose when it is loaded; hinge and slide values are the mechanism's own
 (pose, theta_k, Z, r_8, angles between bars), not offsets from that pose.
 
 Pinocchio's reader of MJCF takes the same text: the tree with all its masses, and from version 4 on
 the loop closures too (``buildModelAndLegacyConstraintsFromMJCF``), but not gravity, which has to be
 set where it is not 9.81 m/s^2. A URDF could not carry the loops.
 
-Two things MuJoCo asks for: a moving body may not be without mass or inertia, so a zero becomes
+Two things that MuJoCo needs: a moving body may not be without mass or inertia, so a zero becomes
 `FLOOR`; and loops are closed by soft constraints, which are set as stiff as the time step allows.
 Friction of the design is left out: MuJoCo's dry friction is another law than the model's. The
 inertia of its drives is the ``armature`` of the actuated joints.
@@ -59,7 +59,7 @@ class Servos:
     """Position servos about the start position, one for each actuator.
 
     A control is the wanted deviation from the start position [rad, rad, rad, m], so that a model
-    just loaded, with all controls zero, stands still.
+    just loaded, with all controls zero, does not move.
 
     Attributes:
         stiffness: Gain on the position (4,) [N m/rad, N/m].
@@ -104,7 +104,7 @@ def mjcf_text(
 
     Raises:
         InvalidDesign: If a bar's inertias belong to no rigid body.
-        UnreachablePose: If the robot cannot stand in the start pose.
+        UnreachablePose: If the robot cannot be in the start pose.
     """
     start = start_pose(design) if pose is None else np.asarray(pose, float)
     mechanism = build_mechanism(design)
@@ -208,7 +208,7 @@ def _add_links(base: ET.Element, mechanism: MechanismTree, values: dict[str, flo
 def _start_frame(link: Link, values: dict[str, float]) -> tuple[Array, Rotation, list[Array]]:
     """Return origin (3,) [m] and turn of a link's frame in its parent's at the start, and the axes.
 
-    MuJoCo moves a link from where it stands at the start, one joint after the other, with axes in
+    MuJoCo moves a link from where it is at the start, one joint after the other, with axes in
     the link's own frame there.
     """
     place, turn = np.asarray(link.place, float), Rotation.from_euler("z", link.heading)

@@ -48,7 +48,7 @@ class MujocoRobot(ClosedLoopRobot):
             EngineMissing: If MuJoCo is not installed.
             InvalidDesign: If a bar's inertias belong to no rigid body.
             InvalidInput: If the given text is another robot's.
-            UnreachablePose: If the design cannot stand in its start pose.
+            UnreachablePose: If the design cannot be in its start pose.
             ValueError: If MuJoCo cannot read the text.
         """
         super().__init__(design)
@@ -76,7 +76,7 @@ class MujocoRobot(ClosedLoopRobot):
         data.qacc[:] = 0.0
         mujoco.mj_fwdPosition(model, data)
         mujoco.mj_fwdVelocity(model, data)
-        # What the sites accelerate by when no joint does; gravity stands in both and drops out.
+        # What the sites accelerate by when no joint does; gravity is in both and drops out.
         mujoco.mj_rnePostConstraint(model, data)
         drift = [
             self._acceleration(first) - self._acceleration(second)

@@ -137,6 +137,6 @@ def workspace_poses(geometry: Geometry, count: int, seed: int = 0) -> Array:
             return found[:count]
     raise InvalidInput(
         "poses",
-        f"only {len(found)} of {count} found in a workspace this small; ask for fewer, or check "
+        f"only {len(found)} of {count} found in a workspace this small; request fewer, or check "
         "the design's lengths",
     )

@@ -260,7 +260,7 @@ def _along(design: Design, motion: Trajectory, reference: Array, misprints: Misp
 
 
 def _computed(design: Design, motion: Trajectory, misprints: Misprint = Misprint.NONE) -> Array:
-    """Return the formulas's torques along a motion, (n, 4) [N m, N]."""
+    """Return the torques of the formulas along a motion, (n, 4) [N m, N]."""
     states = motion.pose, motion.velocity, motion.acceleration
     return inverse_dynamics(design, *states, misprints, load=motion.load).torque
 

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
+from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
@@ -58,13 +59,15 @@ def build_tabs(
         balance = BalancePanel(session, bridge)
     with places["Motion"]:
         motion = MotionPanel(session, motions)
+    with places["Drives"]:
+        drives = Panel(session, DRIVES)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.fast += [design, balance, motion, view]
+    session.fast += [design, balance, motion, drives, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     register_commands(session)

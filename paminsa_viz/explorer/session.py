@@ -53,21 +53,14 @@ class History:
             self.past.append(before)
             del self.past[:-DEPTH]
 
-    def undo(self, present: Document) -> Document | None:
-        """Return the document before the last step, or None."""
+    def travel(self, current: Document, *, back: bool) -> Document | None:
+        """Return the document before the last step, or the one that the last undo left, or None."""
         self._source = ""
-        if not self.past:
+        source, target = (self.past, self.future) if back else (self.future, self.past)
+        if not source:
             return None
-        self.future.append(present)
-        return self.past.pop()
-
-    def redo(self, present: Document) -> Document | None:
-        """Return the document that the last undo left, or None."""
-        self._source = ""
-        if not self.future:
-            return None
-        self.past.append(present)
-        return self.future.pop()
+        target.append(current)
+        return source.pop()
 
 
 IDLE_DELAY = 0.4
@@ -131,16 +124,6 @@ class Session:
         return self._state
 
     @property
-    def can_undo(self) -> bool:
-        """Whether there is a step to undo."""
-        return bool(self._history.past)
-
-    @property
-    def can_redo(self) -> bool:
-        """Whether there is a step to redo."""
-        return bool(self._history.future)
-
-    @property
     def closed(self) -> bool:
         """Whether the tab has gone."""
         return self._closed
@@ -178,11 +161,11 @@ class Session:
 
     def undo(self) -> None:
         """Undo the last step."""
-        self.submit(lambda: self._travel(self._history.undo))
+        self.submit(partial(self._travel, back=True))
 
     def redo(self) -> None:
         """Redo the step undone last."""
-        self.submit(lambda: self._travel(self._history.redo))
+        self.submit(partial(self._travel, back=False))
 
     def notify(self, title: str, body: str, *, bad: bool = False) -> None:
         """Show a notice on the page."""
@@ -190,10 +173,10 @@ class Session:
             title, body, color="red" if bad else "teal", auto_close_seconds=12 if bad else 5
         )
 
-    def _travel(self, step: Callable[..., object]) -> None:
-        document = step(self._state.document)
+    def _travel(self, *, back: bool) -> None:
+        document = self._history.travel(self._state.document, back=back)
         if document is not None:
-            self._state = actions.restore(self._state, document)  # type: ignore[arg-type]
+            self._state = actions.restore(self._state, document)
 
     def _run(self) -> None:
         idle_due: float | None = None

@@ -1,6 +1,6 @@
 """Formulas compiled into loops by Numba.
 
-Nothing of the mechanics stands here: a formula and the functions that it calls are the same source
+Nothing of the mechanics is here: a formula and the functions that it calls are the same source
 that runs on NumPy arrays. Each kernel runs on columns (one array a quantity) and releases the GIL.
 
 Numba keeps compiled code on disk and looks only at the file of the kernel to see whether it is

@@ -36,7 +36,7 @@ class InverseDynamics:
         multipliers: (..., 4) Lagrange multipliers of s_1..s_4 (Eq. 15): forces on the platform
             across the legs, and along z in units of Z [N].
         status: (...) values of `Limit`; ``SINGULAR`` where a torque has no bound.
-        leg: (...) index of the leg that stands in the way, -1 for none.
+        leg: (...) index of the leg that is the reason, -1 for none.
     """
 
     torque: Array

@@ -87,7 +87,7 @@ class Grid:
         return int(np.prod(self.shape, dtype=np.int64))
 
     def poses(self) -> Array:
-        """Return every pose, (*shape, 4) [m, m, rad, m]; as large as it sounds."""
+        """Return every pose, (*shape, 4) [m, m, rad, m]."""
         pose = np.broadcast_to(self.fixed, (*self.shape, 4)).copy()
         mesh = np.meshgrid(*(values for _, values in self.axes), indexing="ij")
         for (name, _), values in zip(self.axes, mesh, strict=True):
@@ -118,7 +118,7 @@ class Field:
     Attributes:
         grid, geometry: What it was solved for.
         status: (...) values of `Limit`.
-        leg: (...) index of the leg that stands in the way, -1 for none.
+        leg: (...) index of the leg that is the reason, -1 for none.
         threads: Threads that share the work; None for all cores where the grid is large enough.
     """
 

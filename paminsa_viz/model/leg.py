@@ -1,6 +1,6 @@
 """One leg: its pantograph, its motion, and the forces of its energies on platform and actuators.
 
-The functions here and in `robot.py` are the only place where the mechanics is written down. Each
+The functions here and in `robot.py` are the only place where the mechanics is stated. Each
 is a plain formula of numbers, without branches, loops or memory: called with NumPy arrays it works
 elementwise (also on complex numbers), and `compiled.py` compiles the same source into loops.
 
@@ -159,7 +159,7 @@ class LegVector(NamedTuple):
 
 
 def leg_vector(m: Mechanism, ax: Any, ay: Any, x: Any, y: Any, c: Any, s: Any) -> LegVector:
-    """Return the vectors of the leg whose axis stands at R_b (ax, ay) (P_5k, Appendix 1).
+    """Return the vectors of the leg whose axis is at R_b (ax, ay) (P_5k, Appendix 1).
 
     Args:
         m: The mechanism.

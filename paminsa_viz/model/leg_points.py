@@ -94,7 +94,7 @@ class CounterweightClearance:
         outward: Farthest from the leg axis away from the platform, negative if it stays inward [m].
         low, high: Lowest and highest, from the plane of the guides up [m].
         clear_depth: Distance of joints 5 from the plane of the guides beyond which it can meet
-            neither the platform nor the robot's axis, where M4 stands [m]: it stays on the guides'
+            neither the platform nor the robot's axis, where M4 is [m]: it stays on the guides'
             side of its leg's joint 5, or on the leg's side. Zero if it never can meet them,
             infinite if it may at any height.
     """
@@ -150,8 +150,8 @@ def counterweight_clearance(
     rim_z = radius + (abs(upward[0]) + abs(upward[1])) * half
     depth = slack - sign * height[taken]
     level = sign * z + depth - slack <= rim_z + slack
-    beside = r + rim_r + part * slack >= rho[taken]
-    meets = (level & beside) | (_from_robot_axis(g, r) <= rim_r)
+    outside = r + rim_r + part * slack >= rho[taken]
+    meets = (level & outside) | (_from_robot_axis(g, r) <= rim_r)
     deepest = float(depth[meets].max()) if meets.any() else 0.0
     return CounterweightClearance(
         inward=float(r.max()) + rim_r,

@@ -1,4 +1,4 @@
-"""Lumped mass coefficients (Appendices 2 and 3) and the terms of the energies they stand for.
+"""Lumped mass coefficients (Appendices 2 and 3) and the terms of the energies that they multiply.
 
 Everything the robot's mass distribution does to its torques passes through 18 numbers
 
@@ -9,7 +9,7 @@ The energies (Eqs. 11-14) are then linear in c: `energy_terms` says which coeffi
 which square of a velocity. The misprints of the paper live here and nowhere else, because each of
 them moves a coefficient to a wrong place; see `Misprint`.
 
-A counterweight adds to seven of the 18 and needs no other: whatever bar it is on, it stands at a
+A counterweight adds to seven of the 18 and needs no other: whatever bar it is on, it is at a
 combination of joints 5 and 9, so that its energies are made of the terms that are there already.
 """
 

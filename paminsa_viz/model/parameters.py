@@ -85,7 +85,7 @@ class Parameter:
 
     @property
     def group(self) -> str:
-        """First part of the path, or ``"design"`` for a number that stands in no group."""
+        """First part of the path, or ``"design"`` for a number that is in no group."""
         return self.path.rpartition(".")[0] or "design"
 
     @property

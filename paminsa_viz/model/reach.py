@@ -1,4 +1,4 @@
-"""Which poses the robot can take; if it cannot, which leg and which limit stand in the way."""
+"""Which poses the robot can take, and where not, which leg and which limit forbid it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEAST_MARGIN = backend.Formula(measures.least_margin, 2)
 
 
 HOME_DROP = 0.5
-"""How far below the guides the platform stands at home, as a share of l_B4 + l_B8."""
+"""How far below the guides the platform is at home, as a share of l_B4 + l_B8."""
 
 
 class Limit(IntEnum):
@@ -192,7 +192,7 @@ def workspace_radius(geometry: Geometry) -> float:
     """Return the radius of the smallest circle about the origin that holds every position [m].
 
     At the best theta and height all three legs have X_1 <= r. The points 5 then lie within r of
-    axes that stand off the center by c = |R_b - R_pl|, at 120 degrees from each other.
+    axes that are off the center by c = |R_b - R_pl|, at 120 degrees from each other.
     """
     bars = (geometry.crank_length + geometry.coupler_length) / geometry.span_ratio
     longest = min(bars, geometry.stroke * (geometry.magnification - 1))

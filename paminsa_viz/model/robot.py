@@ -154,7 +154,7 @@ def inverse_dynamics_kernel(
     """Inverse dynamics as the paper solves it (Eqs. 15-21).
 
     The first four Lagrange equations (x, y, theta, z) give the multipliers, the last four
-    (theta_1..3, Z) the torques. ``gravity`` [m/s^2] acts on the platform; the legs' weights stand
+    (theta_1..3, Z) the torques. ``gravity`` [m/s^2] acts on the platform; the legs' weights are
     in the energy terms.
     """
     g1 = leg_position(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z)

@@ -23,6 +23,7 @@ GROUPS: dict[str, str] = {
     "platform": "Platform",
     "payload": "Payload",
     "friction": "Friction of the actuators",
+    "load": "External load on the platform",
     "": "Surroundings",
 }
 """Tables of a design file and their headings."""
@@ -35,7 +36,7 @@ PAPER = (
     "DETC2005-84679."
 )
 
-_UNUSED = ("friction", "payload")
+_UNUSED = ("friction", "load", "payload")
 """Groups that are left out while all their values are those of Appendix 4."""
 
 

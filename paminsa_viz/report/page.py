@@ -16,6 +16,7 @@ from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.report.balance_section import balance_section
 from paminsa_viz.report.blocks import Fact
 from paminsa_viz.report.design_section import design_section, provenance_section
+from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
@@ -40,6 +41,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     sections = [design_section(request.design), workspace_section(request)]
     progress("torque maps")
     sections.append(maps_section(request))
+    progress("forces and capability")
+    sections.append(forces_section(request))
     progress("trajectory")
     sections.append(trajectory_section(analysis))
     progress("verification")

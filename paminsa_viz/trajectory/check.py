@@ -7,7 +7,9 @@ there without bound.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +20,7 @@ from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.model.reach import MARGINS, Limit, check_reach, status_words
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
-from paminsa_viz.trajectory.sampled import Trajectory
+from paminsa_viz.trajectory.sampled import Passage, Trajectory
 
 SINGULAR_CLEARANCE = 0.005
 """Least distance from a singular position [m]; a turn counts as the path of the joints 5.
@@ -82,6 +84,7 @@ class PathCheck:
         until: Number of samples before the first failure.
         side: (+1 or -1) for the position and for the turn: on which side of the type-2
             singularities the motion starts, as the signs of `measure_singularity`'s distances.
+        windows: Planned crossings.
     """
 
     status: NDArray[np.uint8]
@@ -90,6 +93,7 @@ class PathCheck:
     closest: PathEvent
     until: int
     side: tuple[float, float]
+    windows: tuple[Window, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -138,20 +142,26 @@ def check_path(
     """
     if not (np.isfinite(clearance) and clearance >= 0):
         raise InvalidInput("clearance", f"a length of at least 0 m is needed, not {clearance!r}")
-    distances = _singular_distances(geometry, trajectory.pose[:1])[0]
-    side = np.where(distances < 0, -1.0, 1.0)
-    margins = limit_margins(geometry, trajectory.pose, side, clearance)
+    distances = _singular_distances(geometry, trajectory.pose)
+    side = np.where(distances[0] < 0, -1.0, 1.0)
+    windows = tuple(_window(trajectory, item, distances, clearance) for item in trajectory.passages)
+
+    def margins_at(t: Array, pose: Array) -> Array:
+        return limit_margins(geometry, pose, *allowed(t, side, clearance, windows))
+
+    margins = margins_at(trajectory.t, trajectory.pose)
     # A guide may be used to its end; on the other limits the mechanism is singular.
     bad = beyond(margins)
     worst = np.argmin(np.where(bad, margins, np.inf), axis=1)
     failed = np.any(bad, axis=1)
     status = np.where(failed, np.array(_LIMITS, np.uint8)[worst], np.uint8(Limit.OK))
     leg = np.where(failed, np.array(_LEGS, np.int8)[worst], np.int8(-1))
-    first, until = _first_failure(geometry, trajectory, margins, bad, side, clearance)
+    first, until = _first_failure(trajectory, margins, bad, margins_at)
     stop = max(until, 1)
     row = int(np.argmin(margins[:stop].min(axis=1)))
     closest = worst_event(trajectory.t[row], trajectory.pose[row], margins[row])
-    return PathCheck(status, leg, first, closest, until, (float(side[0]), float(side[1])))
+    start = (float(side[0]), float(side[1]))
+    return PathCheck(status, leg, first, closest, until, start, windows)
 
 
 def _singular_distances(geometry: Geometry, pose: Array) -> Array:
@@ -167,17 +177,59 @@ def _singular_distances(geometry: Geometry, pose: Array) -> Array:
     return np.stack([position, turn], axis=1)
 
 
-def limit_margins(geometry: Geometry, pose: Array, side: Array, clearance: float) -> Array:
+def limit_margins(geometry: Geometry, pose: Array, side: Array, clearance: float | Array) -> Array:
     """Return the distances of poses (n, 4) to every limit, (n, 14) [m], negative beyond it.
 
     Args:
         geometry: Lengths and limits.
         pose: (n, 4) [m, m, rad, m].
-        side: (2,) signs of the singular distances that are allowed, see `PathCheck.side`.
-        clearance: Least distance from singular positions [m].
+        side: (2,) or (n, 2) signs of the singular distances that are allowed, see `allowed`.
+        clearance: Least distance from singular positions [m], (n, 2) if it varies.
     """
     reach = check_reach(geometry, pose).margins.reshape(-1, 12)
     return np.concatenate([reach, side * _singular_distances(geometry, pose) - clearance], axis=1)
+
+
+class Window(NamedTuple):
+    """A planned crossing, and the time around it that is spent nearer than the clearance [s]."""
+
+    passage: Passage
+    begin: float
+    end: float
+
+
+def _window(trajectory: Trajectory, passage: Passage, distances: Array, clearance: float) -> Window:
+    """Return the samples around a crossing between which the motion is near its locus."""
+    far = np.abs(distances[:, passage.locus.value]) >= clearance
+    after = int(np.searchsorted(trajectory.t, passage.t))
+    begin = np.flatnonzero(far[:after])
+    end = np.flatnonzero(far[after:])
+    return Window(
+        passage,
+        float(trajectory.t[begin[-1]]) if begin.size else -np.inf,
+        float(trajectory.t[after + end[0]]) if end.size else np.inf,
+    )
+
+
+def allowed(
+    t: Array, side: Array, clearance: float, windows: tuple[Window, ...]
+) -> tuple[Array, Array]:
+    """Return the sides of the loci that are allowed at times (n,), and clearances, (n, 2) each.
+
+    Each planned crossing changes the side of its locus; near it, the distance does not matter.
+
+    Args:
+        t: Times [s].
+        side: (2,) sides at the start, see `PathCheck.side`.
+        clearance: Least distance elsewhere [m].
+        windows: Planned crossings.
+    """
+    sides = np.tile(side, (t.size, 1))
+    distances = np.full((t.size, 2), clearance)
+    for (at, locus), begin, end in windows:
+        sides[t >= at, locus.value] *= -1.0
+        distances[(t > begin) & (t < end), locus.value] = -_FAR
+    return sides, distances
 
 
 def beyond(margins: Array) -> NDArray[np.bool_]:
@@ -186,12 +238,10 @@ def beyond(margins: Array) -> NDArray[np.bool_]:
 
 
 def _first_failure(
-    geometry: Geometry,
     trajectory: Trajectory,
     margins: Array,
     bad: NDArray[np.bool_],
-    side: Array,
-    clearance: float,
+    margins_at: Callable[[Array, Array], Array],
 ) -> tuple[PathEvent | None, int]:
     """Return the first failure, and the number of samples before it."""
     t = trajectory.t
@@ -215,7 +265,7 @@ def _first_failure(
         return None, until
     share = np.arange(1, _BETWEEN + 1) / _BETWEEN
     inside = t[starts, None] + (t[starts + 1] - t[starts])[:, None] * share
-    found = limit_margins(geometry, trajectory.at(inside.ravel()).pose, side, clearance)
+    found = margins_at(inside.ravel(), trajectory.at(inside.ravel()).pose)
     wrong = np.any(beyond(found), axis=1)
     if not wrong.any():  # or only the sample itself, by a rounding error
         return (_at_sample(trajectory, margins, bad, until) if until < t.size else None), until
@@ -225,14 +275,14 @@ def _first_failure(
     before = after - float(t[until] - t[until - 1]) / _BETWEEN
     for _ in range(8):  # to 1e-12 of a step
         times = np.linspace(before, after, _BETWEEN + 1)[1:]
-        found = limit_margins(geometry, trajectory.at(times).pose, side, clearance)
+        found = margins_at(times, trajectory.at(times).pose)
         wrong = np.any(beyond(found), axis=1)
         if not wrong.any():
             break
         index = int(np.argmax(wrong))
         before, after = (before if index == 0 else float(times[index - 1])), float(times[index])
     pose = trajectory.at([after]).pose
-    return worst_event(after, pose[0], limit_margins(geometry, pose, side, clearance)[0]), until
+    return worst_event(after, pose[0], margins_at(np.array([after]), pose)[0]), until
 
 
 def _at_sample(

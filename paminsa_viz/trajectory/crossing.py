@@ -25,6 +25,7 @@ from paminsa_viz.model.dynamics import platform_wrench
 from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.paths import Path
+from paminsa_viz.trajectory.sampled import Locus
 
 NODES = 4001
 """Points of a path at which its distance to the loci is looked at first."""
@@ -37,13 +38,6 @@ SLOPE = 1e-6
 
 _STEP = 1e-4
 """Step by which coefficients are differentiated along a path, to the fourth order."""
-
-
-class Locus(Enum):
-    """Which of the type-2 loci."""
-
-    CIRCLE = "singular circle"
-    ROTATION = "singular rotation"
 
 
 class CrossingKind(Enum):
@@ -100,7 +94,7 @@ class PathOnLocus(InvalidInput):
 
     def __init__(self, s: float, locus: Locus) -> None:
         self.s, self.locus = s, locus
-        super().__init__("path", f"from s = {s:.4g} on it runs along the {locus.value}")
+        super().__init__("path", f"from s = {s:.4g} on it runs along the {locus.label}")
 
 
 def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
@@ -114,12 +108,12 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
     s = np.linspace(0.0, 1.0, NODES)
     found: list[tuple[float, Locus, bool]] = []
     all_distances = locus_distances(geometry, path(s))
-    for column, locus in enumerate(Locus):
+    for locus in Locus:
 
-        def distance(at: float, column: int = column) -> float:
+        def distance(at: float, column: int = locus.value) -> float:
             return float(locus_distances(geometry, path(np.array([at])))[0, column])
 
-        d = all_distances[:, column]
+        d = all_distances[:, locus.value]
         on = np.abs(d) <= ON_LOCUS
         along = np.flatnonzero(on[:-1] & on[1:])
         if along.size:
@@ -145,8 +139,7 @@ def _crossing(
     found: list[tuple[float, Locus, bool]],
 ) -> Crossing:  # fmt: skip
     near = np.clip([s - 1e-6, s + 1e-6], 0.0, 1.0)
-    column = list(Locus).index(locus)
-    rise = np.diff(locus_distances(geometry, path(near))[:, column])[0] / np.diff(near)[0]
+    rise = np.diff(locus_distances(geometry, path(near))[:, locus.value])[0] / np.diff(near)[0]
     kind = CrossingKind.SIMPLE
     if not crosses or abs(rise) < SLOPE * geometry.base_radius:
         kind = CrossingKind.TANGENT
@@ -158,7 +151,7 @@ def _crossing(
 def locus_distances(geometry: Geometry, pose: Array) -> Array:
     """Return smooth signed distances of poses (n, 4) to both loci, (n, 2) [m].
 
-    Those of `Locus`, in its order: r_s - |(x, y)| to first order, and R_pl times the turn; the
+    By the values of `Locus`: r_s - |(x, y)| to first order, and R_pl times the turn; the
     second is far where R_pl > R_b.
     """
     rb, rp = geometry.base_radius, geometry.platform_radius

@@ -35,6 +35,7 @@ from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import PLACE
+from paminsa_viz.trajectory.sampled import Passage
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -156,8 +157,9 @@ def plan_crossing(
         share = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
         curve = blend(share)
     planned = tuple(program.planned(curve, index) for index in range(len(found)))
-    times = tuple(item.t for item in planned)
-    plan = Plan(curve, curve.duration, name, "through singularities" if times else "minimum time")
+    passages = tuple(Passage(p.t / curve.duration, p.crossing.locus) for p in planned)
+    kind = "through singularities" if passages else "minimum time"
+    plan = Plan(curve, curve.duration, name, kind, passages=passages)
     return CrossingPlan(plan, planned, (shortest, longest))
 
 
@@ -170,14 +172,14 @@ def _check_path(
         where = f"at s = {crossing.s:.6g}"
         if min(crossing.s, 1.0 - crossing.s) < 1e-6:
             problem = (
-                f"the path begins or ends on the {crossing.locus.value}; no torque holds it there"
+                f"the path begins or ends on the {crossing.locus.label}; no torque holds it there"
             )
             raise CrossingRefused("rest", problem, crossing.s)
         if crossing.kind is CrossingKind.DOUBLE:
             problem = f"{where} the path meets both loci at once; lead it past one of them"
             raise CrossingRefused("double", problem, crossing.s)
         if crossing.kind is CrossingKind.TANGENT:
-            problem = f"{where} the path touches the {crossing.locus.value} without passing it"
+            problem = f"{where} the path touches the {crossing.locus.label} without passing it"
             raise CrossingRefused("tangent", problem, crossing.s)
     status, _ = reach_status(design.geometry, pose)
     lost = np.flatnonzero((status != Limit.OK) & (status != Limit.SINGULAR))

@@ -18,6 +18,7 @@ from paminsa_viz.model.arrays import Array, as_numbers
 from paminsa_viz.trajectory.sampled import (
     RATE,
     STEPS,
+    Passage,
     States,
     Trajectory,
     sample_times,
@@ -26,6 +27,10 @@ from paminsa_viz.trajectory.time_laws import TimeLaw
 
 if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoints need them
     from scipy.interpolate import BSpline
+
+
+OFF_CROSSING = 1e-6
+"""Least time between a sample and the crossing of a singularity [s], where samples allow it."""
 
 
 class UnitCurve(Protocol):
@@ -191,6 +196,7 @@ class Plan:
         name: What a person calls it.
         kind: How it was made.
         notes: What a person should know about it, a sentence each.
+        passages: Planned crossings of type-2 singularities, in unit time.
 
     Raises:
         InvalidInput: If the duration is not a number within bounds.
@@ -201,6 +207,7 @@ class Plan:
     name: str = "trajectory"
     kind: str = ""
     notes: tuple[str, ...] = ()
+    passages: tuple[Passage, ...] = ()
 
     def __post_init__(self) -> None:
         if not STEPS[0] <= self.duration <= STEPS[1]:
@@ -227,6 +234,9 @@ class Plan:
     def sample(self, rate: float = RATE) -> Trajectory:
         """Return samples in equal steps, both ends among them.
 
+        One at a crossing of a singularity, where there is no torque but in the limit, is moved by
+        `OFF_CROSSING`.
+
         Args:
             rate: Samples a second; the step is made to fit the duration [1/s].
 
@@ -235,4 +245,9 @@ class Plan:
                 `MOST_SAMPLES`.
         """
         t = sample_times(0.0, self.duration, rate)
-        return Trajectory(t, *self.at(t), self.name, self.kind, self.notes)
+        passages = tuple(Passage(u * self.duration, locus) for u, locus in self.passages)
+        for at, _ in passages:
+            least = min(OFF_CROSSING, 0.25 * (t[1] - t[0]))
+            near = np.abs(t - at) < least
+            t[near] = at + least
+        return Trajectory(t, *self.at(t), self.name, self.kind, self.notes, passages=passages)

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.trajectory.plan import Arc, Blend, Chain, Displacement, Plan, Spline
+from paminsa_viz.trajectory.sampled import Passage
 from paminsa_viz.trajectory.time_laws import TimeLaw
 
 PLACE = [0, 1, 3]
@@ -212,19 +213,28 @@ def chain(*plans: Plan, name: str = "") -> Plan:
     ends = np.cumsum([0.0, *(plan.duration for plan in plans)])
     curve = Chain(tuple(plan.curve for plan in plans), ends / ends[-1])
     notes = tuple(dict.fromkeys(note for plan in plans for note in plan.notes))
+    passages = tuple(
+        Passage((begin + u * plan.duration) / ends[-1], locus)
+        for plan, begin in zip(plans, ends, strict=False)
+        for u, locus in plan.passages
+    )
     return Plan(
         curve,
         float(ends[-1]),
         name or " + ".join(dict.fromkeys(plan.name for plan in plans)),
         ", then ".join(dict.fromkeys(plan.kind for plan in plans)),
         notes,
+        passages,
     )
 
 
 def round_trip(plan: Plan) -> Plan:
     """Return a plan followed by itself run backwards: a closed motion of twice the duration."""
     curve = Chain((plan.curve,) * 2, np.array([0.0, 0.5, 1.0]), (False, True))
-    return Plan(curve, 2 * plan.duration, f"{plan.name}, there and back", plan.kind, plan.notes)
+    back = [Passage(1.0 - 0.5 * u, locus) for u, locus in reversed(plan.passages)]
+    passages = (*(Passage(0.5 * u, locus) for u, locus in plan.passages), *back)
+    name = f"{plan.name}, there and back"
+    return Plan(curve, 2 * plan.duration, name, plan.kind, plan.notes, passages)
 
 
 def shared_time(waypoints: Array) -> Array:

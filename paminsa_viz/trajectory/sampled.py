@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -58,6 +59,30 @@ def _check_times(t: Array) -> None:
         raise InvalidInput("t", "times this far from zero are less exact than they are apart")
 
 
+class Locus(Enum):
+    """Which of the type-2 loci; its value is the column in `check.limit_margins`' distances."""
+
+    CIRCLE = 0
+    ROTATION = 1
+
+    @property
+    def label(self) -> str:
+        """What messages call it."""
+        return ("singular circle", "singular rotation")[self.value]
+
+
+class Passage(NamedTuple):
+    """A planned crossing of a type-2 locus: any other one stays forbidden.
+
+    Attributes:
+        t: When: [s] in a trajectory, in unit time in a plan.
+        locus: Which locus.
+    """
+
+    t: float
+    locus: Locus
+
+
 class States(NamedTuple):
     """Poses with their rates at some instants, each (..., 4)."""
 
@@ -78,6 +103,7 @@ class Trajectory:
         load: (n, 6) wrench on the platform that varies with time, on top of the design's load, at
             its point and in its directions, see `LoadCase`; linear between samples [N, N m]. None
             for none.
+        passages: Planned crossings of type-2 singularities, see `crossing_plan`.
         name: What a person calls it.
         kind: How it was made, for example ``"arch, s-curve"``.
         notes: What a person should know about it, a sentence each.
@@ -95,6 +121,7 @@ class Trajectory:
     kind: str = ""
     notes: tuple[str, ...] = ()
     load: Array | None = None
+    passages: tuple[Passage, ...] = ()
 
     def __post_init__(self) -> None:
         t = np.array(as_numbers(self.t, "t"))

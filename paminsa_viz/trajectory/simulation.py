@@ -25,6 +25,7 @@ from paminsa_viz.trajectory.check import (
     GUIDES,
     SINGULAR_CLEARANCE,
     PathEvent,
+    allowed,
     check_path,
     limit_margins,
     worst_event,
@@ -177,10 +178,11 @@ def simulate(
     stop_at[12:] = 0.0  # the singular distances hold a clearance already
     side = np.array(check.side)
 
-    def margins(pose: Array) -> Array:
-        return limit_margins(design.geometry, pose[None], side, clearance)[0] - stop_at
+    def margins(t: float, pose: Array) -> Array:
+        sides = allowed(np.array([t]), side, clearance, check.windows)
+        return limit_margins(design.geometry, pose[None], *sides)[0] - stop_at
 
-    if not margins(start[:4]).min() > 0:
+    if not margins(trajectory.t[0], start[:4]).min() > 0:
         raise InvalidInput("offset", "the robot cannot start there")
 
     gains = controller.gains(model, trajectory.pose[0])
@@ -196,8 +198,8 @@ def simulate(
             )  # fmt: skip
         return derivative(t, state)
 
-    def least_margin(_: float, state: Array) -> float:
-        return float(margins(state[:4]).min())
+    def least_margin(t: float, state: Array) -> float:
+        return float(margins(t, state[:4]).min())
 
     least_margin.terminal = True  # type: ignore[attr-defined]
     solution = solve_ivp(
@@ -217,7 +219,7 @@ def simulate(
 
 
 def _end(
-    trajectory: Trajectory, solution: Any, margins: Callable[[Array], Array]
+    trajectory: Trajectory, solution: Any, margins: Callable[[float, Array], Array]
 ) -> tuple[PathEvent, Array, Array]:
     """Return why a solution stopped, with its times and states up to there."""
     t, states = solution.t, solution.y.T
@@ -225,7 +227,7 @@ def _end(
         end, state = solution.t_events[0][-1], solution.y_events[0][-1]
         if end > t[-1]:
             t, states = np.append(t, end), np.vstack([states, state])
-    left = margins(states[-1, :4])
+    left = margins(float(t[-1]), states[-1, :4])
     if solution.status != 1 and left.min() > _NEAR:
         raise SimulationFailed(float(t[-1]), str(solution.message))
     return worst_event(t[-1], states[-1, :4], left), t, states

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -138,10 +139,11 @@ def minimum_time(
     if np.isfinite(rates[2]).any() and not curve.bounded_jerk:
         problem = "the acceleration of this motion jumps, so its jerk has no bound"
         raise InvalidInput("limits", problem)
-    parts = [_rate_durations(curve, rates)]
+    parts: list[Callable[[Array], Array]] = [partial(_rate_durations, curve, rates)]
     driven = drives and design is not None and any(design.drives)
     if design is not None and (driven or limits.needs_torques):
-        parts.append(_torque_durations(curve, limits.actuators, design, misprints))
+        torques = partial(_torque_durations, curve, limits.actuators, design, misprints)
+        parts.append(torques)
     if design is not None and driven:
         parts.append(_drive_durations(curve, design, misprints))
     needed = supremum(lambda u: np.concatenate([part(u) for part in parts], axis=1), curve.breaks)
@@ -180,18 +182,14 @@ def _reshaped(plan: Plan, limits: MotionLimits) -> Plan:
     return replace(plan, curve=replace(curve, terms=(replace(term, law=law),)))
 
 
-def _rate_durations(curve: UnitCurve, limits: Array) -> Callable[[Array], Array]:
-    """Return the durations that limits (3, 2) require, as a function (n,) -> (n, 6) [s]."""
-
-    def durations(u: Array) -> Array:
-        found = []
-        for order in (1, 2, 3):
-            rate = curve(u, order)
-            size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
-            found.append((size / limits[order - 1]) ** (1.0 / order))
-        return np.concatenate(found, axis=1)
-
-    return durations
+def _rate_durations(curve: UnitCurve, limits: Array, u: Array) -> Array:
+    """Return the durations that limits (3, 2) require at instants (n,), (n, 6) [s]."""
+    found = []
+    for order in (1, 2, 3):
+        rate = curve(u, order)
+        size = np.stack([np.linalg.norm(rate[:, PLACE], axis=1), abs(rate[:, 2])], axis=1)
+        found.append((size / limits[order - 1]) ** (1.0 / order))
+    return np.concatenate(found, axis=1)
 
 
 def _parts(
@@ -279,20 +277,16 @@ def _longest(room: Array, first: Array, second: Array) -> Array:
 
 
 def _torque_durations(
-    curve: UnitCurve, limits: Array, design: Design, misprints: Misprint
-) -> Callable[[Array], Array]:
-    """Return the durations that limits (4,) require, as a function (n,) -> (n, 4) [s].
+    curve: UnitCurve, limits: Array, design: Design, misprints: Misprint, u: Array
+) -> Array:
+    """Return the durations that limits (4,) require at instants (n,), (n, 4) [s].
 
     With w = 1/T a torque is constant + first w + second w^2. It starts within its limit at w = 0
     and first leaves it at the smallest positive root w of limit -+ torque = 0; T = 1/w.
     """
-
-    def durations(u: Array) -> Array:
-        constant, first, second = _parts(curve, design, misprints, u)
-        longest = np.zeros_like(constant)
-        for sign in (1.0, -1.0):
-            needed = _longest(limits - sign * constant, sign * first, sign * second)
-            longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, needed))
-        return longest
-
-    return durations
+    constant, first, second = _parts(curve, design, misprints, u)
+    longest = np.zeros_like(constant)
+    for sign in (1.0, -1.0):
+        needed = _longest(limits - sign * constant, sign * first, sign * second)
+        longest = np.maximum(longest, np.where(np.isinf(limits), 0.0, needed))
+    return longest

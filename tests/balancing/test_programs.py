@@ -142,20 +142,6 @@ def test_bound_holds_whatever_the_multipliers_are(seed: int) -> None:
     assert bound <= solve(program).value + 1e-9
 
 
-def test_prices_by_difference() -> None:
-    rng = np.random.default_rng(5)
-    matrix, offset = rng.normal(size=(30, 4)), rng.normal(size=30)
-
-    def at(low: float) -> Any:
-        variables = plain(np.eye(4), [low, 0, 0, 0], np.ones(4))
-        return solve(Program(np.zeros(4), variables, ((1.0, Norm(matrix, offset)),)))
-
-    for low in (0.8, 0.9):
-        found = at(low)
-        slope = (at(low + 1e-4).value - at(low - 1e-4).value) / 2e-4
-        assert found.prices[0] == pytest.approx(slope, rel=1e-3)
-
-
 @given(seed=SEEDS, count=st.integers(2, 30))
 def test_weights_of_time_are_those_of_the_running_integral(seed: int, count: int) -> None:
     rng = np.random.default_rng(seed)

@@ -97,13 +97,9 @@ def test_shares_add_up_and_name_the_counterweight() -> None:
     assert only.worst == pytest.approx(abs(static_imbalance(heavier)))
     assert list(only.shares) == ["counterweights.0.mass"]
     assert found.torque.shape == (*POSES.shape[:-1], 3)
-
-
-def test_exact_masses_have_no_spread() -> None:
-    found = mass_tolerance(BALANCED, 0.0, POSES)
-    assert found.worst == found.deviation == 0.0
-    assert found.shares == {}
-    np.testing.assert_array_equal(found.torque_worst, np.abs(found.torque))
+    exact = mass_tolerance(BALANCED, 0.0, POSES)
+    assert (exact.worst, exact.deviation, exact.shares) == (0.0, 0.0, {})
+    np.testing.assert_array_equal(exact.torque_worst, np.abs(exact.torque))
 
 
 def test_lengths_are_sampled_with_a_seed() -> None:

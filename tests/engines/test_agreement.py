@@ -112,7 +112,7 @@ def test_a_missing_engine_is_named_with_its_extra(
     assert isinstance(caught.value, ImportError)
 
 
-def test_an_engine_that_does_not_load_says_why() -> None:
+def test_cause_of_a_failed_import_is_reported() -> None:
     error = EngineMissing("MuJoCo", ImportError("libGL.so: cannot open shared object file"))
     assert "does not load (libGL.so" in str(error)
     assert "is not installed" in str(EngineMissing("MuJoCo", ModuleNotFoundError("mujoco")))

@@ -99,7 +99,7 @@ def test_start_pose_is_regular_and_on_the_natural_side(knee: KneeBranch) -> None
         assert (pose[3] + design.geometry.platform_joint_height) * knee.sign < 0
 
 
-def test_a_robot_singular_at_the_center_has_no_start_pose() -> None:
+def test_robot_singular_at_the_center_has_no_start_pose() -> None:
     same = Design(Geometry(base_radius=0.2, platform_radius=0.2))
     with pytest.raises(UnreachablePose, match="cannot close"):
         start_pose(same)

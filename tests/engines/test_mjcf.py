@@ -65,9 +65,7 @@ def test_masses_are_written_with_all_their_digits() -> None:
 
 @pytest.mark.parametrize("servos", [True, False], ids=["servos", "motors"])
 @EACH
-def test_it_loads_and_stands_still_for_two_seconds(
-    mujoco: Any, design: Design, servos: bool
-) -> None:
+def test_exported_model_loads_and_holds_its_pose(mujoco: Any, design: Design, servos: bool) -> None:
     pose = samples.random_poses(np.random.default_rng(9), design, 1)[0]
     text = exported_mjcf(design, pose=pose.tolist(), servos=servos)
     # Motors hold by a constant force, and the robot is unstable: what is off grows.
@@ -175,7 +173,7 @@ def test_bodies_without_mass_step_too(mujoco: Any) -> None:
         ({"links.b2": 0.0, "joints.j3": 0.0}, "leg1_B2"),
     ],
 )
-def test_what_nothing_holds_back_is_refused(change: dict[str, float], link: str) -> None:
+def test_links_without_mass_are_refused(change: dict[str, float], link: str) -> None:
     with pytest.raises(InvalidInput, match=f"{link} with its joints has 0 "):
         exported_mjcf(APPENDIX_4.vary(MASSLESS | change))
 
@@ -234,7 +232,7 @@ def test_simulated_motion_follows_the_calculated_torques(mujoco: Any, knee: Knee
     assert np.abs(wrong.drift).max() > 10 * np.abs(fine.drift).max()
 
 
-def test_play_names_what_is_wrong_with_its_input() -> None:
+def test_play_names_unusable_input() -> None:
     pose = np.array([[0.0, 0.0, 0.0, -0.5]])
     with pytest.raises(InvalidInput, match="torques"):
         play(APPENDIX_4, [0.0], pose, 0 * pose, pose[:, :3])

@@ -78,7 +78,7 @@ def test_counterweights_pass_too(knee: KneeBranch) -> None:
     assert np.abs(first - second).max() > 1.0
 
 
-def test_misprints_are_misprints() -> None:
+def test_formulas_as_published_disagree() -> None:
     found = checked()
     assert set(found.published) == set(EVERY_MISPRINT)
     for item, comparison in found.published.items():
@@ -132,7 +132,7 @@ def test_without_weight_and_with_friction() -> None:
     assert found.design.friction == Friction()
 
 
-def test_figures_are_what_they_say() -> None:
+def test_figures_of_a_comparison() -> None:
     reference = np.array([[1.0, -8.0, 0.0, 100.0], [2.0, 4.0, 0.0, 50.0]])
     computed = reference + np.array([[0.0, 0.4, 0.0, -3.0], [0.1, 0.3, 0.0, 4.0]])
     found = Comparison(computed, reference, np.array([2.0, 8.0, 1.0, 100.0]))
@@ -166,7 +166,7 @@ def test_a_torque_that_is_missing_fails() -> None:
     assert np.isnan(found.worst)
 
 
-def test_the_simulation_stands_beside_it_with_its_drift() -> None:
+def test_simulated_drift_is_reported() -> None:
     found = checked()
     played = found.played
     assert played.until == found.wanted.size > found.trajectory.size
@@ -214,7 +214,7 @@ def test_long_trajectories_are_thinned(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.passed
 
 
-def test_what_can_not_be_is_refused() -> None:
+def test_impossible_arguments_are_refused() -> None:
     for tolerance in (0.0, -1e-6, 0.11, 1e300, float("nan"), float("inf")):
         with pytest.raises(InvalidInput, match="tolerance"):
             checked(tolerance=tolerance)

@@ -186,7 +186,7 @@ def test_only_the_latest_impossible_number_is_notified_and_set_back(
     desk.until(lambda: handle.value == 3.0)
     assert [text.partition(":")[0] for _, text in desk.notices] == ["k = 1.15"]
     assert desk.design == APPENDIX_4
-    assert not desk.session.can_undo
+    assert not desk.session._history.past
 
 
 def test_reset_offers_each_changed_number_of_a_group_and_all_of_them(desk: Desk) -> None:

@@ -1,4 +1,4 @@
-"""The balance in a real browser: one click, what it says, the front, counterweights."""
+"""Balancing in a browser: one click, infeasible bounds, the front."""
 
 from __future__ import annotations
 
@@ -18,80 +18,63 @@ pytestmark = pytest.mark.browser
 
 @pytest.fixture
 def balance(tab: Tab) -> Tab:
-    """The tab with the balance in sight and the robot at a pose that gravity pulls at."""
-    tab.session.dispatch("test", lambda s: actions.move(s, x=0.1, y=-0.05, theta=0.3))
-    until(lambda: tab.state.document.pose[0] == 0.1, "the pose")
+    """The tab with the balance open and the robot at a pose with static torques."""
+    tab.dispatch(lambda s: actions.move(s, x=0.1, y=-0.05, theta=0.3))
+    tab.wait_pose(0, 0.1)
     tab.open_tab("Balance")
     return tab
 
 
-def torques(tab: Tab) -> list[float]:
-    """Return the torques of M1 to M3 as the readout says them."""
-    cells = re.findall(r"(−?[\d.]+) N·m", tab.text("actuators"))
-    return [float(cell.replace("−", "-")) for cell in cells]
-
-
-def press(tab: Tab, name: str) -> None:
-    """Click a button, once what opens above it has opened."""
-    button = tab.page.get_by_role("button", name=name, exact=True)
-    tab.steady_box(button)
-    button.click()
-
-
 def test_one_click_balances_and_undo_takes_it_back(balance: Tab) -> None:
-    page = balance.page
-    press(balance, "Balance as in the paper")
-    page.get_by_test_id("balance-status").get_by_text("Statically balanced", exact=True).wait_for()
+    balance.click("Balance as in the paper")
+    status = balance.page.get_by_test_id("balance-status")
+    status.get_by_text("Statically balanced", exact=True).wait_for()
     assert static_imbalance(balance.state.document.design) == pytest.approx(0, abs=1e-12)
     assert balance.state.document.reference == APPENDIX_4
     text = until(lambda: balance.text("balance-result"), "the tables")
     assert re.search(r"m7 \[kg\]\s+0.28\s+3.063\s+\+2.783", text)
     assert "no added mass is below 8.349 kg" in text
     balance.open_tab("Pose")
-    until(lambda: torques(balance) == [0, 0, 0], "no torque holds the robot")
+    until(lambda: not balance.torques()[:3].any(), "no static torques")
     balance.session.undo()
-    until(lambda: np.abs(torques(balance)).max() > 0.1, "gravity pulls again")
+    until(lambda: np.abs(balance.torques()[:3]).max() > 0.1, "static torques again")
     assert balance.state.document.design == APPENDIX_4
     assert balance.state.document.reference is None
 
 
-def test_bounds_that_are_too_tight_are_told_with_what_to_relax(balance: Tab) -> None:
-    balance.session.dispatch(
-        "test",
-        lambda s: balancing.change_settings(
-            s, slot_b3=CounterweightSlot(0.1, 0.0), slot_b8=CounterweightSlot(0.1, 0.5)
-        ),
-    )
+def test_infeasible_bounds_are_shown_and_relaxed_ones_solved(balance: Tab) -> None:
+    def limit(b8: float) -> None:
+        slots = {"slot_b3": CounterweightSlot(0.1, 0.0), "slot_b8": CounterweightSlot(0.1, b8)}
+        balance.dispatch(lambda s: balancing.change_settings(s, **slots))
+
+    limit(0.5)
     balance.page.get_by_text("Optimization settings").click()
-    press(balance, "Optimize")
+    balance.click("Optimize")
     until(lambda: balance.state.balancing.outcome is not None, "the task is done")
     status = balance.page.get_by_test_id("balance-status")
     status.get_by_text("The bounds do not allow it").wait_for()
     assert "raise weight on B8 past 8 from 0.5 to 3.896 kg" in status.inner_text()
     assert balance.state.document.design == APPENDIX_4
-    balance.session.dispatch(
-        "test", lambda s: balancing.change_settings(s, slot_b8=CounterweightSlot(0.1, 5.0))
-    )
-    press(balance, "Optimize")
+    limit(5.0)
+    balance.click("Optimize")
     status.get_by_text("Statically balanced", exact=True).wait_for()
     node = "/robot/leg2/slider/b8/weight1"
-    until(lambda: balance.place(node), "the counterweight hangs in the scene")
+    until(lambda: balance.place(node), "the counterweight is in the scene")
     balance.page.get_by_role("button", name="all", exact=True).click()
-    until(lambda: balance.place(node) is None, "and is taken off")
+    until(lambda: balance.place(node) is None, "the counterweight is removed")
     assert balance.state.document.design == APPENDIX_4
 
 
-def test_a_click_on_the_front_works_on_that_design(balance: Tab) -> None:
+def test_click_on_the_front_takes_that_design(balance: Tab) -> None:
     page = balance.page
     page.get_by_text("Pareto front: dynamic vs. static torque").click()
-    press(balance, "Compute the front")
+    balance.click("Compute the front")
     until(lambda: balance.state.balancing.front is not None, "the front")
     designs = balance.state.balancing.front.designs
     points = page.locator(".js-plotly-plot .scatterlayer .trace").first.locator("path.point")
     until(lambda: points.count() == len(designs), "its points are drawn")
     points.nth(3).scroll_into_view_if_needed()
-    box = balance.steady_box(points.nth(3))
-    page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    balance.click_in(points.nth(3))
     until(lambda: balance.state.document.design == designs[3], "the design of that point")
     assert balance.state.document.reference == APPENDIX_4
     until(lambda: balance.handle("Point").value == 4, "the slider follows")

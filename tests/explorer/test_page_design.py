@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -10,32 +11,25 @@ from paminsa_viz.explorer.panels.design_layout import GROUPS
 from paminsa_viz.explorer.panels.design_layout import label as label_of
 from tests.support.chromium import Tab, until
 
+pytestmark = pytest.mark.browser
 
-def box(tab: Tab, label: str) -> Any:
-    """Return the number box of a slider."""
-    track = tab.page.locator(f'[id="{tab.handle(label)._impl.uuid}"]')
-    return track.locator("xpath=..").locator("input:not([type=hidden])")
+TABS = ["Pose", "Design", "Balance", "Motion", "Drives", "Compare", "View", "File"]
+STRIP = """tabs => tabs.map(tab => {
+  const text = tab.querySelector("span");
+  return {name: tab.title, top: tab.offsetTop, cut: text.scrollWidth > text.clientWidth};
+})"""
 
 
-@pytest.mark.browser
-def test_the_tabs_share_one_row(tab: Tab) -> None:
-    names = ["Pose", "Design", "Balance", "Motion", "Compare", "View", "File"]
-    for name in names:  # the name of the present one is bold and so takes more room
+def test_tabs_share_one_row(tab: Tab) -> None:
+    strip = tab.page.locator('[role="tablist"]:has(> [title="Pose"]) > [role="tab"]')
+    for name in TABS:  # the name of the current one is bold and so is wider
         tab.open_tab(name)
-        strip = tab.page.locator('[role="tablist"]:has(> [title="Pose"]) > [role="tab"]')
-        seen = strip.evaluate_all(
-            """tabs => tabs.map(tab => {
-                const text = tab.querySelector("span");
-                return {name: tab.title, top: tab.offsetTop,
-                        cut: text.scrollWidth > text.clientWidth};
-            })"""
-        )
-        assert [one["name"] for one in seen] == names
-        assert len({one["top"] for one in seen}) == 1
-        assert not any(one["cut"] for one in seen)
+        found = strip.evaluate_all(STRIP)
+        assert [one["name"] for one in found] == TABS
+        assert len({one["top"] for one in found}) == 1
+        assert not any(one["cut"] for one in found)
 
 
-@pytest.mark.browser
 def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
     tab.open_tab("Design")
     for label, text, path in (
@@ -43,26 +37,21 @@ def test_numbers_can_be_typed_digit_by_digit(tab: Tab) -> None:
         ("m_pl platform", "0.75", "platform.mass"),  # through an impossible 0
         ("m₅ B4, platform", "0.0625", "joints.j5"),  # finer than the slider
     ):
-        field = box(tab, label)
+        field, thumb, number = tab.number_box(label), tab.slider(label), float(text)
         field.click()
         field.press("Control+a")
         field.press_sequentially(text, delay=120)
-        until(
-            lambda path=path, text=text: tab.state.document.design.value(path) == float(text), path
-        )
+        until(lambda p=path, n=number: tab.state.document.design.value(p) == n, path)
         # Leaving the box limits its number to the slider's range; by then the slider has to have
         # grown on the page, which takes a moment.
-        thumb = tab.slider(label)
         until(
-            lambda thumb=thumb, text=text: (
-                float(thumb.get_attribute("aria-valuemax")) >= float(text)
-            ),
+            lambda t=thumb, n=number: float(t.get_attribute("aria-valuemax")) >= n,
             "the slider grows",
         )
         field.press("Tab")
         tab.page.wait_for_timeout(200)
         assert field.input_value() == text
-        assert tab.state.document.design.value(path) == float(text)
+        assert tab.state.document.design.value(path) == number
 
 
 MEASURE = """uuids => uuids.map(uuid => {
@@ -75,8 +64,7 @@ MEASURE = """uuids => uuids.map(uuid => {
 })"""
 
 
-@pytest.mark.browser
-def test_nothing_is_cut_off(open_tab: Any) -> None:
+def test_nothing_is_cut_off(open_tab: Callable[..., Tab]) -> None:
     width = 1280
     tab = open_tab(width, 720)
     tab.open_tab("Design")
@@ -89,12 +77,12 @@ def test_nothing_is_cut_off(open_tab: Any) -> None:
         labels = [label_of(p) for group in groups for p in group.parameters]
         uuids = [tab.handle(label)._impl.uuid for label in labels]
 
-        def unfolded(uuids: list[str] = uuids) -> list[dict[str, float]] | None:
+        def unfolded(uuids: list[str] = uuids) -> Any:
             found = tab.page.evaluate(MEASURE, uuids)
-            return found if all(seen["height"] > 12 for seen in found) else None
+            return found if all(row["height"] > 12 for row in found) else None
 
-        for text, seen in zip(labels, until(unfolded, name), strict=True):
-            assert seen["height"] < 24, f"{text} takes two lines"
-            assert seen["right"] < seen["left"], f"{text} runs into its number"
-            assert seen["room"] >= 0, f"the number of {text} is cut off"
-            assert seen["end"] <= width, f"the number of {text} is off the page"
+        for text, row in zip(labels, until(unfolded, name), strict=True):
+            assert row["height"] < 24, f"{text} takes two lines"
+            assert row["right"] < row["left"], f"{text} runs into its number"
+            assert row["room"] >= 0, f"the number of {text} is cut off"
+            assert row["end"] <= width, f"the number of {text} is off the page"

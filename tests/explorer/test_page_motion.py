@@ -1,8 +1,8 @@
-"""Motions in a real browser: played, plotted, uploaded, simulated."""
+"""Motions in a browser: played, plotted, uploaded, simulated."""
 
 from __future__ import annotations
 
-import io
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,16 +17,20 @@ from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
 
+CURVES = """() => Object.values((window.__viserTestpoints || {}).uplots || {})
+  .map(entry => entry.chart.data.map(series => Array.from(series)))"""
 
-@pytest.fixture
-def motion(tab: Tab) -> Tab:
-    """The tab with the motion's controls and curves in sight, and a circle chosen."""
-    tab.open_tab("Motion")
-    tab.open_tab("Motion plots")
-    tab.session.dispatch("test", lambda s: motions.choose_preset(s, "circle"))
-    until(lambda: len(page_curves(tab)) == 2, "two charts")
-    until(lambda: "circle" in tab.page.inner_text("body"), "the caption")
-    return tab
+CURSORS = """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => {
+  const line = chart.over.querySelector(".paminsa-time-cursor");
+  if (!line || line.style.display === "none") return null;
+  const x = line.getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
+  return chart.posToVal(x, "x");
+})"""
+
+
+def curves(tab: Tab) -> list[Any]:
+    """Return the series of every chart, as the page has them: time, shading, ..., curves."""
+    return tab.page.evaluate(CURVES)
 
 
 def planned(tab: Tab) -> Trajectory:
@@ -36,78 +40,54 @@ def planned(tab: Tab) -> Trajectory:
     return found
 
 
-def page_curves(tab: Tab) -> list[list[list[float]]]:
-    """Return the series of every chart, as the page has them."""
-    return tab.page.evaluate(
-        "() => Object.values((window.__viserTestpoints || {}).uplots || {})"
-        ".map(entry => entry.chart.data.map(series => Array.from(series)))"
-    )
+@pytest.fixture
+def motion(tab: Tab) -> Tab:
+    """The tab with the motion's controls and curves open, and a circle chosen."""
+    tab.open_tab("Motion")
+    tab.open_tab("Motion plots")
+    tab.dispatch(lambda s: motions.choose_preset(s, "circle"))
+    until(lambda: len(curves(tab)) == 2, "two charts")
+    until(lambda: "circle" in tab.page.inner_text("body"), "the caption")
+    return tab
 
 
-def cursor_times(tab: Tab) -> list[float]:
-    """Return the times at which the line through each chart stands."""
-    return tab.page.evaluate(
-        """() => Object.values(window.__viserTestpoints.uplots).map(({chart}) => {
-          const line = chart.over.querySelector(".paminsa-time-cursor");
-          if (!line || line.style.display === "none") return null;
-          const x = line.getBoundingClientRect().left - chart.over.getBoundingClientRect().left;
-          return chart.posToVal(x, "x");
-        })"""
-    )
-
-
-def platform(tab: Tab) -> np.ndarray:
-    """Return (x, y, theta, z) of the platform as it stands in the page's scene."""
-    x, y, z, _, _, k, w = tab.place("/robot/platform")
-    return np.array([x, y, 2 * np.arctan2(k, w), z])
-
-
-def test_the_robot_stands_at_the_plotted_instant(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: motions.choose_preset(s, "paper-like"))
+def test_robot_cursors_and_numbers_are_at_the_chosen_instant(motion: Tab) -> None:
+    motion.dispatch(lambda s: motions.choose_preset(s, "paper-like"))
     until(lambda: planned(motion).duration < 1.3, "another motion")
     for time in (0.1, 0.617, 1.2):
         motion.type_number(TIME, time)
         wanted = planned(motion).at(time).pose
-        until(lambda p=wanted: np.allclose(platform(motion), p, atol=1e-6), f"the pose at {time}")
-        until(
-            lambda t=time: all(x is not None and abs(x - t) < 0.01 for x in cursor_times(motion)),
-            f"the line at {time}",
-        )
+        motion.wait_platform(wanted)
+
+        def at_the_instant(t: float = time) -> bool:
+            found = motion.page.evaluate(CURSORS)
+            return all(x is not None and abs(x - t) < 0.01 for x in found)
+
+        until(at_the_instant, f"the cursors at {time}")
         until(lambda t=time: f"at {t:.3f} s" in motion.text("motion-numbers"), f"numbers at {time}")
         np.testing.assert_allclose(motion.state.standing.pose, wanted, atol=1e-12)
+    motion.click_in(motion.page.locator(".u-over").first)
+    half = planned(motion).duration / 2
+    until(lambda: abs(motion.state.playback.time - half) < 0.02, "the middle of the motion")
+    motion.wait_platform(planned(motion).at(motion.state.playback.time).pose)
 
 
-def test_a_click_on_a_curve_goes_there(motion: Tab) -> None:
-    over = motion.page.locator(".u-over").first
-    box = motion.steady_box(over)
-    motion.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
-    until(lambda: abs(motion.state.playback.time - 1.5) < 0.02, "the middle of the motion")
-    wanted = planned(motion).at(motion.state.playback.time).pose
-    until(lambda: np.allclose(platform(motion), wanted, atol=1e-6), "the robot goes there")
-
-
-def test_play_moves_the_robot_and_ends(motion: Tab) -> None:
-    motion.session.dispatch(
-        "test", lambda s: motions.change(s, timing=Timing.GIVEN, duration=1.2, kind=Kind.MOVE)
-    )
-    until(lambda: planned(motion).duration == 1.2, "a short motion")
-    before = motion.state.document
-    motion.page.get_by_role("button", name="Play", exact=True).click()
-    until(lambda: motion.state.playback.playing, "it plays")
+def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> None:
+    motion.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=4.0, kind=Kind.MOVE))
+    until(lambda: planned(motion).duration == 4.0, "a motion of 4 s")
+    chosen = motion.state.document.motion
+    play = motion.page.get_by_role("button", name="Play", exact=True)
+    play.click()
+    until(lambda: 0 < motion.state.playback.time < 4.0, "it is on its way")
     motion.page.get_by_role("button", name="Pause", exact=True).wait_for()
-    until(lambda: 0 < motion.state.playback.time < 1.2, "it is on its way")
     until(lambda: not motion.state.playback.playing, "it ends")
-    end = planned(motion).pose[-1]
-    np.testing.assert_allclose(motion.state.standing.pose, end, atol=1e-12)
-    until(lambda: np.allclose(platform(motion), end, atol=1e-6), "the robot stands at its end")
-    motion.page.get_by_role("button", name="Play", exact=True).wait_for()
+    np.testing.assert_allclose(motion.state.standing.pose, planned(motion).pose[-1], atol=1e-12)
+    motion.wait_platform()
+    play.wait_for()
     # Playing is no step to undo: the last one is the choice of the motion.
     motion.session.undo()
-    until(lambda: motion.state.document.motion != before.motion, "the choice is undone")
-
-
-def test_a_pose_slider_stops_the_playing(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: motions.play(s.updated("playback", loop=True)))
+    until(lambda: motion.state.document.motion != chosen, "the choice is undone")
+    motion.dispatch(lambda s: motions.play(s.updated("playback", loop=True)))
     until(lambda: motion.state.playback.time > 0.1, "it plays")
     motion.open_tab("Pose")
     motion.type_number("z  [mm]", -480)
@@ -116,105 +96,89 @@ def test_a_pose_slider_stops_the_playing(motion: Tab) -> None:
     assert not motion.state.playback.following
 
 
-def test_a_mass_slider_moves_the_curves(motion: Tab) -> None:
-    def torques() -> np.ndarray:
-        return np.array(page_curves(motion)[0][3:6])
-
-    before = torques()
+def test_mass_slider_moves_the_curves_to_the_models_torques(motion: Tab) -> None:
+    before = np.abs(curves(motion)[0][3:6]).max()
     motion.open_tab("Design")
     motion.press("m_B4 bar 9–4–5", "End")
     until(lambda: motion.state.document.design.links.b4 > 0.8, "the mass grows")
-    until(lambda: np.abs(torques()).max() > 1.2 * np.abs(before).max(), "the curves move")
     motion.wait_frames(300)
     design = motion.state.document.design
 
     def as_the_model() -> bool:
-        series = np.array(page_curves(motion)[0])
+        series = np.array(curves(motion)[0])
         rows = np.searchsorted(planned(motion).t, series[0])
         wanted = analyze(design, planned(motion)).torque[rows, :3].T
         return bool(np.abs(series[3:6] - wanted).max() < 1e-9)
 
     until(as_the_model, "the page draws the model's torques")
-    assert len(page_curves(motion)[0][0]) < 1.1 * MOST_POINTS
+    assert np.abs(curves(motion)[0][3:6]).max() > 1.2 * before
+    assert len(curves(motion)[0][0]) < 1.1 * MOST_POINTS
 
 
-def test_a_pinned_design_and_misprints_stand_beside(motion: Tab) -> None:
-    motion.session.dispatch("pin", actions.pin_reference)
-    motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
-    switch = motion.handle("as published")._impl.uuid
-    motion.page.locator(f'[id="{switch}"]').click()
+def test_reference_and_misprints_are_plotted_for_comparison(motion: Tab) -> None:
+    motion.dispatch(lambda s: actions.vary(actions.pin_reference(s), {"links.b4": 2.0}))
+    motion.element("as published").click()
     until(lambda: motion.state.plots.published, "the switch is read")
-    until(lambda: len(page_curves(motion)[0]) == 3 + 9, "nine curves")
+    until(lambda: len(curves(motion)[0]) == 3 + 9, "nine curves")
     until(lambda: "as published" in motion.text("motion-numbers"), "numbers of all")
 
 
-def test_an_engine_s_torques_are_marked_and_the_difference_passes(motion: Tab) -> None:
-    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
-    switch = motion.handle("MuJoCo")._impl.uuid
-    motion.page.locator(f'[id="{switch}"]').click()
+def test_engines_torques_are_marked_and_the_difference_passes(motion: Tab, mujoco: Any) -> None:
+    motion.element("MuJoCo").click()
     motion.page.get_by_text("PASS").wait_for()
     answer = motion.state.engine_answer
-    until(lambda: len(page_curves(motion)[0]) == 3 + 6, "the marks are drawn")
-    series = page_curves(motion)[0]
+    until(lambda: len(curves(motion)[0]) == 3 + 6, "the marks are drawn")
+    series = curves(motion)[0]
     for curve, marks in zip(series[3:6], series[6:9], strict=True):
         apart = [a - b for a, b in zip(curve, marks, strict=True) if b == b and b is not None]
         assert len(apart) >= 25
         assert max(map(abs, apart)) < 1e-9
-    # Another design has no marks until the engine has spoken of it.
-    motion.session.dispatch("mass", lambda s: actions.vary(s, {"links.b4": 2.0}))
-    until(lambda: motion.state.engine_answer is not answer, "the engine is asked again")
-    motion.session.dispatch(
-        "test", lambda s: s.updated("plots", plot="differences", published=True)
-    )
+    # Another design has no marks until the engine has computed it.
+    motion.dispatch(lambda s: actions.vary(s, {"links.b4": 2.0}))
+    until(lambda: motion.state.engine_answer is not answer, "the engine computes again")
+    motion.dispatch(lambda s: s.updated("plots", plot="differences", published=True))
     until(lambda: motion.text("motion-numbers").count("PASS") == 4, "four verdicts")
     assert motion.text("motion-numbers").count("FAIL") == 4
     motion.page.get_by_text("the misprints").wait_for()
 
 
-def test_an_impossible_motion_is_reported(motion: Tab) -> None:
-    motion.session.dispatch(
-        "test",
+def test_impossible_motion_is_explained_and_its_failing_part_drawn(motion: Tab) -> None:
+    motion.dispatch(
         lambda s: motions.change(
             motions.choose_kind(s, Kind.LINE), start=(0, 0, 0, -0.55), goal=(0.6, 0, 0, -0.55)
-        ),
+        )
     )
     until(lambda: "Not possible" in motion.text("motion-status"), "the status")
     first = analyze(motion.state.document.design, planned(motion)).check.first
     assert first is not None
     until(lambda: first.explanation in motion.text("motion-status"), "when and why")
-    until(lambda: any(np.array(page_curves(motion)[0][2]) == 1.0), "failures are shaded")
+    until(lambda: any(np.array(curves(motion)[0][2]) == 1.0), "failures are shaded")
     until(lambda: motion.place("/path/failing"), "the path that fails is drawn")
-    standing = motion.state.standing
+    reachable = motion.state.standing
     motion.press(TIME, "End")
     until(lambda: motion.state.playback.time == planned(motion).duration, "the time goes on")
-    assert motion.state.standing == standing
+    assert motion.state.standing == reachable
 
 
-def upload(tab: Tab, name: str, text: str) -> None:
-    """Hand a file to the upload button of the motion."""
-    button = tab.page.locator('input[type="file"][accept=".csv,.txt"]')
-    button.set_input_files({"name": name, "mimeType": "text/csv", "buffer": text.encode()})
-
-
-def test_a_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: motions.choose_kind(s, Kind.TABLE))
+def test_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:
+    motion.dispatch(lambda s: motions.choose_kind(s, Kind.TABLE))
     until(lambda: "No motion yet" in motion.text("motion-status"), "a file is missing")
-    rows = io.StringIO()
-    rows.write("t_s,x_mm,y_mm,theta_deg,z_mm\n")
-    for t in np.linspace(0, 1, 51):
-        rows.write(f"{t:.3f},{50 * np.sin(t):.6f},{10 * t:.6f},{5 * t:.6f},-500\n")
-    upload(motion, "swing.csv", rows.getvalue())
+    rows = [
+        f"{t:.3f},{50 * np.sin(t):.6f},{10 * t:.6f},{5 * t:.6f},-500" for t in np.linspace(0, 1, 51)
+    ]
+    motion.upload(".csv", "swing.csv", "\n".join(["t_s,x_mm,y_mm,theta_deg,z_mm", *rows]).encode())
     until(lambda: motion.state.document.motion.table is not None, "the file is read")
     until(lambda: "Reachable" in motion.text("motion-status"), "it can be run")
     assert planned(motion).name == "swing"
     np.testing.assert_allclose(planned(motion).pose[-1, 0], 0.05 * np.sin(1.0), atol=1e-8)
     kept = motion.state.document.motion.table
-    upload(motion, "bad.csv", "t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,zero,0,0,-0.5\n")
+    bad = b"t_s,x_m,y_m,theta_rad,z_m\n0,0,0,0,-0.5\n1,zero,0,0,-0.5\n"
+    motion.upload(".csv", "bad.csv", bad)
     motion.page.get_by_text("row 3, column x_m").wait_for()
     assert motion.state.document.motion.table is kept
 
 
-def test_a_simulation_shows_its_error(motion: Tab) -> None:
+def test_simulation_shows_its_error(motion: Tab) -> None:
     motion.page.get_by_text("Simulation", exact=True).click()
     motion.page.get_by_role("button", name="Simulate", exact=True).click()
     until(lambda: motion.state.simulating.outcome is not None, "it has run")
@@ -223,8 +187,8 @@ def test_a_simulation_shows_its_error(motion: Tab) -> None:
     until(lambda: motion.page.get_by_text("Error of x, y, z").is_visible(), "its error is plotted")
 
 
-def test_the_motion_is_found_again_after_a_reload(motion: Tab) -> None:
-    motion.session.dispatch("test", lambda s: motions.change(s, timing=Timing.GIVEN, duration=2.5))
+def test_motion_is_found_again_after_a_reload(motion: Tab) -> None:
+    motion.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=2.5))
     until(lambda: planned(motion).duration == 2.5, "another duration")
     wanted = motion.state.document.motion
     motion.wait_saved()

@@ -1,4 +1,4 @@
-"""What is done with the mouse in the 3D view, in a real browser."""
+"""The 3D view in a browser: rendering on demand, the handle, clicks on the floor."""
 
 from __future__ import annotations
 
@@ -22,44 +22,43 @@ ON_SCREEN = """([name, place]) => {
   return [box.left + (1 + point.x) / 2 * box.width, box.top + (1 - point.y) / 2 * box.height];
 }"""
 
-
-def on_screen(tab: Tab, node: str, place: tuple[float, float, float]) -> list[float]:
-    """Return where a point of a scene node's own frame is on the page [px]."""
-    return until(lambda: tab.page.evaluate(ON_SCREEN, [node, list(place)]), f"{node} is there")
-
-
 FRAMES = "() => window.__viserMutable.scene.__r3f.root.getState().gl.info.render.frame"
 
 
-def test_without_a_graphics_card_a_change_takes_few_pictures(tab: Tab) -> None:
+def on_screen(tab: Tab, node: str, place: tuple[float, float, float]) -> np.ndarray:
+    """Return where a point of a scene node's own frame is on the page [px]."""
+    return np.array(until(lambda: tab.page.evaluate(ON_SCREEN, [node, list(place)]), node))
+
+
+def test_page_without_a_graphics_card_renders_few_frames(tab: Tab) -> None:
     tab.page.wait_for_selector("html.paminsa-render-on-demand", state="attached")
 
-    def at_rest() -> bool:
+    def idle() -> bool:
         start = tab.page.evaluate(FRAMES)
         tab.wait_frames(1000)
         return tab.page.evaluate(FRAMES) - start <= 1
 
-    until(at_rest, "the page, still being built, stops drawing")
+    until(idle, "the page, still being built, stops drawing")
     before = tab.page.evaluate(FRAMES)
-    tab.session.dispatch("test", lambda s: actions.move(s, x=0.07))
-    until(lambda: tab.place("/robot/platform")[0] == pytest.approx(0.07), "the robot moves")
+    tab.dispatch(lambda s: actions.move(s, x=0.07))
+    until(lambda: tab.platform()[0] == pytest.approx(0.07), "the robot moves")
     tab.wait_frames(1000)
     # The robot, the mark on the floor, a late one, one a second; viser alone draws twelve.
     assert 1 <= tab.page.evaluate(FRAMES) - before <= 9
 
 
-def test_the_handle_drags_the_platform(tab: Tab) -> None:
-    tab.session.dispatch("test", lambda s: actions.set_layers(s, gizmo=True))
+def test_handle_drags_the_platform(tab: Tab) -> None:
+    tab.dispatch(lambda s: actions.set_layers(s, gizmo=True))
     until(lambda: tab.place("/gizmo"), "the handle is there")
     tab.wait_frames(600)
     start = np.array(tab.state.standing.pose)
     # Along the arrow of x, by its own length on the screen.
-    (x0, y0), (x1, y1) = (on_screen(tab, "/gizmo", (way, 0.0, 0.0)) for way in (0.13, 0.19))
-    tab.page.mouse.move(x0, y0)
+    tip, goal = (on_screen(tab, "/gizmo", (x, 0.0, 0.0)) for x in (0.13, 0.19))
+    tab.page.mouse.move(*tip)
     tab.wait_frames(200)
     tab.page.mouse.down()
     for part in np.linspace(0.2, 1.0, 5):
-        tab.page.mouse.move(x0 + part * (x1 - x0), y0 + part * (y1 - y0))
+        tab.page.mouse.move(*(tip + part * (goal - tip)))
         tab.wait_frames(80)
     tab.page.mouse.up()
     until(lambda: tab.state.standing.pose[0] > start[0] + 0.04, "the platform follows the handle")
@@ -67,25 +66,18 @@ def test_the_handle_drags_the_platform(tab: Tab) -> None:
     pose = np.array(tab.state.standing.pose)
     assert pose[0] == pytest.approx(start[0] + 0.06, abs=0.015)
     np.testing.assert_allclose(pose[1:], start[1:], atol=1e-4)
-    until(
-        lambda: abs(tab.handle("x  [mm]").value - 1e3 * tab.state.document.pose[0]) < 1e-3,
-        "the slider is in step",
-    )
-    until(
-        lambda: np.allclose(tab.place("/robot/platform")[:2], pose[:2], atol=1e-6),
-        "the platform stands where the handle was left",
-    )
+    x = tab.handle("x  [mm]")
+    until(lambda: abs(x.value - 1e3 * tab.state.document.pose[0]) < 1e-3, "the slider follows")
+    tab.wait_platform()
 
 
-def test_a_click_on_the_floor_map_goes_there(tab: Tab) -> None:
-    geometry = tab.state.document.design.geometry
-    ground = layout(geometry).ground
+def test_click_on_the_floor_map_moves_the_robot_there(tab: Tab) -> None:
     goal = (0.12, -0.16)
+    ground = layout(tab.state.document.design.geometry).ground
     tab.wait_frames(600)
-    x, y = on_screen(tab, "/robot/base", (*goal, ground))
-    tab.page.mouse.click(x, y)
+    tab.page.mouse.click(*on_screen(tab, "/robot/base", (*goal, ground)))
     until(
         lambda: np.allclose(tab.state.standing.pose[:2], goal, atol=0.01),
-        f"the robot goes to {goal}; it is at {tab.state.standing.pose}",
+        f"the robot moves to {goal}; it is at {tab.state.standing.pose}",
         timeout=15,
     )

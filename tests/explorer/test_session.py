@@ -145,7 +145,7 @@ def test_failed_request_is_notified_and_set_back_and_stops_no_other(
     assert "broken" not in text
     eventually(lambda: len(bench.immediate.drawn) > drawn)  # so that the input is set back
     assert bench.session.state == before
-    assert not bench.session.can_undo
+    assert not bench.session._history.past
     done = threading.Event()
     bench.hold()
     bench.session.dispatch("wrong", fail(error))
@@ -203,12 +203,12 @@ def test_undo_and_redo_go_step_by_step(bench: Bench) -> None:
     for x in (0.02, 0.01, 0.0):
         bench.session.undo()
         eventually(lambda x=x: bench.x == x)
-    assert not bench.session.can_undo
+    assert not bench.session._history.past
     bench.session.undo()
     for x in steps:
         bench.session.redo()
         eventually(lambda x=x: bench.x == x)
-    assert not bench.session.can_redo
+    assert not bench.session._history.future
 
 
 def test_closed_session_does_nothing_more(bench: Bench) -> None:
@@ -262,7 +262,7 @@ def test_motion_is_played_to_its_end_and_is_no_step(bench: Bench) -> None:
     assert motion is not None
     for t, pose in drawn[-3:]:
         np.testing.assert_allclose(pose, motion.at(t).pose, atol=1e-12)
-    assert not bench.session.can_undo
+    assert not bench.session._history.past
 
 
 def test_motion_repeats_until_it_is_paused(bench: Bench) -> None:

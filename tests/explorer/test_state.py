@@ -179,12 +179,12 @@ def test_undo_and_redo_go_through_every_step(steps: list[Document]) -> None:
     history, current = History(), steps[-1]
     for number, (before, after) in enumerate(pairwise(steps)):
         history.record(before, after, f"control {number}", float(number))
-    for step, others in ((history.undo, steps[-2::-1]), (history.redo, steps[1:])):
+    for back, others in ((True, steps[-2::-1]), (False, steps[1:])):
         for expected in others:
-            found = step(current)
+            found = history.travel(current, back=back)
             assert found is expected
             current = found
-        assert step(current) is None
+        assert history.travel(current, back=back) is None
 
 
 def test_drag_is_one_step_and_a_pause_or_another_control_starts_a_new_one() -> None:
@@ -197,10 +197,10 @@ def test_drag_is_one_step_and_a_pause_or_another_control_starts_a_new_one() -> N
     history.record(at[2], at[3], "z", 3 * PAUSE)
     history.record(at[3], at[4], "x", 3 * PAUSE)
     assert history.past == [start, at[2], at[3]]
-    assert history.undo(at[4]) is at[3]
+    assert history.travel(at[4], back=True) is at[3]
     history.record(at[3], at[5], "x", 3.1 * PAUSE)  # after undo, a new step
     assert history.past[-1] is at[3]
-    assert history.redo(at[5]) is None
+    assert history.travel(at[5], back=False) is None
 
 
 def test_history_is_bounded_and_has_no_step_without_a_change() -> None:

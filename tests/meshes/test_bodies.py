@@ -1,4 +1,4 @@
-"""Bodies follow the design's lengths, and only those they say they follow."""
+"""Bodies follow exactly the lengths that `lengths_of` names."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def test_legs_differ_in_color_alone() -> None:
     assert outline("leg1/b4", GEOMETRY) == outline("leg2/b4", GEOMETRY)
 
 
-def test_the_robot_is_light_enough_for_a_page() -> None:
+def test_meshes_of_the_robot_are_below_three_megabytes() -> None:
     """About one megabyte after the transport's compression; this guards against fine meshes."""
     assert sum(len(body_glb(body, GEOMETRY)) for body in ALL) < 3_000_000
 
@@ -115,13 +115,13 @@ def test_unknown_body(body: str, function) -> None:
         function(body, GEOMETRY)
 
 
-def test_a_part_handed_out_can_be_added_to_without_harm() -> None:
+def test_adding_to_a_body_does_not_change_the_cached_one() -> None:
     make_body("leg1/b8", GEOMETRY).join(make_body("leg1/b3", GEOMETRY))
     assert len(make_body("leg1/b8", GEOMETRY).solids) < 40
     assert outline("leg1/b8", GEOMETRY) == outline("leg3/b8", GEOMETRY)
 
 
-def test_plain_bodies_are_light_and_fill_the_same_room() -> None:
+def test_plain_bodies_have_few_faces_and_the_same_bounds() -> None:
     faces = {True: 0, False: 0}
     for name in ALL:
         fine = make_body(name, GEOMETRY)
@@ -135,7 +135,7 @@ def test_plain_bodies_are_light_and_fill_the_same_room() -> None:
 
 
 @pytest.mark.parametrize("name", ["base", "carriage", "leg2/b4", "ground"])
-def test_a_plain_body_is_one_mesh_with_the_colors_of_all(name: str) -> None:
+def test_plain_body_is_one_mesh_with_vertex_colors(name: str) -> None:
     with plain_shapes():
         part = make_body(name, GEOMETRY).without_small(SMALL)
     colors = {material: surface.color for material, surface in SURFACES.items()}

@@ -1,4 +1,4 @@
-"""The frame stands clear of the robot, whatever the design."""
+"""The frame is clear of the robot for any design."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mesh files are what the script makes, and are found wherever the package runs."""
+"""The mesh files equal the script's output, and are found in checkout and package."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_a_part_comes_back_from_its_file_closed_and_upright(make) -> None:
     assert scene.bounds[:, 1] == pytest.approx(made.bounds()[:, 2], abs=1e-6)  # y is up there
 
 
-def test_the_package_has_precedence_and_missing_files_are_named(tmp_path, monkeypatch) -> None:
+def test_packaged_meshes_have_precedence_and_missing_ones_are_named(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(library.resources, "files", lambda name: tmp_path)
     monkeypatch.setattr(library, "checkout_folder", lambda: tmp_path / "nowhere")
     library.mesh_folder.cache_clear()

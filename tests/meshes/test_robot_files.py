@@ -1,4 +1,4 @@
-"""The MuJoCo model with meshes: the same mechanics, with every shape where the robot has it."""
+"""The MuJoCo model with meshes: the same mechanics, with every shape in its place."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def written(files: dict[str, bytes], folder: Path) -> str:
 
 
 @BOTH
-def test_it_loads_and_steps_two_seconds_without_a_warning(
+def test_model_loads_and_steps_two_seconds_without_a_warning(
     mujoco: Any, tmp_path: Path, knee: KneeBranch
 ) -> None:
     text = exported_mjcf(with_knee(LOADED, knee), pose=standing(START, knee))

@@ -1,4 +1,4 @@
-"""Counterweights are drawn where the mechanics have them, as large as they are heavy."""
+"""Counterweights: placed as in the mechanics, with volumes in proportion to their masses."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def test_disc_volumes_are_proportional_to_mass(mass: float) -> None:
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_it_stays_in_its_bars_layer_and_is_quickly_drawn(end: tuple[str, int]) -> None:
+def test_counterweight_stays_in_its_bars_layer_with_few_faces(end: tuple[str, int]) -> None:
     part = counterweight(APPENDIX_4.geometry, Counterweight(*end, 0.2, 5.0))
     low, high = part.bounds()[:, 1]
     room = at.span(end[0])
@@ -61,7 +61,7 @@ def test_it_stays_in_its_bars_layer_and_is_quickly_drawn(end: tuple[str, int]) -
     assert sum(len(solid.mesh.faces) for solid in part.solids) < 350
 
 
-def test_the_file_holds_those_with_mass() -> None:
+def test_file_contains_counterweights_with_mass() -> None:
     weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b3", 7, 0.1, 0.0))
     design = replace(APPENDIX_4, counterweights=weights)
     configuration = inverse_kinematics(design.geometry, (0.05, -0.03, 0.4, -0.6))

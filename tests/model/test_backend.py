@@ -175,7 +175,7 @@ def test_numbers_of_any_kind(name: str) -> None:
 
 @EACH
 @pytest.mark.parametrize("bad", [np.zeros(3), np.zeros((2, 5)), 0.0, ["a"] * 4, [1j] * 4])
-def test_the_argument_that_can_not_be_used_is_named(name: str, bad: Any) -> None:
+def test_unusable_argument_is_named(name: str, bad: Any) -> None:
     good = (BY_HAND, np.zeros(4), np.zeros(4))
     wrong = {FIRST.get(name, "pose"): (bad, *good[1:])}
     if name in NEEDS["velocity"] or name in SECOND:

@@ -86,7 +86,7 @@ def test_it_grows_with_speed_without_a_jump(friction: Friction, speed: np.ndarra
 
 
 @given(case=cases(), friction=FRICTIONS)
-def test_it_adds_to_the_torque_what_the_speeds_ask(case: Case, friction: Friction) -> None:
+def test_friction_is_added_to_the_torque(case: Case, friction: Friction) -> None:
     pose, v, a = case.states()
     design = replace(case.design, friction=friction)
     plain = inverse_dynamics(case.design, pose, v, a)

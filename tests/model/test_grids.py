@@ -178,7 +178,7 @@ def test_masses_only_rescale_a_field() -> None:
     np.testing.assert_array_equal(field.gamma, before)
 
 
-def test_a_map_has_its_rows_along_y() -> None:
+def test_rows_of_a_map_are_along_y() -> None:
     grid = xy_grid([0.1, 0.2, 0.3], [-0.1, 0.1], 0.4, -0.5)
     assert grid.shape == (2, 3)
     np.testing.assert_array_equal(grid.poses()[1, 2], [0.3, 0.1, 0.4, -0.5])
@@ -212,13 +212,13 @@ def test_splitting_covers_a_grid_once(names: tuple[str, ...], sizes: list[int], 
         ({"z": [1j]}, "z", "real numbers"),
     ],
 )
-def test_axes_that_are_none(axes: Any, argument: str, problem: str) -> None:
+def test_impossible_axes_are_refused(axes: Any, argument: str, problem: str) -> None:
     with pytest.raises(InvalidInput, match=problem) as caught:
         Grid.over(FIXED, **axes)
     assert caught.value.argument == argument
 
 
-def test_other_input_that_can_not_be_used() -> None:
+def test_unusable_input_is_refused() -> None:
     with pytest.raises(InvalidInput, match=r"fixed: one pose \(4,\)"):
         Grid.over(np.zeros((2, 4)))
     with pytest.raises(InvalidInput, match="fixed: the last axis"):

@@ -187,7 +187,7 @@ def test_actuators_stay_within_half_a_turn_of_home() -> None:
 
 
 @BOTH
-def test_outside_its_reach_a_posture_is_nan_and_says_why(knee: KneeBranch) -> None:
+def test_configuration_out_of_reach_is_nan_with_a_reason(knee: KneeBranch) -> None:
     configuration = inverse_kinematics(
         with_knee(APPENDIX_4.geometry, knee), [[0.0, 0.0, 0.0, -1.2], *BY_HAND]
     )

@@ -174,7 +174,7 @@ def test_energy_terms_are_linear_in_the_coefficients(misprints: Misprint) -> Non
 
 
 @pytest.mark.parametrize("knee", list(KneeBranch))
-def test_the_energies_do_not_know_the_unit_of_length(knee: KneeBranch) -> None:
+def test_energies_scale_with_the_unit_of_length(knee: KneeBranch) -> None:
     """In centimeters T and V are 10,000 times larger, if inertias are kg cm^2.
 
     Appendix 4 prints kg/m^2; with such a unit the numbers would have to become smaller instead.

@@ -136,7 +136,7 @@ def test_m_c4_and_eq_14_together_are_a_tenth_of_the_dynamic_torque() -> None:
 
 
 @PROTOTYPES
-def test_standing_still_no_misprint_matters(design: Design) -> None:
+def test_misprints_do_not_affect_static_torques(design: Design) -> None:
     still = np.zeros(4)
     right = inverse_dynamics(design, STATES[0], still, still).torque
     for misprint in (*TABLE, Misprint.ALL):

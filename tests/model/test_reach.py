@@ -160,7 +160,7 @@ def test_margins_are_distances_between_joints(case: Case) -> None:
 
 
 @given(case=cases())
-def test_the_bars_close_exactly_where_reach_says_so(case: Case) -> None:
+def test_bars_close_exactly_where_margins_are_positive(case: Case) -> None:
     """By the triangle inequality, and by whether the configuration has a knee."""
     g, pose = case.geometry, wide_poses(case)
     margins = check_reach(g, pose).margins
@@ -171,7 +171,7 @@ def test_the_bars_close_exactly_where_reach_says_so(case: Case) -> None:
 
 
 @given(case=cases())
-def test_the_fast_way_says_the_same(case: Case) -> None:
+def test_reach_status_agrees_with_check_reach(case: Case) -> None:
     pose = wide_poses(case)
     pose[::7, case.seed % 4] = np.nan
     pose[1::7, case.seed % 4] = np.inf
@@ -229,7 +229,7 @@ def test_words() -> None:
     assert status_words(Limit.FOLDED).tolist() == "folded"
 
 
-def test_the_error_says_which_leg_and_how_far() -> None:
+def test_error_names_leg_and_excess() -> None:
     g = APPENDIX_4.geometry
     require_reachable(g, BY_HAND)
     pose = [0.1, 0.05, 0.2, -1.1]

@@ -105,7 +105,7 @@ def test_torques_of_m1_to_m3_are_one_number_times_a_map_of_the_geometry(case: Ca
 
 
 @given(case=cases(), mass=st.just(0.0) | st.floats(1e-30, 5e3))
-def test_platform_and_payload_ask_nothing_of_m1_to_m3(case: Case, mass: float) -> None:
+def test_platform_and_payload_need_no_torque_of_m1_to_m3(case: Case, mass: float) -> None:
     """Eq. 4, to the last bit; M4 carries k times their weight."""
     pose = case.poses()
     light = static_torques(case.design, pose)
@@ -211,7 +211,7 @@ def test_the_counterweight_of_appendix_4(knee: KneeBranch) -> None:
     assert np.nanmax(after / before) < 1e-14
 
 
-def test_a_balanced_robot_is_quiet_on_the_singular_circle() -> None:
+def test_balanced_robot_on_the_singular_circle_gives_no_warning() -> None:
     """Zero times an unbounded map has no value there, and is no reason to warn."""
     design = APPENDIX_4.vary(
         {

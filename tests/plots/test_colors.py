@@ -46,7 +46,7 @@ def test_sequential_tables_lighten_all_the_way(name: str, eye: str) -> None:
     assert light[-1] - light[0] > 0.5
 
 
-def test_the_own_table_is_uniform_and_inside_srgb() -> None:
+def test_default_table_is_perceptually_uniform_and_inside_srgb() -> None:
     table = colors.table("blue-vermillion")
     assert 0 < table.min() <= table.max() < 1  # nothing was cut off
     lab = colors.oklab(table)

@@ -45,7 +45,7 @@ def test_no_contour_runs_along_a_pole() -> None:
 
 
 @pytest.mark.parametrize(("end", "near"), [(2000.0, True), (2.0, False)])
-def test_no_contour_runs_along_a_pole_that_nobody_named(end: float, near: bool) -> None:
+def test_no_contour_runs_along_an_unknown_pole(end: float, near: bool) -> None:
     data = made_up(nx=121, ny=121, singular_radius=None)
     points = np.concatenate(list(contours.contour_lines(data, 0, Scale(-end, end)).values()))
     away = points[np.abs(points[:, 1]) < 0.1]  # further up and down the torque vanishes
@@ -85,7 +85,7 @@ def test_singular_cells_are_no_boundary() -> None:
     assert contours.boundary(data).size == 0
 
 
-def test_the_area_within_the_boundary() -> None:
+def test_reached_area_is_the_area_within_the_boundary() -> None:
     found = contours.reached_area(made_up(nx=121, ny=121))
     assert found is not None
     polygons = Path(*found).to_polygons()
@@ -94,7 +94,7 @@ def test_the_area_within_the_boundary() -> None:
     assert contours.reached_area(made_up(margin=np.full((27, 31), -0.1))) is None
 
 
-def test_the_circle_is_cut_at_the_edges_of_the_map() -> None:
+def test_singular_circle_is_clipped_to_the_map() -> None:
     whole = contours.singular_circle(made_up())
     assert np.allclose(np.hypot(*whole.T), 0.25)
     left, right, bottom, top = made_up().extent
@@ -108,7 +108,7 @@ def test_the_circle_is_cut_at_the_edges_of_the_map() -> None:
         assert contours.singular_circle(made_up(singular_radius=radius)).size == 0
 
 
-def test_numbers_lie_on_their_lines_and_clear_of_everything_else() -> None:
+def test_contour_labels_are_on_their_lines_and_clear_of_others() -> None:
     data, scale = real(121, theta=0.7), Scale(-8.0, 8.0)
     found = contours.contour_lines(data, 0, scale)
     room, margin = dict.fromkeys(found, 0.02), 0.005

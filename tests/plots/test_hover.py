@@ -1,4 +1,4 @@
-"""What the pointer reads off the maps."""
+"""Hover texts and axes over the maps."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_axes_lie_where_the_picture_has_its_panels(data: MapData, tree: dict[str
         np.testing.assert_allclose(x["range"] + y["range"], 1e3 * np.array(data.extent))
 
 
-def test_values_that_explode_are_no_gaps() -> None:
+def test_huge_values_are_no_gaps() -> None:
     huge = made_up(values=np.full((3, 27, 31), 1e40))
     shown = unpacked(tree_of(huge)["data"][1]["z"])
     assert np.isfinite(shown[huge.status == 0]).all()

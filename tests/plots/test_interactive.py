@@ -70,7 +70,7 @@ def test_the_marker_is_at_the_pose_in_every_panel() -> None:
 @pytest.mark.parametrize(
     "choice", [ScaleChoice(), ScaleChoice(kind="symlog")], ids=lambda c: c.kind
 )
-def test_odd_data_become_valid_json(choice: ScaleChoice) -> None:
+def test_infinite_and_missing_data_become_valid_json(choice: ScaleChoice) -> None:
     values = made_up().values.copy()
     values[0, 13, 15] = np.inf
     for data in (made_up(values=values), EMPTY, real(21)):

@@ -1,4 +1,4 @@
-"""Live maps: their layout, and that pictures follow data, scales and size."""
+"""Live maps: their layout, and images that follow data, scales and size."""
 
 from __future__ import annotations
 

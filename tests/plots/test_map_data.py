@@ -1,4 +1,4 @@
-"""The data object: what it accepts, what it keeps, how maps are cut out and subtracted."""
+"""Map data: validation, read-only arrays, differences, and the model's values."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_the_marker_moves_but_not_theta_or_z() -> None:
         ("leg", np.full((27, 31), 3, np.int8)),
     ],
 )  # fmt: skip
-def test_a_field_that_does_not_fit_is_named(field: str, value: Any) -> None:
+def test_invalid_field_is_named(field: str, value: Any) -> None:
     with pytest.raises(InvalidInput) as caught:
         made_up(**{field: value})
     assert caught.value.argument == field
@@ -131,7 +131,7 @@ def test_every_quantity_has_a_legend_and_can_be_mapped(quantity: str) -> None:
         assert shown.min() < 0 < shown.max()
 
 
-def test_inputs_that_do_not_belong_together_are_refused() -> None:
+def test_inconsistent_inputs_are_refused() -> None:
     axis = np.linspace(-0.1, 0.1, 5)
     field = solve_field(APPENDIX_4.geometry, xy_grid(axis, axis, POSE[2], POSE[3]))
     across = replace(field, grid=Grid.over(POSE, x=axis, y=axis))

@@ -1,4 +1,4 @@
-"""Figures of maps: what they look like, their captions, and their files."""
+"""Figures of maps: baselines, captions and files."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def png(pixels: np.ndarray) -> bytes:
 
 
 @pytest.mark.parametrize("name", FIGURES)
-def test_figures_look_as_they_did(name: str, tmp_path: Path) -> None:
+def test_figures_match_their_baselines(name: str, tmp_path: Path) -> None:
     expected, actual = BASELINES / f"{name}.png", tmp_path / f"{name}.png"
     actual.write_bytes(FIGURES[name]())
     if os.environ.get("PAMINSA_VIZ_NEW_BASELINES"):
@@ -171,7 +171,7 @@ def test_a_pdf_embeds_its_fonts() -> None:
     assert float(box[1]) == pytest.approx(170 / 25.4 * 72, abs=0.3)
 
 
-def test_matplotlib_settings_of_a_person_are_neither_used_nor_changed() -> None:
+def test_matplotlib_settings_of_the_user_are_neither_used_nor_changed() -> None:
     plain = render(made_up(), SCALE, dpi=60)
     with mpl.rc_context({"font.size": 30, "axes.facecolor": "red", "text.usetex": True}):
         before = dict(mpl.rcParams)

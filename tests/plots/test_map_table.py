@@ -1,4 +1,4 @@
-"""Maps as CSV and NPZ: every bit comes back, and so does where they come from."""
+"""Maps as CSV and NPZ: bitwise round trip, with provenance."""
 
 from __future__ import annotations
 
@@ -112,7 +112,7 @@ def test_provenance_of_both_files_is_the_same() -> None:
 
 
 @pytest.mark.parametrize("name", ["two\nlines", "tab\t, comma", "\u2028", "日本", "\x00\x1b[31m"])
-def test_a_hostile_name_stays_on_its_line(name: str) -> None:
+def test_design_name_stays_on_one_header_line(name: str) -> None:
     data: Any = made_up(design=replace(SAMPLE, name=name))
     said, names, rows = read(table_csv(map_table(data)))
     assert names == COLUMNS

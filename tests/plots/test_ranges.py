@@ -49,7 +49,7 @@ def test_rounding_errors_of_a_balanced_robot_count_as_zero(seed: int) -> None:
 
 @pytest.mark.parametrize("signed", [True, False])
 @pytest.mark.parametrize("values", [[], [np.nan], [np.inf, -np.inf], [0.0], [7.0] * 9, [-3.0] * 4])
-def test_odd_data_still_give_a_scale(values: list[float], signed: bool) -> None:
+def test_constant_infinite_and_missing_data_give_a_scale(values: list[float], signed: bool) -> None:
     low, high = robust_range(values, signed)
     Scale(low, high)
     finite = np.array(values)[np.isfinite(values)]
@@ -61,7 +61,7 @@ def test_magnitudes_far_from_zero_keep_their_own_range() -> None:
     assert robust_range(np.linspace(182.0, 249.0, 500), signed=False) == (180.0, 250.0)
 
 
-def test_the_real_torques_are_shown_where_the_robot_works() -> None:
+def test_range_shows_torques_near_the_center() -> None:
     data = real()
     scale = choose_scales(data)[0]
     x, y = np.meshgrid(data.x, data.y)
@@ -71,7 +71,7 @@ def test_the_real_torques_are_shown_where_the_robot_works() -> None:
     assert np.nanmax(np.abs(data.values)) > 10 * scale.high  # the explosion is there
 
 
-def test_a_heavier_robot_has_a_wider_range() -> None:
+def test_range_grows_with_the_robots_masses() -> None:
     light = choose_scales(real())[0]
     heavy = real(design=APPENDIX_4.vary({"links.b8": 4.0}))
     factor = np.nanmedian(np.abs(heavy.values)) / np.nanmedian(np.abs(real().values))
@@ -89,7 +89,7 @@ def test_one_range_for_all_or_one_for_each() -> None:
         assert {(scale.low, scale.high) for scale in scales} == {(-1.234, 5.678)}
 
 
-def test_a_log_shows_more_of_the_explosion() -> None:
+def test_symlog_range_is_wider() -> None:
     data = real()
     linear, log = (choose_scales(data, ScaleChoice(kind=kind))[0] for kind in ("linear", "symlog"))
     assert log.high > 5 * linear.high

@@ -1,4 +1,4 @@
-"""Figures over time: what they are made of, and that files hold what they should."""
+"""Figures over time: their data, layout and files."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def test_energies_balance(analysis) -> None:
     assert np.abs(residual).max() < 1e-5
 
 
-def test_no_figure_claims_to_be_the_papers(analysis) -> None:
+def test_captions_do_not_claim_the_papers_motion(analysis) -> None:
     data = _series("pose", analysis)
     assert "It is not the motion of the paper's Figs. 8-11" in series_text.caption(data)
     assert "Fig" not in data.title
@@ -189,7 +189,7 @@ def _texts(figure) -> list[tuple[str, Bbox]]:
 
 @pytest.mark.parametrize("kind", FIGURES)
 @pytest.mark.parametrize("width", [60.0, 170.0])
-def test_words_are_on_the_page_and_clear_of_each_other(
+def test_texts_are_inside_the_figure_and_do_not_overlap(
     kind, width, motion, analysis, everything
 ) -> None:
     still = analyze(RUBBING, replace(motion, t=600.0 / motion.t[-1] * motion.t, name="W" * 70))

@@ -1,4 +1,4 @@
-"""The report: complete, self-contained, and saying of the robot what the model says."""
+"""The report: complete, self-contained, with the model's numbers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design, UnreachablePose, static_imbalance
@@ -21,6 +22,7 @@ from paminsa_viz.report import ReportRequest, report_html
 from paminsa_viz.report.balance_section import balance_section, contributions
 from paminsa_viz.report.blocks import Note, Row, Section, Table
 from paminsa_viz.report.design_section import design_section
+from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
@@ -95,7 +97,7 @@ def blocks(section: Section, kind: type[Any]) -> list[Any]:
     return [block for block in section.blocks if isinstance(block, kind)]
 
 
-def test_it_is_one_file_that_needs_nothing_else() -> None:
+def test_report_is_one_self_contained_file() -> None:
     text = report()
     page = Reader(text)
     assert all(place.startswith("data:image/svg+xml;base64,") for place in page.attributes["src"])
@@ -105,7 +107,8 @@ def test_it_is_one_file_that_needs_nothing_else() -> None:
     assert "url(" not in text
     ids = page.attributes["id"]
     assert ids == [
-        "design", "workspace", "maps", "trajectory", "verification", "balance", "provenance",
+        "design", "workspace", "maps", "forces", "trajectory", "verification", "balance",
+        "provenance",
     ]  # fmt: skip
     assert {f"#{key}" for key in ids} == set(page.attributes["href"])
 
@@ -149,7 +152,7 @@ def test_bodies_add_up_to_mp2(seed: int) -> None:
     assert len(parts) == 9
 
 
-def test_balance_is_shown_or_found_to_be_there() -> None:
+def test_balance_is_shown_unless_the_design_is_balanced() -> None:
     motion = request_for().trajectory
     tables = blocks(balance_section(analyze(APPENDIX_4, motion)), Table)
     assert tables[1].rows[-1] == Row(("M_p2", "", "9.1 N", "0 N"), "total")
@@ -163,7 +166,9 @@ def test_balance_is_shown_or_found_to_be_there() -> None:
     assert any("is balanced" in note.text for note in notes)
 
 
-def test_verification_is_in_it_or_why_not(mujoco: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_verification_is_reported_or_the_reason_it_is_missing(
+    mujoco: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
     assert "Not requested" in Reader(report()).text
     found = checked(request_for())
     assert not isinstance(found, str)
@@ -199,9 +204,7 @@ def test_a_pose_out_of_reach_is_refused() -> None:
 
 
 @pytest.mark.browser
-def test_a_browser_shows_it_without_asking_for_anything_and_prints_it(
-    browser: Any, tmp_path: Path
-) -> None:
+def test_browser_shows_and_prints_the_report_without_requests(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "report.html"
     path.write_text(report(), encoding="utf-8")
     page = browser.new_page(viewport={"width": 1280, "height": 900})
@@ -224,3 +227,19 @@ def test_a_browser_shows_it_without_asking_for_anything_and_prints_it(
     assert said == []
     assert printed.startswith(b"%PDF")
     assert 6 <= printed.count(b"/Type /Page\n") <= 20
+
+
+def test_forces_are_those_of_the_load_and_the_limits() -> None:
+    loaded = HEAVY.vary({"load.force_x": 20.0, "load.moment_y": 3.0})
+    blocks = forces_section(request_for(loaded)).blocks
+    tables = [block for block in blocks if isinstance(block, Table)]
+    texts = [" ".join(row.cells) for table in tables for row in table.rows]
+    assert any(text.startswith("M_y bearings alone 3") for text in texts)
+    at = capability(loaded, home(loaded.geometry))
+    force = format_value(float(at.horizontal_force), "N")
+    assert any(text.startswith("F_h") and force in text for text in texts)
+    (note,) = [block for block in blocks if isinstance(block, Note)]
+    assert "is limited by M" in note.text
+    (none, *_) = forces_section(request_for()).blocks
+    assert none == Note("No external force or moment acts on the platform.")
+    assert "load" not in [row.cells[0] for row in design_section(HEAVY).blocks[1].rows]

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
+from tests.support.desk import input_labeled
 
 FLAGS = [
     "--headless=new",
@@ -41,6 +44,12 @@ def browser_path() -> str:
             pytest.fail(reason)
         pytest.skip(reason)
     return found
+
+
+NODE_PLACE = """name => {
+  const node = window.__viserMutable?.nodeRefFromName[name];
+  return node ? node.position.toArray().concat(node.quaternion.toArray()) : null;
+}"""
 
 
 def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> Any:
@@ -101,14 +110,25 @@ class Tab:
         """The session's newest state."""
         return self.session.state
 
+    def dispatch(self, action: Callable[[Any], Any]) -> None:
+        """Change the state from elsewhere."""
+        self.session.dispatch("test", action)
+
     def handle(self, label: str) -> Any:
         """Return the input with a label, as the server knows it."""
-        inputs = self.session.client.gui._gui_input_handle_from_uuid.values()
-        return next(handle for handle in inputs if getattr(handle, "label", None) == label)
+        return input_labeled(self.session, label)
+
+    def element(self, label: str) -> Any:
+        """Return the input with a label on the page."""
+        return self.page.locator(f'[id="{self.handle(label)._impl.uuid}"]')
 
     def slider(self, label: str) -> Any:
         """Return the thumb of a slider on the page."""
-        return self.page.locator(f'[id="{self.handle(label)._impl.uuid}"] [role=slider]')
+        return self.element(label).locator("[role=slider]")
+
+    def number_box(self, label: str) -> Any:
+        """Return the number box of a slider on the page."""
+        return self.element(label).locator("xpath=..").locator("input:not([type=hidden])")
 
     def press(self, label: str, key: str, times: int = 1) -> None:
         """Focus a slider and press a key; the page sends at most one value every 50 ms."""
@@ -119,11 +139,27 @@ class Tab:
 
     def type_number(self, label: str, value: float) -> None:
         """Type into the number box of a slider."""
-        track = self.page.locator(f'[id="{self.handle(label)._impl.uuid}"]')
-        field = track.locator("xpath=..").locator("input:not([type=hidden])")
+        field = self.number_box(label)
         field.fill(str(value))
         field.press("Enter")
         self.page.wait_for_timeout(80)
+
+    def click(self, button: str) -> None:
+        """Click a button, once what opens above it has opened."""
+        place = self.page.get_by_role("button", name=button, exact=True).first
+        self.steady_box(place)
+        place.click()
+
+    def click_in(self, place: Any, right: float = 0.5, down: float = 0.5) -> None:
+        """Click into an element that stays where it is, at shares of its width and height."""
+        box = self.steady_box(place)
+        x, y = box["x"] + right * box["width"], box["y"] + down * box["height"]
+        self.page.mouse.click(x, y)
+
+    def upload(self, accept: str, name: str, content: bytes) -> None:
+        """Give a file to the upload button that accepts its kind."""
+        field = self.page.locator(f'input[type="file"][accept^="{accept}"]')
+        field.set_input_files([{"name": name, "mimeType": "text/plain", "buffer": content}])
 
     def wait_frames(self, milliseconds: float) -> None:
         """Wait for a time and then for some frames, which may take long on a busy machine."""
@@ -132,24 +168,22 @@ class Tab:
             self.page.evaluate("() => new Promise(done => requestAnimationFrame(done))")
 
     def wait_saved(self) -> None:
-        """Wait until the browser keeps what a reload of the tab has to find."""
+        """Wait until the browser has saved what a reload of the tab has to find."""
+        saved = f"sessionStorage.getItem('{STORE_KEY}')"
         until(
-            lambda: (
-                self.page.evaluate(f"sessionStorage.getItem('{STORE_KEY}')")
-                == persistence.dump(self.state.document)
-            ),
-            "the tab's state is kept",
+            lambda: self.page.evaluate(saved) == persistence.dump(self.state.document),
+            "the tab's state is saved",
         )
 
     def steady_box(self, place: Any) -> Any:
         """Return where an element is, once it stays there: what comes above moves it."""
 
-        def resting() -> Any:
+        def steady() -> Any:
             before = place.bounding_box()
             self.wait_frames(300)
             return before if before == place.bounding_box() else None
 
-        return until(resting, "the element stays where it is")
+        return until(steady, "the element stays where it is")
 
     def open_tab(self, name: str) -> None:
         """Open a tab of a panel."""
@@ -159,17 +193,32 @@ class Tab:
         """Return the text of a readout."""
         return self.page.get_by_test_id(test_id).inner_text()
 
+    def torques(self) -> np.ndarray:
+        """Return the torques and the force of M1..M4 in the readout."""
+        found = re.findall(r"^M\d.*?(−?[\d.]+)\sN(?:·m)?\b", self.text("actuators"), re.M)
+        return np.array([float(number.replace("−", "-")) for number in found])
+
     def place(self, node: str) -> list[float]:
-        """Return where a scene node stands in the page, [m]."""
-        return self.page.evaluate(
-            "name => { const n = window.__viserMutable.nodeRefFromName[name];"
-            " return n ? n.position.toArray().concat(n.quaternion.toArray()) : null; }",
-            node,
-        )
+        """Return position [m] and quaternion (x, y, z, w) of a scene node in the page."""
+        return self.page.evaluate(NODE_PLACE, node)
+
+    def platform(self) -> np.ndarray:
+        """Return (x, y, theta, z) of the platform in the page's scene."""
+        x, y, z, _, _, k, w = self.place("/robot/platform")
+        return np.array([x, y, 2 * np.arctan2(k, w), z])
 
     def wait_pose(self, index: int, value: float) -> None:
-        """Wait until the standing pose has a coordinate."""
+        """Wait until the last reachable pose has a coordinate."""
         until(
             lambda: abs(self.state.standing.pose[index] - value) < 1e-6,
             f"coordinate {index} = {value}; it is {self.state.standing.pose}",
+        )
+
+    def wait_platform(self, pose: Any = None) -> None:
+        """Wait until the page draws the platform at a pose, or at the last reachable one."""
+        until(
+            lambda: np.allclose(
+                self.platform(), self.state.standing.pose if pose is None else pose, atol=1e-6
+            ),
+            "the platform is drawn at its pose",
         )

@@ -20,7 +20,16 @@ from paminsa_viz.model import (
     singular_radius,
     singular_rotation,
 )
-from paminsa_viz.trajectory import MotionLimits
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.trajectory import (
+    Controller,
+    ControlMode,
+    MotionLimits,
+    analyze,
+    check_path,
+    round_trip,
+    simulate,
+)
 from paminsa_viz.trajectory import crossing_plan as planner
 from paminsa_viz.trajectory.crossing import (
     CrossingKind,
@@ -31,6 +40,7 @@ from paminsa_viz.trajectory.crossing import (
 )
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.sampled import Passage
 from tests.support.samples import random_design, random_states
 
 BALANCED = balance(APPENDIX_4).after
@@ -264,3 +274,57 @@ def test_a_is_the_mass_between_twist_and_path() -> None:
     along = TURN(np.array([crossing.s]), 1)[0]
     expected = twist @ mass_matrix(APPENDIX_4, np.array(crossing.pose)) @ along
     assert condition.a == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
+    planned: tuple[Design, CrossingPlan],
+) -> None:
+    design, found = planned
+    samples = found.plan.sample(1000.0)
+    assert analyze(design, samples).check.ok
+    torque = analyze(design, samples).torque
+    assert np.isfinite(torque).all()
+    assert np.abs(torque[:, :3]).max() < 10.1
+    event = check_path(design.geometry, replace(samples, passages=())).first
+    assert event is not None
+    assert event.limit is Limit.SINGULAR
+    back = round_trip(found.plan).sample()
+    assert check_path(design.geometry, back).ok
+    assert len(back.passages) == 2
+
+
+def test_a_sample_at_the_crossing_moves_off_it() -> None:
+    plan = plan_crossing(BALANCED, TURN, TEN).plan
+    (passage,) = plan.passages
+    at = passage.t * plan.duration
+    middle = replace(plan, passages=(Passage(0.5, passage.locus),))
+    count = 2 * round(50.0 * plan.duration)  # even, so that one would be in the middle
+    distance = np.abs(middle.sample(count / plan.duration).t - 0.5 * plan.duration).min()
+    assert distance == pytest.approx(1e-6, rel=1e-3)
+    fine = plan.sample(0.9e6)
+    near = fine.take(np.flatnonzero(np.abs(fine.t - at) < 1e-3))
+    assert np.isfinite(analyze(BALANCED, near).torque).all()
+
+
+def test_the_simulated_robot_follows_through_the_crossing() -> None:
+    samples = plan_crossing(BALANCED, TURN, TEN).plan.sample(5000.0)
+    controller = Controller(ControlMode.FEED_FORWARD)
+    result = simulate(BALANCED, samples, controller=controller)
+    assert result.stopped is None
+    assert np.abs(result.pose - result.wanted.pose).max() < 1e-5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
+def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) -> None:
+    pytest.importorskip("mujoco")
+    from paminsa_viz.engines.simulation import play
+
+    samples = plan_crossing(design, TURN, TEN).plan.sample(10_000.0)
+    torque = analyze(design, samples).torque
+    played = play(design, samples.t, samples.pose, samples.velocity, torque, step=1e-4)
+    assert played.until == samples.size
+    drift = np.abs(played.drift)
+    assert drift[-1].max() < 5e-6
+    assert drift[:, [0, 1, 3]].max() < 5e-6
+    assert drift[:, 2].max() < 3e-4  # MuJoCo's integrator is of first order

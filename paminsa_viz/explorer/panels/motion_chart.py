@@ -7,12 +7,10 @@ from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.inputs import finite
-from paminsa_viz.plots.series import Values
 from paminsa_viz.plots.series_uplot import (
     Chart,
     ChartShape,
     chart_shape,
-    shown_curve,
     uplot_data,
     uplot_options,
 )
@@ -62,11 +60,6 @@ class MotionChart:
             self.handle = self._gui.add_uplot(
                 series, **uplot_options(shape), height=HEIGHT, order=self._order
             )
-
-    def curve(self, number: int) -> tuple[Values, Values]:
-        """Return time and values of a curve as the page has them, (n,) each."""
-        assert self.shape is not None
-        return self.handle.data[0], shown_curve(self.handle.data, self.shape, number)
 
 
 class TimeCursor:

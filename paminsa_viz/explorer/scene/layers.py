@@ -114,6 +114,7 @@ def _factory(view: str | ViewFactory) -> ViewFactory:
     return getattr(import_module(f"{__package__}.{module}"), name)
 
 
+_POLYTOPE = "forces:PolytopeView"
 _FLOOR = "floor:FloorMap"
 _MASSES = "mechanism:PointMassView"
 
@@ -132,6 +133,12 @@ register(
         "torques", "Actuator torques", "Static torques as arrows about the leg axes, and F₄",
         "actuators:TorqueArrows", default=True,
     ),
+    Layer("load", "Load", "The external force and moment, to a stated scale",
+          "forces:LoadView", default=True),
+    Layer("force_polygon", "Force polygon",
+          "Horizontal forces that the actuators hold with no moment", _POLYTOPE),
+    Layer("wrench_solid", "Wrench polytope",
+          "Horizontal forces and M_z / R_pl that the actuators hold", _POLYTOPE),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(

@@ -1,4 +1,4 @@
-"""The bodies in a scene: nodes are made once, stand where the model says, and only they move."""
+"""The bodies in a scene: nodes are made once, at the model's poses, and only what moves is sent."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from tests.support.scene import UPPER, Scene
 
 
 @pytest.mark.parametrize("design", [APPENDIX_4, UPPER], ids=["lower", "upper"])
-def test_bodies_stand_where_the_model_says(scene: Scene, design: Design) -> None:
+def test_bodies_are_at_the_models_poses(scene: Scene, design: Design) -> None:
     for pose in random_poses(np.random.default_rng(4), design, 5):
         configuration = scene.draw(pose, design).configuration
         for body, place in place_parts(configuration).items():
@@ -28,7 +28,7 @@ def test_bodies_stand_where_the_model_says(scene: Scene, design: Design) -> None
             assert got[:3, :3] == pytest.approx(expected[:3, :3], abs=6e-5), body
 
 
-def test_a_first_pose_is_exact(scene: Scene) -> None:
+def test_first_pose_is_exact(scene: Scene) -> None:
     configuration = scene.draw().configuration
     g = APPENDIX_4.geometry
     for leg in range(3):
@@ -40,7 +40,7 @@ def test_a_first_pose_is_exact(scene: Scene) -> None:
             assert point[:3] == pytest.approx(configuration.points[joint][leg], abs=1e-12)
 
 
-def test_a_pose_makes_no_node_and_sends_poses_only(scene: Scene) -> None:
+def test_pose_makes_no_node_and_sends_poses_only(scene: Scene) -> None:
     scene.draw(layers=["mesh"])
     before = scene.nodes
     with scene.sent() as messages:
@@ -54,7 +54,7 @@ def test_a_pose_makes_no_node_and_sends_poses_only(scene: Scene) -> None:
     assert sum(kinds.values()) / 20 <= 30
 
 
-def test_only_what_the_pose_moves_is_moved(scene: Scene) -> None:
+def test_only_bodies_that_move_are_sent(scene: Scene) -> None:
     scene.draw((0.0, 0.0, 0.0, -0.5))
     with scene.sent() as messages:
         scene.draw((0.0, 0.0, 0.0, -0.55))
@@ -66,10 +66,8 @@ def test_only_what_the_pose_moves_is_moved(scene: Scene) -> None:
     assert messages == []
 
 
-@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0, -1.5), (np.nan, 0.0, 0.0, -0.5)])
-def test_a_pose_without_a_configuration_leaves_the_robot_standing(
-    scene: Scene, pose: tuple[float, ...]
-) -> None:
+@pytest.mark.parametrize("pose", [(0.0, 0.0, 0.0, -1.5), (np.nan, 0.0, 0.0, -0.5)], ids=str)
+def test_pose_without_a_configuration_sends_nothing(scene: Scene, pose: tuple[float, ...]) -> None:
     layers = ["mesh", "labels"]
     scene.draw(layers=layers)
     with scene.sent() as messages:
@@ -90,7 +88,7 @@ def test_a_pose_without_a_configuration_leaves_the_robot_standing(
          | {"ground", "base", "mast", "m4", "platform", "carriage"}),
     ],
 )  # fmt: skip
-def test_a_change_remakes_only_what_it_touches(
+def test_change_of_the_design_remakes_its_bodies_only(
     scene: Scene, change: dict[str, float], expected: set[str]
 ) -> None:
     scene.draw()
@@ -110,7 +108,7 @@ def test_a_change_remakes_only_what_it_touches(
     assert all(scene.nodes[name] is before[name] for name in before)
 
 
-def test_the_other_knee_turns_the_machine_over(scene: Scene) -> None:
+def test_other_knee_remakes_the_frame_upside_down(scene: Scene) -> None:
     scene.draw()
     before = {name: getattr(node, "glb_data", None) for name, node in scene.nodes.items()}
     scene.draw((0.0, 0.0, 0.0, 0.4), UPPER)
@@ -120,7 +118,7 @@ def test_the_other_knee_turns_the_machine_over(scene: Scene) -> None:
     assert scene.world("/robot/platform")[2, 3] == pytest.approx(0.4)
 
 
-def test_bodies_start_plain_and_can_be_fine(scene: Scene) -> None:
+def test_fine_bodies_are_a_layer(scene: Scene) -> None:
     scene.draw()
     bar = scene.nodes["/robot/leg1/slider/b8/b4"]
     plain = bar.glb_data

@@ -51,7 +51,7 @@ def grid_layer() -> Iterator[None]:
 
 
 @pytest.mark.usefixtures("grid_layer")
-def test_one_entry_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -> None:
+def test_registered_layer_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -> None:
     with desk_with(server, view_entries()) as desk:
         scene = desk.session.client.scene
         context = SceneContext(scene, desk.session.dispatch)
@@ -72,7 +72,7 @@ def test_one_entry_is_a_switch_a_command_and_a_node(server: viser.ViserServer) -
 
 
 @pytest.mark.parametrize("taken", [{"key": "mesh"}, {"shortcut": "K"}])
-def test_a_key_or_shortcut_belongs_to_one_layer(taken: dict[str, str]) -> None:
+def test_key_and_shortcut_belong_to_one_layer(taken: dict[str, str]) -> None:
     fields = {"key": "new", "label": "New", "hint": "", "view": "bodies:Bodies"}
     with pytest.raises(ValueError, match="taken"):
         register(Layer(**(fields | taken)))
@@ -100,7 +100,7 @@ def test_layers_switch_on_and_off_without_new_nodes(scene: Scene) -> None:
     assert set(scene.nodes) == first
 
 
-def test_true_shadows_and_the_floor_map_replace_the_soft_one(scene: Scene) -> None:
+def test_shadows_or_the_floor_map_replace_the_soft_shadow(scene: Scene) -> None:
     for layers, soft, true in (([], True, False), (["floor_map"], False, False),
                                (["shadows"], False, True)):  # fmt: skip
         scene.draw(layers=layers)
@@ -116,7 +116,7 @@ def test_hidden_layers_cost_nothing(scene: Scene) -> None:
     assert all(m.name.startswith(("/robot/", "/stage/", "/gizmo")) for m in messages)
 
 
-def test_a_layer_shown_late_is_up_to_date(scene: Scene) -> None:
+def test_layer_shown_late_is_up_to_date(scene: Scene) -> None:
     scene.draw(layers=["skeleton"])
     scene.draw(layers=[])
     pose = (0.1, 0.0, 0.0, -0.45)

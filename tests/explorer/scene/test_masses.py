@@ -17,7 +17,7 @@ from tests.support.samples import random_poses
 from tests.support.scene import Scene, solved
 
 
-def test_the_payload_shows_its_mass(scene: Scene) -> None:
+def test_payload_grows_with_its_mass(scene: Scene) -> None:
     name = "/robot/platform/payload"
     scene.draw()
     assert name not in scene.nodes
@@ -30,7 +30,7 @@ def test_the_payload_shows_its_mass(scene: Scene) -> None:
     assert not scene.nodes[name].visible
 
 
-def test_counterweights_are_attached_to_their_bars_and_no_pose_moves_them(scene: Scene) -> None:
+def test_counterweights_are_nodes_of_their_bars(scene: Scene) -> None:
     layers = ["mesh"]
     scene.draw(layers=layers)
     bare = set(scene.nodes)
@@ -56,7 +56,7 @@ def test_counterweights_are_attached_to_their_bars_and_no_pose_moves_them(scene:
     assert set(scene.nodes) == bare
 
 
-def test_mass_centers_weigh_what_the_design_does() -> None:
+def test_mass_centers_have_the_designs_mass_and_potential_energy() -> None:
     design = APPENDIX_4.vary({"payload.mass": 3.0})
     configuration = solved(design=design)
     points = mass_centers(design, configuration)
@@ -96,7 +96,7 @@ def test_mass_centers_include_counterweights(scene: Scene) -> None:
     assert len(scene.nodes["/masses/centers"].batched_positions) == len(loaded.mass)
 
 
-def test_gravity_arrows_point_down_by_the_weight() -> None:
+def test_gravity_arrows_are_proportional_to_the_weight() -> None:
     points = mass_centers(APPENDIX_4, solved())
     arrows = gravity_arrows(points, 9.81)
     drop = arrows[:, 0] - arrows[:, 1]

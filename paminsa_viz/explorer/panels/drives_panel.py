@@ -1,0 +1,362 @@
+"""Drives: motors and gears that fit the motion, in their torque-speed envelopes, and the choice."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from viser import Icon
+
+from paminsa_viz.actuation.catalog import CatalogError, read_catalog
+from paminsa_viz.actuation.selection import DriveFigures, cloud, size_design
+from paminsa_viz.explorer.actions import renamed_if_changed, with_document
+from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.drives import DriveJob, DriveOutcome, find_drives
+from paminsa_viz.explorer.entries import Button, ButtonGroup, Custom, Effect, Folder, Html, Upload
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT, BalanceChart, Tree
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import NO_DRIVES, InvalidInput
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
+from paminsa_viz.units import number
+
+ROTARY = 3
+"""M1..M3."""
+
+MOST_POINTS = 600
+"""About how many samples of a motion are drawn."""
+
+RPM = 30 / math.pi
+
+
+def change_settings(state: State, **changes: Any) -> State:
+    """Change the settings of the search."""
+    settings = replace(state.driving.settings, **changes)
+    return state.updated("driving", settings=settings)
+
+
+def find(state: State) -> State:
+    """Start a search on the current motion.
+
+    Raises:
+        InvalidInput: If there is no motion.
+    """
+    found = motions.planned(state)
+    if found.trajectory is None:
+        raise InvalidInput("motion", found.problem or "there is none yet; see the tab “Motion”")
+    bare = replace(state.document.design, drives=NO_DRIVES)
+    job = DriveJob(bare, found.trajectory, state.driving.settings)
+    return state.updated("driving", running=job)
+
+
+def receive(state: State, outcome: DriveOutcome) -> State:
+    """Take over a result."""
+    return state.updated("driving", running=None, outcome=outcome, row=0)
+
+
+def choose(state: State, row: int | None) -> State:
+    """Make drives of the lists the design's: the first of each, or one of the listed actuator's.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    driving, design = state.driving, state.document.design
+    outcome = driving.outcome
+    if outcome is None or outcome.selection is None:
+        raise InvalidInput("drives", "none have been found yet")
+    drives = list(design.drives)
+    if row is None:
+        drives = list(outcome.selection.design(design).drives)
+    else:
+        j = driving.actuator
+        shared = range(ROTARY) if outcome.job.settings.same and j < ROTARY else [j]
+        for one in shared:
+            drives[one] = driving.listed[row].drive
+    return _with_drives(state, drives)
+
+
+def remove(state: State) -> State:
+    """Take all drives off the design."""
+    return _with_drives(state, list(NO_DRIVES))
+
+
+def _with_drives(state: State, drives: list[Any]) -> State:
+    design = renamed_if_changed(replace(state.document.design, drives=tuple(drives)))
+    return with_document(state, replace(state.document, design=design))
+
+
+def _open(session: Session, name: str, content: bytes) -> None:
+    if not content:
+        raise CatalogError(name, "is empty or too large")
+    catalog = read_catalog(content, name)
+    session.dispatch("drives.catalog", lambda state: change_settings(state, catalog=catalog))
+    parts = len(catalog.motors), len(catalog.gears), len(catalog.transmissions)
+    session.notify(
+        "Catalog opened", "{}: {} motors, {} gears, {} screws and belts".format(name, *parts)
+    )
+
+
+class _Finder:
+    """Runs the searches of a session."""
+
+    def __init__(self, session: Session) -> None:
+        self._job: BackgroundJob[DriveJob, DriveOutcome] = BackgroundJob(
+            session, "drives", lambda job, _: find_drives(job), receive,
+            failed=lambda job, problem: DriveOutcome(job, None, problem=problem), undo=False,
+        )  # fmt: skip
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Start the search that is wanted."""
+        self._job.request(frame.state.driving.running)
+
+
+def intro_html(frame: Frame) -> str:
+    """Return what is searched: the motion and the catalog."""
+    settings = frame.state.driving.settings
+    found = motions.planned(frame.state)
+    return render("drives_intro.j2", motion=found.trajectory, catalog=settings.catalog)
+
+
+def list_html(frame: Frame) -> str:
+    """Return the list of an actuator's drives, or why there is none."""
+    driving, outcome = frame.state.driving, frame.state.driving.outcome
+    if outcome is None:
+        return ""
+    trajectory = motions.planned(frame.state).trajectory
+    return render(
+        "drives_list.j2", outcome=outcome, rows=driving.listed, chosen=driving.row,
+        name=_name(frame.state, driving.actuator), advice=outcome.advice[driving.actuator],
+        count=0 if outcome.selection is None else len(outcome.selection.rows[driving.actuator]),
+        stale=not outcome.job.serves(frame.state.document.design, trajectory)
+        or outcome.job.settings != driving.settings
+        or outcome.job.settings.catalog is not driving.settings.catalog,
+    )  # fmt: skip
+
+
+def _name(state: State, actuator: int) -> str:
+    outcome = state.driving.outcome
+    same = outcome is not None and outcome.job.settings.same and actuator < ROTARY
+    return "M1 to M3" if same else ACTUATORS[actuator]
+
+
+def facts_html(frame: Frame) -> str:
+    """Return the figures of the drive in its envelope."""
+    shown = frame.state.driving.shown
+    if shown is None:
+        return ""
+    return render("drives_facts.j2", rows=fact_rows(shown))
+
+
+def fact_rows(one: DriveFigures) -> list[tuple[str, str, str]]:
+    """Return what a drive gives, its limit, and the share, as texts."""
+    drive = one.drive
+
+    def row(label: str, value: float, limit: float | None, unit: str) -> tuple[str, str, str]:
+        if limit is None or not math.isfinite(limit):
+            return label, f"{number(value, 3)} {unit}", ""
+        share = f"{100 * value / limit:.0f} % of {number(limit, 4)}"
+        return label, f"{number(value, 4 if unit == 'rpm' else 3)} {unit}", share
+
+    return [
+        row("RMS torque", one.rms, drive.rated_torque, "N·m"),
+        row("peak torque", one.peak, drive.corners[0][1], "N·m"),
+        ("envelope", f"{100 * one.envelope:.0f} %", ""),
+        row("top speed", one.top_speed * RPM, drive.corners[-1][0] * RPM, "rpm"),
+        ("peak power", f"{number(one.top_power, 3)} W", ""),
+        ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
+        ("winding", f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else "–",
+         "temperature rise"),
+    ]  # fmt: skip
+
+
+def own_html(frame: Frame) -> str:
+    """Return the drives of the design and, on the motion of the search, their margins."""
+    design, outcome = frame.state.document.design, frame.state.driving.outcome
+    sized: tuple[DriveFigures | None, ...] = (None,) * 4
+    trajectory = motions.planned(frame.state).trajectory
+    if outcome is not None and outcome.selection and outcome.job.serves(design, trajectory):
+        sized = size_design(outcome.selection.cycle, design)
+    rows = [
+        (f"m{j + 1}", name, drive, one)
+        for j, (name, drive, one) in enumerate(zip(ACTUATORS, design.drives, sized, strict=True))
+    ]
+    return render("drives_own.j2", rows=rows, any=any(design.drives))
+
+
+def chart_key(state: State) -> Hashable | None:
+    """Return what the chart shows, or None."""
+    driving = state.driving
+    if driving.shown is None:
+        return None
+    return driving.outcome, driving.actuator, driving.row
+
+
+def chart_figure(state: State) -> Tree:
+    """Return the figure of a drive's torques over its speeds, inside its envelope."""
+    driving = state.driving
+    one, outcome = driving.shown, driving.outcome
+    if one is None or outcome is None or outcome.selection is None:
+        raise ValueError("there is no drive to show")
+    drive = one.drive
+    load = outcome.selection.cycle.loads[driving.actuator]
+    speed, torque = cloud(load, drive)
+    kept = np.linspace(0, len(speed) - 1, min(len(speed), MOST_POINTS)).round().astype(int)
+    top = max(1.25 * float(np.abs(speed).max()), 1e-6)
+    corners = [(min(s, top) if math.isinf(s) else s, t) for s, t in drive.corners]
+    corners = [(s, t) for s, t in corners if math.isfinite(t)]
+    around = [*corners, *[(s, -t) for s, t in reversed(corners)]]
+    around += [(-s, -t) for s, t in corners] + [(-s, t) for s, t in reversed(corners)]
+    hover = "%{x:.0f} rpm, %{y:.3~g} N·m<extra></extra>"
+    data: list[Tree] = []
+    if corners:
+        data.append(
+            {
+                "type": "scatter", "mode": "lines", "name": "envelope", "fill": "toself",
+                "x": [s * RPM for s, _ in around], "y": [t for _, t in around],
+                "line": {"color": MUTED, "width": 1.5}, "fillcolor": "rgba(120,130,140,0.10)",
+                "hoverinfo": "skip",
+            }
+        )  # fmt: skip
+    if drive.rated_torque is not None and drive.rated_speed is not None:
+        s, t = drive.rated_speed * RPM, drive.rated_torque
+        data.append(
+            {
+                "type": "scatter", "mode": "lines", "name": "rated",
+                "x": [s, s, -s, -s, s], "y": [-t, t, t, -t, -t],
+                "line": {"color": MUTED, "width": 1, "dash": "dash"}, "hoverinfo": "skip",
+            }
+        )  # fmt: skip
+    color = ACTUATOR_COLORS[driving.actuator]
+    data.append(
+        {
+            "type": "scatter", "mode": "lines+markers", "name": "motion",
+            "x": (RPM * speed[kept]).tolist(), "y": torque[kept].tolist(),
+            "line": {"color": color, "width": 1}, "marker": {"color": color, "size": 3},
+            "hovertemplate": hover,
+        }
+    )  # fmt: skip
+    mean = RPM * drive.ratio * load.mean_speed
+    data.append(
+        {
+            "type": "scatter", "mode": "markers", "name": "RMS",
+            "x": [mean], "y": [one.rms],
+            "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
+        }
+    )  # fmt: skip
+    return {
+        "data": data,
+        "layout": LAYOUT | {
+            "xaxis": AXIS | {"title": {"text": "motor speed [rpm]"}},
+            "yaxis": AXIS | {"title": {"text": "motor torque [N·m]"}},
+            "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
+        },
+        "config": CONFIG,
+    }  # fmt: skip
+
+
+def _busy(state: State) -> bool:
+    return state.driving.running is not None
+
+
+def _found(state: State) -> bool:
+    return state.driving.outcome is not None and state.driving.outcome.selection is not None
+
+
+def _options(state: State) -> dict[str, int]:
+    names = [
+        f"{i + 1}: {one.drive.name or one.drive.summary}"
+        for i, one in enumerate(state.driving.listed)
+    ]
+    return {name: row for row, name in enumerate(names)} or {"–": 0}
+
+
+def _choices(state: State) -> dict[str, Effect]:
+    found: dict[str, Effect] = {}
+    if state.driving.shown is not None:
+        name = _name(state, state.driving.actuator)
+        found[f"Use for {name}"] = partial(choose, row=state.driving.row)
+    if _found(state):
+        found["First of each list"] = partial(choose, row=None)
+    if any(state.document.design.drives):
+        found["Remove"] = remove
+    return found
+
+
+def _setting(name: str) -> dict[str, Any]:
+    return attribute(f"driving.settings.{name}", change_settings)
+
+
+DRIVES = (
+    Html("drives.intro", content=intro_html, idle=True),
+    Dropdown(
+        "drives.order", "Order",
+        options={"lightest first": "mass", "cheapest first": "cost", "most margin first": "margin"},
+        hint="Of the feasible drives", **_setting("order"),
+    ),
+    Checkbox(
+        "drives.same", "M1–M3 alike", hint="The three rotary actuators have the same drive",
+        **_setting("same"),
+    ),
+    Number(
+        "drives.inertia_ratio", "Inertia ratio ≤", range=(0.0, 1e6), step=1.0,
+        hint="Largest inertia of the robot over that of the motor, at the motor's shaft; 0: any",
+        **_setting("inertia_ratio"),
+    ),
+    Number(
+        "drives.dwell", "Dwell [s]", range=(0.0, 1e6), step=0.1,
+        hint="How long the robot waits after the motion; a brake or a self-locking screw holds it",
+        **_setting("dwell"),
+    ),
+    Upload(
+        "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",
+        color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",
+    ),
+    Button(
+        "drives.find", "Find drives", icon=Icon.ENGINE, effect=find, undo=False, disabled=_busy,
+        hint="Measures every pair of the catalog on the current motion",
+    ),
+    Custom("drives.job", make=_Finder),
+    Folder(
+        "drives.found", visible=_found,
+        entries=(
+            Dropdown(
+                "drives.actuator", "Actuator",
+                options={name: j for j, name in enumerate(ACTUATORS)},
+                read=lambda state: state.driving.actuator,
+                apply=lambda state, j: state.updated("driving", actuator=j, row=0),
+            ),
+            Html("drives.list", content=list_html, idle=True),
+            Dropdown(
+                "drives.row", "Drive", options=_options, hint="Shown in its envelope",
+                **attribute("driving.row"),
+            ),
+            Custom(
+                "drives.chart",
+                make=partial(BalanceChart, key=chart_key, figure=chart_figure, aspect=1.0),
+            ),
+            Html("drives.facts", content=facts_html, idle=True),
+        ),
+    ),
+    Html(
+        "drives.problem",
+        content=lambda frame: _problem_html(frame.state),
+    ),
+    ButtonGroup("drives.choice", "Design", choices=_choices),
+    Html("drives.own", content=own_html, idle=True),
+)  # fmt: skip
+
+
+def _problem_html(state: State) -> str:
+    outcome = state.driving.outcome
+    if outcome is None or not outcome.problem:
+        return ""
+    return render("note.j2", testid="drives-problem", muted=False, text=outcome.problem)

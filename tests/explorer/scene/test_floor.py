@@ -1,0 +1,182 @@
+"""The map on the floor: orientation, place, legend, and where a click meets it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
+from paminsa_viz.explorer.scene import floor
+from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
+from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
+from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.state import RangeMode, initial_state
+from paminsa_viz.meshes.frame import plinth_radius
+from paminsa_viz.meshes.layout import layout
+from paminsa_viz.model import APPENDIX_4, KneeBranch
+from paminsa_viz.model.reach import workspace_radius
+from paminsa_viz.plots import map_data
+from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.plots.scale import Scale, color_table
+from tests.support.desk import Desk, desk_with
+from tests.support.samples import with_knee
+
+STORE = MapStore()
+ANY = st.floats(-5.0, 5.0)
+LAYERS = ("floor_map", "workspace", "singularity")
+
+
+@given(x=ANY, y=ANY, height=ANY, px=ANY, py=ANY, above=st.floats(0.01, 5.0))
+def test_ray_to_a_point_of_the_floor_meets_it_there(
+    x: float, y: float, height: float, px: float, py: float, above: float
+) -> None:
+    found = where_on_floor((px, py, height + above), (x - px, y - py, -above), height)
+    assert found is not None
+    np.testing.assert_allclose(found, (x, y), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    "direction",
+    [(0, 0, 1), (1, 0, 0), (0, 0, 0), (0, 0, math.nan), (math.inf, 0, -1), (1e308, 0, -1e-8)],
+    ids=str,
+)
+def test_ray_that_does_not_meet_the_floor_is_nowhere(
+    direction: tuple[float, float, float],
+) -> None:
+    assert where_on_floor((0.0, 0.0, 1.0), direction, 0.0) is None
+
+
+def map_of(quantity: str) -> tuple[MapData, Scale]:
+    """Return a map that is not symmetric about y = 0, and its scale."""
+    state = actions.move(initial_state(), theta=0.4)
+    data = STORE.data(state, COARSE, (quantity,))
+    (scale,) = STORE.scales(state, data, (quantity,))
+    return data, scale
+
+
+def test_rows_of_the_image_rise_with_y() -> None:
+    data, scale = map_of("tau_2")
+    pixels = floor_image(data, scale, 0.5)
+    reached = data.status == 0
+    assert (reached != reached[::-1]).any()
+    np.testing.assert_array_equal(pixels[..., 3], np.where(reached, 128, 0))
+    inside = reached & (np.abs(data.values[0]) < 0.9 * scale.high)
+    row, column = (int(v) for v in np.argwhere(inside)[40])
+    fraction = float(scale.position(data.values[0, row, column]))
+    expected = color_table(scale)[1 + int(fraction * 256), :3]
+    np.testing.assert_array_equal(pixels[row, column, :3], expected)
+
+
+@pytest.mark.parametrize(("opacity", "alpha"), [(0.0, 0), (1.0, 255), (7.0, 255), (-1.0, 0)])
+def test_opacity_is_limited(opacity: float, alpha: int) -> None:
+    data, scale = map_of("f_4")
+    assert set(np.unique(floor_image(data, scale, opacity)[data.status == 0, 3])) == {alpha}
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("base", [0.2, 0.35, 0.6])
+def test_legend_is_on_the_plinth_outside_the_map(knee: KneeBranch, base: float) -> None:
+    geometry = with_knee(replace(APPENDIX_4.geometry, base_radius=base), knee)
+    (x, y), (w, _, _, k) = legend_place(geometry)
+    turn = 2 * math.atan2(k, w)
+    out = np.array([-math.sin(turn), math.cos(turn)])  # the letters' up
+    along = np.array([math.cos(turn), math.sin(turn)])
+    half = np.array(LEGEND_SIZE) / 2
+    corners = [
+        np.array([x, y]) + i * half[0] * along + j * half[1] * out for i in (-1, 1) for j in (-1, 1)
+    ]
+    assert max(np.hypot(*corner) for corner in corners) < plinth_radius(geometry)
+    assert out @ [x, y] < 0  # it is read from outside
+    if base == 0.35:
+        assert math.hypot(x, y) - half[1] > workspace_radius(geometry)
+
+
+def test_legend_has_the_colors_in_order() -> None:
+    image = legend_image(map_of("tau_1")[1])
+    row = image[image.shape[0] // 2]
+    colored = row[row[:, 3] == 255][:, :3].astype(int)
+    blue_first = colored[20] - colored[-20]
+    assert blue_first[2] > 0 > blue_first[0]
+    assert image[0, 0, 3] == image[-1, -1, 3] == 0
+
+
+@pytest.fixture
+def desk(server: viser.ViserServer) -> Iterator[Desk]:
+    """The floor map, once it is drawn finely."""
+    with desk_with(server, lambda s: FloorMap(SceneContext(s.client.scene, s.dispatch))) as made:
+        made.until(lambda: made.panel._map.image.shape[0] == FULL)
+        yield made
+
+
+def test_map_covers_its_extent_on_the_ground_of_either_knee(desk: Desk) -> None:
+    node, side = desk.panel._map, 2 * half_width(APPENDIX_4.geometry)
+    assert node.scale == (side, side, 1.0)
+    ground = layout(APPENDIX_4.geometry).ground
+    np.testing.assert_allclose(node.position, (0, 0, ground + floor.ABOVE["map"]))
+    desk.dispatch(lambda s: actions.set_knee(s, KneeBranch.UPPER))
+    ground = layout(desk.design.geometry).ground
+    for node in (desk.panel._map, desk.panel._legend.bar, desk.panel._ring):
+        desk.until(lambda node=node: abs(node.position[2] - ground) < 0.01)
+
+
+def test_mark_is_below_the_platform_and_a_position_draws_no_new_map(desk: Desk) -> None:
+    before, ring = desk.panel._map.image, desk.panel._ring
+    desk.dispatch(lambda s: actions.move(s, x=0.05, y=-0.07))
+    desk.until(lambda: tuple(ring.position[:2]) == (0.05, -0.07))
+    desk.dispatch(lambda s: actions.move(s, x=3.0))
+    assert tuple(ring.position[:2]) == (0.05, -0.07)
+    assert desk.panel._map.image is before
+    desk.dispatch(lambda s: actions.vary(s, {"links.b3": 1.0}))
+    desk.until(lambda: desk.panel._map.image is not before)
+
+
+def test_legend_names_quantity_and_range(desk: Desk) -> None:
+    view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
+    desk.dispatch(lambda s: s.updated("map_view", quantity="tau_1", **view))
+    texts = desk.panel._legend._labels
+    desk.until(lambda: (texts["low"].text, texts["high"].text) == ("−2.5", "7.5"))
+    assert texts["name"].text == "τ₁  [N·m]"
+
+
+def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
+    desk: Desk, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts = desk.panel
+    for name, node in zip(LAYERS, (parts._map, parts._boundary, parts._circle), strict=True):
+        assert node.visible
+        desk.dispatch(lambda s, name=name: actions.set_layers(s, **{name: False}))
+        desk.until(lambda node=node: not node.visible)
+    assert not parts._legend.visible
+    assert not parts._ring.visible
+    calls: list[int] = []
+    monkeypatch.setattr(map_data, "solve_field", lambda *args, **kwargs: calls.append(1))
+    for theta in (1.2, 1.1):
+        desk.dispatch(lambda s, theta=theta: actions.move(s, theta=theta))
+        desk.until(lambda theta=theta: desk.state.standing.pose[2] == theta)
+    assert calls == []
+
+
+def test_click_moves_the_robot_there(desk: Desk) -> None:
+    height = float(desk.panel._map.position[2])
+    x, y = 0.06, -0.04
+    desk.page.send(
+        {
+            "type": "SceneNodeClickMessage",
+            "name": "/floor/map",
+            "instance_index": None,
+            "ray_origin": [1.0, -2.0, height + 3.0],
+            "ray_direction": [x - 1.0, y + 2.0, -3.0],
+            "screen_pos": [0.5, 0.5],
+            "modifier": None,
+            "owner": str(desk.session.client.client_id),
+        }
+    )
+    desk.until(lambda: np.allclose(desk.state.standing.pose[:2], (x, y)))

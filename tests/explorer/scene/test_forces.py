@@ -1,0 +1,69 @@
+"""The load and the forces that are held, drawn to a stated scale."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.actuation.wrench_capability import capability, wrench_polytope
+from paminsa_viz.explorer.scene.forces import BAR, FARTHEST, force_scale, load_arrow, scale_text
+from paminsa_viz.model import APPENDIX_4, LoadCase, LoadFrame
+from tests.support.scene import POSE, Scene
+
+LOADED = replace(APPENDIX_4, load=LoadCase(30.0, 0.0, -40.0, moment_z=5.0, point_x=0.05))
+
+
+@given(largest=st.floats(1e-6, 1e6), longest=st.floats(0.05, 2.0))
+def test_scale_is_a_round_number_that_fits(largest: float, longest: float) -> None:
+    scale = force_scale(largest, longest)
+    assert largest * BAR / scale <= longest * (1 + 1e-9)
+    assert largest * BAR / scale > longest / 2.6
+    assert f"{scale:.0e}"[0] in "125"
+
+
+def test_arrow_has_the_length_that_its_label_states(scene: Scene) -> None:
+    arrow, scale = load_arrow(LOADED, np.array(POSE))
+    assert np.linalg.norm(arrow[0, 1] - arrow[0, 0]) == pytest.approx(50.0 * BAR / scale)
+    np.testing.assert_allclose((arrow[0, 1] - arrow[0, 0]) * scale / BAR, [30, 0, -40], atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(arrow[0, 0] - np.array(POSE)[[0, 1, 3]]), 0.05)
+    scene.draw(design=LOADED, layers=["load"])
+    assert scale_text(scale) in scene.nodes["/load/label"].text
+    turned = replace(LOADED, load=replace(LOADED.load, frame=LoadFrame.PLATFORM))
+    force = np.diff(load_arrow(turned, np.array(POSE))[0][0], axis=0)[0]
+    assert np.degrees(np.arctan2(force[1], force[0])) == pytest.approx(np.degrees(POSE[2]))
+
+
+def test_no_load_draws_nothing(scene: Scene) -> None:
+    scene.draw(layers=["load"])
+    assert "/load/force" not in scene.nodes
+    scene.draw(design=LOADED, layers=["load"])
+    assert scene.nodes["/load/force"].visible
+    assert scene.nodes["/load/moment"].visible
+    scene.draw(layers=["load"])
+    assert not scene.nodes["/load/force"].visible
+    assert not scene.nodes["/load/label"].visible
+
+
+def test_polygon_and_solid_are_the_polytopes(scene: Scene) -> None:
+    pose = (0.02, -0.01, 0.2, -0.55)
+    scene.draw(pose, LOADED, ["force_polygon", "wrench_solid"])
+    found = wrench_polytope(LOADED, pose)
+    lines = np.asarray(scene.nodes["/forces/polygon"].points)
+    middle = np.array(pose)[[0, 1, 3]]
+    size = np.linalg.norm(lines - middle, axis=-1).max()
+    polygon = found.section()
+    scale = np.linalg.norm(polygon, axis=1).max() / size
+    np.testing.assert_allclose((lines[:, 0] - middle)[:, :2] * scale, polygon, rtol=1e-3, atol=0.1)
+    radius = float(capability(LOADED, pose).horizontal_force)
+    assert f"{radius:.3g} N" in scene.nodes["/forces/polygon label"].text
+    solid = np.asarray(scene.nodes["/forces/solid"].vertices) - middle
+    assert np.linalg.norm(solid, axis=1).max() <= FARTHEST * 1.001
+    ratio = solid / (found.vertices / [1, 1, found.length])
+    np.testing.assert_allclose(ratio, ratio[0, 0], rtol=1e-3)
+    assert found.faces[found.limiting_face] in scene.nodes["/forces/solid label"].text
+    scene.draw(pose, LOADED, [])
+    assert not [name for name in scene.nodes if name.startswith("/forces/")]

@@ -1,0 +1,129 @@
+"""Shapes of the scene by themselves: curves, arrows, cameras, the background."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import viser
+
+from paminsa_viz.explorer.browser.style import BOTTOM, TOP, over_backdrop, style_html
+from paminsa_viz.explorer.scene.actuators import FACES, TorqueArrows, arc_arrow, force_arrow
+from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
+from paminsa_viz.explorer.scene.curves import Curve, dashes, segments
+from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.palette import rgb
+from tests.support.samples import with_knee
+from tests.support.scene import frame_at, solved
+
+
+def circle(radius: float, count: int = 128) -> np.ndarray:
+    """A closed circle of as many segments."""
+    angle = np.linspace(0, 2 * np.pi, count + 1)
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def test_curve_is_one_node(server: viser.ViserServer) -> None:
+    nodes = server.scene._handle_from_node_name
+    curve = Curve(server.scene, "/circle")
+    curve.draw([])
+    assert "/circle" not in nodes
+    curve.draw([circle(0.3), circle(0.1)], height=-0.5)
+    node = nodes["/circle"]
+    assert node.points.shape == (256, 2, 3)
+    assert np.unique(node.points[..., 2]) == pytest.approx([-0.5])
+    curve.draw([circle(0.3, 16)])
+    assert nodes["/circle"] is node
+    assert node.points.shape == (16, 2, 3)
+    curve.draw([])
+    assert not node.visible
+
+
+def test_gap_breaks_a_curve() -> None:
+    line = np.array([[0.0, 0.0], [1.0, 0.0], [np.nan, 0.0], [2.0, 0.0], [3.0, 0.0]])
+    pieces = np.array([[[0, 0, 0.5], [1, 0, 0.5]], [[2, 0, 0.5], [3, 0, 0.5]]])
+    assert segments(line, 0.5) == pytest.approx(pieces)
+
+
+def test_dashes_cover_half_of_a_curve() -> None:
+    cut = dashes(segments(circle(0.3, 400)), 0.02)
+    drawn = np.linalg.norm(cut[:, 1] - cut[:, 0], axis=1).sum()
+    assert drawn == pytest.approx(np.pi * 0.3, rel=0.01)
+    assert np.hypot(cut[..., 0], cut[..., 1]) == pytest.approx(0.3, abs=1e-4)
+
+
+@pytest.mark.parametrize("fraction", [-1.0, -0.3, 0.0, 0.4, 1.0])
+def test_arc_turns_in_the_direction_of_the_torque(fraction: float) -> None:
+    corners = arc_arrow(fraction)
+    assert corners.shape == arc_arrow(0.9).shape
+    assert FACES.max() == len(corners) - 1
+    angle = np.unwrap(np.arctan2(corners[:, 1], corners[:, 0]).reshape(-1, 12)[:, 0])
+    turned = angle[-1] - angle[0]
+    assert np.sign(turned) == (1 if fraction >= 0 else -1)
+    assert abs(turned) < 2 * np.pi
+
+
+def test_arrow_grows_with_the_force_up_to_a_limit() -> None:
+    lengths = [np.ptp(force_arrow(f)[:, 2]) for f in (0.1, 0.4, 0.9, 1.0, 5.0)]
+    assert lengths == sorted(lengths)
+    assert lengths[-1] == lengths[-2]
+    assert force_arrow(-0.5)[:, 2].min() < -0.1
+
+
+def test_torques_that_are_not_finite_are_not_drawn(server: viser.ViserServer) -> None:
+    view = TorqueArrows(SceneContext(server.scene))
+    frame = frame_at(layers=["torques"])
+    view.draw(replace(frame, torques=np.array([np.nan, np.inf, 1.0, 0.0])), False)
+    nodes = server.scene._handle_from_node_name
+    assert [nodes[f"/efforts/m{k}"].visible for k in (1, 2, 3, 4)] == [False, False, True, False]
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("name", CAMERAS)
+@pytest.mark.parametrize("aspect", [0.6, 1.0, 1.6])
+def test_every_camera_shows_all_of_the_robot(name: str, knee: KneeBranch, aspect: float) -> None:
+    design = with_knee(APPENDIX_4, knee)
+    configuration = solved((0.0, 0.0, 0.1, -0.45 * knee.sign), design)
+    view = preset(name, design.geometry, configuration, aspect)
+    position, look = np.array(view.position), np.array(view.look_at)
+    back = (position - look) / np.linalg.norm(position - look)
+    right = np.cross([0.0, 0.0, 1.0], back)
+    right /= np.linalg.norm(right)
+    legs = [int(name[-1]) - 1] if name.startswith("Leg") else [0, 1, 2]
+    joints = [configuration.points[j][legs] for j in (2, 3, 4, 5, 7, 8, 9)]
+    points = np.concatenate(joints) - position
+    depth = -points @ back
+    limit = np.tan(view.fov / 2)
+    assert (depth > 0.05).all()
+    assert (np.abs(points @ np.cross(back, right)) < limit * depth).all()
+    assert (np.abs(points @ right) < aspect * limit * depth).all()
+
+
+@pytest.mark.parametrize("leg", range(3))
+def test_camera_faces_a_leg_square_on(leg: int) -> None:
+    configuration = solved()
+    view = preset(f"Leg {leg + 1}", APPENDIX_4.geometry, configuration=configuration)
+    sight = np.subtract(view.look_at, view.position)
+    heading = [np.cos(configuration.beta[leg]), np.sin(configuration.beta[leg]), 0.0]
+    assert sight @ heading == pytest.approx(0.0, abs=1e-9)
+
+
+def test_unknown_camera_is_an_error() -> None:
+    with pytest.raises(KeyError):
+        preset("Leg 4", APPENDIX_4.geometry)
+
+
+def test_transparent_pixels_show_the_pages_gradient() -> None:
+    picture = over_backdrop(np.zeros((101, 3, 4), dtype=np.uint8))
+    assert tuple(picture[0, 0]) == rgb(TOP)
+    assert tuple(picture[-1, 2]) == rgb(BOTTOM)
+    assert (np.diff(picture[:, 0].astype(int), axis=0) <= 0).all()
+    assert all(color in style_html() for color in (TOP, BOTTOM))
+    pixels = np.full((3, 1, 4), 40, dtype=np.uint8)
+    pixels[..., 3] = np.array([0, 255, 51])[:, None]
+    clear, solid, fifth = over_backdrop(pixels)[:, 0].astype(float)
+    assert tuple(clear) == rgb(TOP)
+    assert (solid == 40).all()
+    np.testing.assert_allclose(fifth, np.array(rgb(BOTTOM)) * 0.8 + 8, atol=0.51)
