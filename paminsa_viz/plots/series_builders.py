@@ -45,9 +45,6 @@ _COMPARED: tuple[tuple[str, str, str, str | None, Dash, float], ...] = (
 )
 """Curves of an actuator: source, label, suffix, color (None for its own), stroke, width."""
 
-MOST_MARKS = 50
-"""About how many of an engine's torques are marked on a curve."""
-
 
 def build_series(kind: SeriesKind, sources: SeriesSources) -> SeriesData:
     """Return the panels of a kind.
@@ -124,9 +121,9 @@ def _with_torque(unit: str, summary: ActuatorSummary, trace: Trace) -> tuple[Tra
 
 
 def _marks(engine: EngineTorques, size: int, j: int) -> Trace:
-    """Return some of an engine's torques of actuator ``j`` as marks."""
+    """Return about 50 of an engine's torques of actuator ``j`` as marks."""
     samples = engine.samples_of(size)
-    step = max(math.ceil(samples.size / MOST_MARKS), 1)
+    step = max(math.ceil(samples.size / 50), 1)
     values = np.full(size, np.nan)
     values[samples[::step]] = engine.torque[::step, j]
     return Trace(engine.name, values, INK, suffix=engine.name, marks=True)

@@ -30,7 +30,7 @@ if TYPE_CHECKING:  # SciPy's splines take most of a second to load; only waypoin
 
 
 OFF_CROSSING = 1e-6
-"""Least time between a sample and the crossing of a singularity [s]."""
+"""Least time between a sample and the crossing of a singularity [s], where samples allow it."""
 
 
 class UnitCurve(Protocol):
@@ -247,6 +247,7 @@ class Plan:
         t = sample_times(0.0, self.duration, rate)
         passages = tuple(Passage(u * self.duration, locus) for u, locus in self.passages)
         for at, _ in passages:
-            near = np.abs(t - at) < OFF_CROSSING
-            t[near] = at + OFF_CROSSING
+            least = min(OFF_CROSSING, 0.25 * (t[1] - t[0]))
+            near = np.abs(t - at) < least
+            t[near] = at + least
         return Trajectory(t, *self.at(t), self.name, self.kind, self.notes, passages=passages)

@@ -40,6 +40,7 @@ from paminsa_viz.trajectory.crossing import (
 )
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path, straight_path
+from paminsa_viz.trajectory.sampled import Passage
 from tests.support.samples import random_design, random_states
 
 BALANCED = balance(APPENDIX_4).after
@@ -296,9 +297,12 @@ def test_a_sample_at_the_crossing_moves_off_it() -> None:
     plan = plan_crossing(BALANCED, TURN, TEN).plan
     (passage,) = plan.passages
     at = passage.t * plan.duration
-    samples = plan.sample(0.9e6)
-    assert np.abs(samples.t - at).min() == pytest.approx(1e-6, rel=1e-3)
-    near = samples.take(np.flatnonzero(np.abs(samples.t - at) < 1e-3))
+    middle = replace(plan, passages=(Passage(0.5, passage.locus),))
+    count = 2 * round(50.0 * plan.duration)  # even, so that one would be in the middle
+    distance = np.abs(middle.sample(count / plan.duration).t - 0.5 * plan.duration).min()
+    assert distance == pytest.approx(1e-6, rel=1e-3)
+    fine = plan.sample(0.9e6)
+    near = fine.take(np.flatnonzero(np.abs(fine.t - at) < 1e-3))
     assert np.isfinite(analyze(BALANCED, near).torque).all()
 
 
@@ -314,7 +318,7 @@ def test_the_simulated_robot_follows_through_the_crossing() -> None:
 @pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
 def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) -> None:
     pytest.importorskip("mujoco")
-    from paminsa_viz.engines.simulation import play
+    from paminsa_viz.engines.mujoco_model import play
 
     samples = plan_crossing(design, TURN, TEN).plan.sample(10_000.0)
     torque = analyze(design, samples).torque
