@@ -66,7 +66,7 @@ def exit_on_interrupt(program: str) -> None:
 def _watch(reading: int, program: str) -> None:
     while os.read(reading, 1)[0] != signal.SIGINT:
         pass  # another signal that has a handler
-    deadline = threading.Timer(TIMEOUT, os._exit, [EXIT_CODE])
+    deadline = threading.Timer(TIMEOUT, _end, [program, "stopped"])
     deadline.daemon = True
     deadline.start()
     _step.acquire()  # never released: nothing begins from here on
@@ -74,6 +74,10 @@ def _watch(reading: int, program: str) -> None:
     for action in reversed(_actions):
         with suppress(Exception):
             line = action() or line
+    _end(program, line)
+
+
+def _end(program: str, line: str) -> None:
     with suppress(OSError):
         os.write(2, f"{program}: {line}\n".encode())
     os._exit(EXIT_CODE)

@@ -24,6 +24,7 @@ SAID = {
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
     "misprints": r"all of them +0\.\d+",
+    "payload_in_motion": r"at rest M1..M3 change by at most 0 N m,\nM4 by k m g = 147\.15 N",
     "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",
     "springs": r"zero free length, mast on slider 8 +largest torque 0\.000 N m with 91\.0 N/m",
     "static_maps": r"M_p2 = 9\.100 N",

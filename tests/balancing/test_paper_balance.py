@@ -167,7 +167,7 @@ def test_a_balanced_design_stays_as_it_is() -> None:
     assert again.objective == pytest.approx(0.0, abs=1e-12)
 
 
-@given(design=samples.loaded_designs())
+@given(design=samples.possible_designs(samples.LOADS))
 def test_a_design_of_any_possible_masses_is_balanced_or_refused(design: Design) -> None:
     try:
         after = balance(design).after

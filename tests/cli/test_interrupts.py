@@ -68,3 +68,49 @@ def test_ctrl_c_stops_any_command_at_any_moment(command, delay, tmp_path) -> Non
     for name in left:
         assert name.startswith("new."), left
         assert (tmp_path / name).read_bytes().endswith(b"\n")
+
+
+PLACES = {
+    "half a file": "with open_atomically('new.txt') as file: print('half', file=file), wait()",
+    "what catches everything": """
+while True:
+    try:
+        wait()
+    except BaseException:
+        pass
+""",
+    "a callback of C": """
+import ctypes
+call = ctypes.CFUNCTYPE(None)
+call(wait)()
+wait()
+""",
+    "a native solver": """
+import numpy as np
+from scipy.optimize import linprog
+draw = np.random.default_rng(1)
+A = draw.uniform(size=(1500, 1500))
+linprog(draw.uniform(size=1500), A_ub=-A, b_ub=-np.ones(1500))
+wait()
+""",
+    "a step that hangs": "with interrupts.indivisible(): wait()",
+}
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_no_place_swallows_a_stop_or_leaves_half_a_file(place, tmp_path) -> None:
+    code = f"""
+import os, signal, threading, time
+from paminsa_viz import interrupts
+from paminsa_viz.files.atomic import open_atomically
+def wait(): time.sleep(30)
+interrupts.exit_on_interrupt("test")
+threading.Timer(1.0, os.kill, [os.getpid(), signal.SIGINT]).start()
+{PLACES[place]}
+"""
+    start = time.monotonic()
+    done = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True)
+    assert time.monotonic() - start < 15
+    assert done.returncode == 130, done.stderr
+    assert done.stderr == b"test: stopped\n"
+    assert not list(tmp_path.iterdir())

@@ -28,7 +28,7 @@ from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES
 from tests.support.measured import pointwise
-from tests.support.samples import loaded_designs
+from tests.support.samples import LOADS, possible_designs
 
 CELLS = 31
 
@@ -263,7 +263,7 @@ def test_map_with_nothing_in_reach_has_a_scale(mode: RangeMode) -> None:
     assert len(choose(data, data, MapView(range_mode=mode))) == 3
 
 
-@given(design=loaded_designs(), mode=st.sampled_from(RangeMode), logarithmic=st.booleans())
+@given(design=possible_designs(LOADS), mode=st.sampled_from(RangeMode), logarithmic=st.booleans())
 def test_any_possible_masses_have_maps_and_colors(
     design: Design, mode: RangeMode, logarithmic: bool
 ) -> None:

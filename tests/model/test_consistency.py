@@ -18,7 +18,10 @@ from paminsa_viz.model import (
     Limit,
     check_reach,
     forward_dynamics,
+    forward_kinematics,
     inverse_dynamics,
+    inverse_kinematics,
+    lumped_coefficients,
     measure_singularity,
     rotary_torques,
     solve_field,
@@ -28,8 +31,9 @@ from paminsa_viz.model import (
     torque_regressor,
     unit_torques,
 )
+from paminsa_viz.model.reach import home_pose
 from tests.support.cases import BOTH, Case, cases
-from tests.support.samples import with_knee
+from tests.support.samples import possible_designs, with_knee
 
 pytestmark = pytest.mark.slow
 
@@ -112,6 +116,22 @@ def test_end_of_the_guide_is_reachable(knee: KneeBranch) -> None:
         field.condition,
     ):
         assert np.isfinite(values).all()
+
+
+@given(design=possible_designs(), seed=st.integers(0, 1000))
+def test_no_possible_design_overflows(design: Design, seed: int) -> None:
+    """Torques of any size, but numbers wherever a pose can be taken; warnings are errors here."""
+    pose = np.concatenate([[home_pose(design.geometry)], wide_poses(design, seed, 30)])
+    result = inverse_dynamics(design, pose, np.full(4, 0.3), np.full(4, -0.7))
+    ok = result.status == Limit.OK
+    assert np.isfinite(result.torque[ok]).all()
+    assert np.isfinite(static_torques(design, pose)[ok]).all()
+    assert np.isfinite(lumped_coefficients(design)).all()
+    forward_kinematics(design.geometry, inverse_kinematics(design.geometry, pose).actuators)
+    x = pose[:9, 0]
+    field = solve_field(design.geometry, Grid.over(pose[0], x=x, y=x))
+    assert np.isfinite(field.torques(design)[:, field.status == Limit.OK]).all()
+    assert not np.isnan(field.condition[field.status == Limit.OK]).any()
 
 
 NOT_FINITE = [(i, bad) for i in range(4) for bad in (np.nan, np.inf, -np.inf)]

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.balancing import balance
 from paminsa_viz.files.design_file import load_design
 from paminsa_viz.model import APPENDIX_4, Design, UnreachablePose, static_imbalance
@@ -21,6 +22,7 @@ from paminsa_viz.report import ReportRequest, report_html
 from paminsa_viz.report.balance_section import balance_section, contributions
 from paminsa_viz.report.blocks import Note, Row, Section, Table
 from paminsa_viz.report.design_section import design_section
+from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
@@ -105,7 +107,8 @@ def test_report_is_one_self_contained_file() -> None:
     assert "url(" not in text
     ids = page.attributes["id"]
     assert ids == [
-        "design", "workspace", "maps", "trajectory", "verification", "balance", "provenance",
+        "design", "workspace", "maps", "forces", "trajectory", "verification", "balance",
+        "provenance",
     ]  # fmt: skip
     assert {f"#{key}" for key in ids} == set(page.attributes["href"])
 
@@ -224,3 +227,19 @@ def test_browser_shows_and_prints_the_report_without_requests(browser: Any, tmp_
     assert said == []
     assert printed.startswith(b"%PDF")
     assert 6 <= printed.count(b"/Type /Page\n") <= 20
+
+
+def test_forces_are_those_of_the_load_and_the_limits() -> None:
+    loaded = HEAVY.vary({"load.force_x": 20.0, "load.moment_y": 3.0})
+    blocks = forces_section(request_for(loaded)).blocks
+    tables = [block for block in blocks if isinstance(block, Table)]
+    texts = [" ".join(row.cells) for table in tables for row in table.rows]
+    assert any(text.startswith("M_y bearings alone 3") for text in texts)
+    at = capability(loaded, home(loaded.geometry))
+    force = format_value(float(at.horizontal_force), "N")
+    assert any(text.startswith("F_h") and force in text for text in texts)
+    (note,) = [block for block in blocks if isinstance(block, Note)]
+    assert "is limited by M" in note.text
+    (none, *_) = forces_section(request_for()).blocks
+    assert none == Note("No external force or moment acts on the platform.")
+    assert "load" not in [row.cells[0] for row in design_section(HEAVY).blocks[1].rows]

@@ -8,8 +8,10 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from hypothesis import assume
 from hypothesis import strategies as st
 
+from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design, Geometry, KneeBranch
 from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.model.parameters import (
@@ -36,12 +38,19 @@ def possible_values(parameter: Parameter) -> st.SearchStrategy[float]:
     return numbers if parameter.positive else st.just(0.0) | numbers
 
 
+LOADS = ("gravity", *MASS_PATHS)
+"""Design values that torques are proportional to; they contradict no other ones."""
+
+
 @st.composite
-def loaded_designs(draw: st.DrawFn) -> Design:
-    """Draw Appendix 4's robot with masses, inertias and gravity of any possible size."""
-    paths = ["gravity", *MASS_PATHS]
+def possible_designs(draw: st.DrawFn, paths: tuple[str, ...] = tuple(PARAMETER)) -> Design:
+    """Draw Appendix 4's robot with some numbers changed to anything that a design takes."""
     chosen = draw(st.lists(st.sampled_from(paths), unique=True))
-    return APPENDIX_4.vary({path: draw(possible_values(PARAMETER[path])) for path in chosen})
+    try:
+        return APPENDIX_4.vary({path: draw(possible_values(PARAMETER[path])) for path in chosen})
+    except InvalidDesign:
+        assume(False)
+        raise
 
 
 def random_design(rng: np.random.Generator, *, payload: bool = True) -> Design:

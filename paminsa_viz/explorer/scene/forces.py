@@ -40,6 +40,9 @@ FULL_MOMENT: Final = 20.0
 BAR: Final = 0.1
 """Length that a label states the force of [m]."""
 
+BELOW: Final = 0.06
+"""Distance of the polygon's label below the platform [m]."""
+
 LOAD_COLOR: Final = palette.BAD
 
 _EDGES: Final = [(a, b) for a in range(8) for b in range(a) if (a ^ b).bit_count() == 1]
@@ -203,7 +206,7 @@ class PolytopeView:
 
     def _text(self, name: str, text: str, place: Array) -> None:
         self._nodes[name] = self._scene.add_label(
-            f"/forces/{name}", text, font_screen_scale=0.9, anchor="bottom-center",
+            f"/forces/{name}", text, font_screen_scale=0.9, anchor="top-center",
             position=tuple(map(float, place)),
         )  # fmt: skip
 
@@ -225,7 +228,7 @@ class PolytopeView:
         circle = center + np.stack([ring[:-1:2], ring[1::2]], axis=1)
         self._lines("disc", circle, [palette.INK] * len(circle), 2.0)
         text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale)})"
-        self._text("polygon label", text, center + flat[worst].mean(axis=0) * BAR / scale)
+        self._text("polygon label", text, center - [0.0, 0.0, BELOW])
 
     def _draw_solid(self, found: WrenchPolytope, center: Array) -> None:
         corners = found.vertices / [1.0, 1.0, found.length]
@@ -241,10 +244,9 @@ class PolytopeView:
         # an edge along which one actuator's torque varies has that actuator's color
         colors = [LEG_COLORS[2 - (a ^ b).bit_length() + 1] for a, b in _EDGES]
         self._lines("edges", edges, colors, 2.5)
-        normals, distances = found.normals
         face = found.limiting_face
         text = f"limit: {found.faces[face]} (up M_z/R_pl; {scale_text(scale)})"
-        self._text("solid label", text, center + normals[face] * distances[face] * BAR / scale)
+        self._text("solid label", text, np.array([center[0], center[1], places[:, 2].min()]))
 
 
 def _color(limit: str) -> str:
