@@ -23,9 +23,9 @@ Write a design report: one HTML file with everything inside, to attach to a desi
   paminsa-viz report --out report.html --design robot.toml --pose 50 -30 20 -550 --preset arch
 
 It holds the design and where it differs from Appendix 4, geometry and workspace, torque maps, the
-trajectory with loads and figures, the verification against physics engines if they are installed
-(pip install 'paminsa-viz[verify]'), the static balance, and where all of it comes from. For a PDF,
-open it in a browser and print."""
+trajectory with loads and figures, the design's drives on it if there are any, the verification
+against physics engines if they are installed (pip install 'paminsa-viz[verify]'), the static
+balance, and where all of it comes from. For a PDF, open it in a browser and print."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,7 +3,7 @@
 The robot is described once as a tree of links with loop closures (`mechanism`), and each engine
 builds its own model from that: MuJoCo from an MJCF text (`mjcf`, `mujoco_model`), Pinocchio joint
 by joint (`pinocchio_model`). Mass matrices, bias forces and constraint Jacobians are the engines'
-own; `closed_loop` only eliminates the dependent joints, and `simulation` lets MuJoCo run. From the
+own; `closed_loop` only eliminates the dependent joints, and `play` simulates in MuJoCo. From the
 model come the design and the joint values at a pose (`poses`), which the closures verify;
 nothing of its statics and dynamics is used.
 

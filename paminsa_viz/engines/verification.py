@@ -18,10 +18,9 @@ from numpy.typing import ArrayLike
 from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.comparison import Comparison, torque_scale
-from paminsa_viz.engines.mujoco_model import MujocoRobot, load_mujoco
+from paminsa_viz.engines.mujoco_model import MujocoRobot, Played, load_mujoco, play
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot, load_pinocchio
 from paminsa_viz.engines.poses import workspace_poses
-from paminsa_viz.engines.simulation import Played, play
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design

@@ -209,9 +209,8 @@ def workspace_height(geometry: Geometry) -> float:
 
 def home_pose(geometry: Geometry) -> tuple[float, float, float, float]:
     """Return a pose (x, y, theta, z) at the center, far from all limits [m, m, rad, m]."""
-    reach = geometry.crank_length + geometry.coupler_length
-    height = np.sqrt(max(reach**2 - geometry.home_span**2, 0.0))
-    drop = min(HOME_DROP * reach, 0.75 * float(height))
+    bars = geometry.crank_length + geometry.coupler_length
+    drop = min(HOME_DROP * bars, 0.75 * workspace_height(geometry))
     z5 = -drop if geometry.knee is KneeBranch.LOWER else drop
     return (0.0, 0.0, 0.0, round(z5 - geometry.platform_joint_height, 3))
 

@@ -66,15 +66,16 @@ def design_section(design: Design) -> Section:
 
 
 def _summary(design: Design, changed: int) -> str:
-    extra = len(design.counterweights)
+    extra, driven = len(design.counterweights), any(design.drives)
     if not changed and not extra:
-        return "All values are those of the paper's Appendix 4."
+        text = "All values are those of the paper's Appendix 4"
+        return f"{text}{', which has no drives' if driven else ''}."
     text = (
         f"{changed} value{' differs' if changed == 1 else 's differ'} from the paper's Appendix 4"
     )
     if extra:
         text += f"; every leg carries {extra} counterweight{'' if extra == 1 else 's'}"
-    return text + "."
+    return text + ("; it has drives." if driven else ".")
 
 
 def _row(design: Design, key: DesignKey, differs: bool) -> Row:

@@ -16,6 +16,7 @@ from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
 from paminsa_viz.report.balance_section import balance_section
 from paminsa_viz.report.blocks import Fact
 from paminsa_viz.report.design_section import design_section, provenance_section
+from paminsa_viz.report.drives_section import drives_section
 from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.trajectory_section import trajectory_section
@@ -45,6 +46,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     sections.append(forces_section(request))
     progress("trajectory")
     sections.append(trajectory_section(analysis))
+    if (drives := drives_section(request.design, analysis)) is not None:
+        sections.append(drives)
     progress("verification")
     found = checked(request)
     sections.append(verification_section(found))

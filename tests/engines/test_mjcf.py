@@ -12,8 +12,7 @@ import pytest
 
 from paminsa_viz.engines.exported import exported_mjcf
 from paminsa_viz.engines.mjcf import TIME_STEP, mjcf_text
-from paminsa_viz.engines.mujoco_model import MujocoRobot
-from paminsa_viz.engines.simulation import play
+from paminsa_viz.engines.mujoco_model import MujocoRobot, play
 from paminsa_viz.errors import InvalidInput, UnreachablePose
 from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.load import LoadCase, LoadFrame

@@ -1,4 +1,4 @@
-"""Non-public names of viser: without any one of them the page loses a feature, not its life."""
+"""Non-public names of viser: without one of them the page loses a feature and goes on."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from viser import _messages
 from paminsa_viz.explorer.browser import bridge as bridges
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.page import has_graphics_card
-from tests.support.chromium import TIMEOUT, until
+from tests.support.chromium import Tab, until
 
 HIDDEN = """(path) => {
   // Whoever asks for the object through its global name does not find the hidden member.
@@ -41,7 +41,7 @@ PACKAGE = Path(bridges.__file__).parents[2]
 NOT_PUBLIC = re.compile(r"\._impl\b|_websock|viser\._|__viser|[Mm]antine|_fullLayout|js-plotly")
 
 
-def test_only_two_folders_know_names_that_are_not_public() -> None:
+def test_only_browser_and_server_know_names_that_are_not_public() -> None:
     allowed = [PACKAGE / "explorer" / name for name in ("browser", "server")]
     found = {
         str(path.relative_to(PACKAGE))
@@ -73,81 +73,73 @@ def forget_reports() -> Iterator[None]:
         ("__viserTestpoints", None),  # the charts that it names are not open yet
     ],
 )
-def test_a_page_without_a_name_lives_and_reports_it(
+def test_page_without_a_name_works_and_reports_it(
     browser: Any, app: Any, name: str, feature: str | None, caplog: pytest.LogCaptureFixture,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:  # fmt: skip
     monkeypatch.setattr(bridges, "HELLO_TIMEOUT", 3.0)
     context = browser.new_context(viewport={"width": 1280, "height": 720})
-    errors: list[str] = []
     try:
         page = context.new_page()
-        page.on("pageerror", lambda error: errors.append(str(error)))
         page.add_init_script(f"({HIDDEN})({name!r})")
-        known = set(app.sessions)
-        page.goto(app.url + "?fixedDpr=1")
-        number = until(lambda: set(app.sessions) - known, "a session for the tab").pop()
-        session = app.sessions[number]
-        assert session.built.wait(TIMEOUT)
-        page.get_by_test_id("status").wait_for()
-        slider = page.get_by_role("slider").first
-        slider.focus()
-        before = session.state.document.pose
+        tab = Tab(page, app)
+        page.get_by_role("slider").first.focus()
+        before = tab.state.document.pose
         page.keyboard.press("ArrowRight")
-        until(lambda: session.state.document.pose != before, "the slider moves the robot")
+        until(lambda: tab.state.document.pose != before, "the slider moves the robot")
         if feature:
             until(lambda: feature in caplog.text, f"{feature} is reported missing")
-        assert errors == []
+        assert tab.errors == []
     finally:
         context.close()
 
 
-def _bridge(monkeypatch: pytest.MonkeyPatch, gui: Any) -> tuple[Bridge, list[tuple[str, Any]]]:
-    bridge = Bridge(SimpleNamespace(gui=gui))  # type: ignore[arg-type]
-    told: list[tuple[str, Any]] = []
+def opened_bridge(gui: Any) -> tuple[Bridge, list[tuple[str, Any]]]:
+    """Return an open bridge to a GUI, and the messages that it has delivered."""
+    client: Any = SimpleNamespace(gui=gui)
+    bridge, received = Bridge(client), []
     for kind in ("hello", "shown"):
-        bridge.on(kind, lambda data, kind=kind: told.append((kind, data)))
-    return bridge, told
+        bridge.on(kind, lambda data, kind=kind: received.append((kind, data)))
+    bridge.open()
+    return bridge, received
 
 
-class Gui:
-    """The part of viser's GUI that a bridge uses; its inputs may lack their ``uuid``."""
-
-    def __init__(self, **inputs: Any) -> None:
-        self._inputs = inputs
-
-    def add_text(self, *_: Any, **__: Any) -> Any:
-        return SimpleNamespace(on_update=lambda _: None, value="", **self._inputs)
+def fake_gui(**inputs: Any) -> Any:
+    """Return the part of viser's GUI that a bridge uses; its inputs may lack their ``uuid``."""
+    box = SimpleNamespace(on_update=lambda _: None, value="", **inputs)
+    channel = SimpleNamespace(queue_message=lambda _: None)
+    return SimpleNamespace(add_text=lambda *_, **__: box, _websock_interface=channel)
 
 
-def test_without_a_way_to_run_scripts_the_page_is_built_at_once(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
-) -> None:
-    with caplog.at_level(logging.WARNING):
+@pytest.mark.parametrize(
+    ("inputs", "scripts", "missing"),
+    [
+        ({"_impl": SimpleNamespace(uuid="u")}, False, "RunJavascriptMessage"),
+        ({}, True, "messages from the page"),
+        ({"_impl": SimpleNamespace()}, True, "messages from the page"),
+    ],
+    ids=["no scripts", "no input", "no uuid"],
+)
+def test_page_that_cannot_answer_is_built_at_once(
+    inputs: dict[str, Any], scripts: bool, missing: str, monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:  # fmt: skip
+    if not scripts:
         monkeypatch.delattr(_messages, "RunJavascriptMessage")
-        bridge, told = _bridge(monkeypatch, Gui(_impl=SimpleNamespace(uuid="u")))
-        bridge.open()
-    assert told == [("hello", None), ("shown", None)]
-    assert "RunJavascriptMessage" in caplog.text
+    with caplog.at_level(logging.WARNING):
+        bridge, received = opened_bridge(fake_gui(**inputs))
+    assert received == [("hello", None), ("shown", None)]
+    assert missing in caplog.text
     bridge.call("showTime", "motion", 1.0)
     bridge.save("{}")
 
 
-@pytest.mark.parametrize("inputs", [{}, {"_impl": SimpleNamespace()}])
-def test_without_a_way_back_the_page_is_built_at_once(
-    inputs: dict[str, Any], monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+@pytest.mark.parametrize(
+    "names", [None, 3, "x", {"a": 1}, [], ["same"] * 100], ids=lambda n: str(n)[:9]
+)
+def test_page_cannot_flood_the_log_with_reports(
+    names: Any, caplog: pytest.LogCaptureFixture
 ) -> None:
-    gui = Gui(**inputs)
-    gui._websock_interface = SimpleNamespace(queue_message=lambda _: None)  # type: ignore[attr-defined]
-    with caplog.at_level(logging.WARNING):
-        bridge, told = _bridge(monkeypatch, gui)
-        bridge.open()
-    assert told == [("hello", None), ("shown", None)]
-    assert "messages from the page" in caplog.text
-
-
-@pytest.mark.parametrize("names", [None, 3, "x", {"a": 1}, [], ["same"] * 100])
-def test_reports_from_the_page_stay_few(names: Any, caplog: pytest.LogCaptureFixture) -> None:
     report: Callable[[Any], None] = bridges._report_missing
     for _ in range(3):
         report(names)

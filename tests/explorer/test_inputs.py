@@ -32,6 +32,7 @@ from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
+from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
@@ -67,6 +68,7 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "balance": BALANCE,
     "motion": motion_entries(MotionStore()),
     "plots": PLOT_INPUTS,
+    "drives": DRIVES,
     "view": view_entries(),
     "export": tuple(export_entries(MapStore())),
     "file": FILE,
@@ -115,7 +117,8 @@ def another(entry: Input, state: State) -> Any:
     if isinstance(entry, Checkbox):
         return not entry.shown(state)
     if isinstance(entry, Dropdown):
-        return next(text for text in given(entry.options, state) if text != entry.shown(state))
+        shown = entry.shown(state)
+        return next((text for text in given(entry.options, state) if text != shown), shown)
     if isinstance(entry, TextBox):
         return {"file.name": "light arms"}.get(entry.key, entry.shown(initial_state()))
     if entry.key.endswith(".ends"):

@@ -318,7 +318,7 @@ def test_the_simulated_robot_follows_through_the_crossing() -> None:
 @pytest.mark.parametrize("design", [APPENDIX_4, BALANCED], ids=["Appendix 4", "balanced"])
 def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) -> None:
     pytest.importorskip("mujoco")
-    from paminsa_viz.engines.simulation import play
+    from paminsa_viz.engines.mujoco_model import play
 
     samples = plan_crossing(design, TURN, TEN).plan.sample(10_000.0)
     torque = analyze(design, samples).torque

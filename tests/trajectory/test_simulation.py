@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -30,6 +32,7 @@ from paminsa_viz.trajectory import (
     Simulation,
     SimulationFailed,
     actuator_inertia,
+    equations,
     point_to_point,
     simulate,
 )
@@ -108,6 +111,14 @@ def test_compiled_and_python_equations_are_the_same(control: ControlMode) -> Non
         plain = run(trajectory=samples, tolerance=1e-6, **options)
     np.testing.assert_allclose(compiled.pose, plain.pose, atol=1e-10)
     np.testing.assert_allclose(compiled.torque, plain.torque, atol=1e-6)
+
+
+def test_compiled_equations_are_loaded_from_disk_by_another_process() -> None:
+    """Numba's cache key holds closure variables: numbers are the same in every process."""
+    backend.compile_now()
+    for kernel in equations._compiled():
+        held = inspect.getclosurevars(kernel.py_func).nonlocals.values()  # type: ignore[attr-defined]
+        assert all(isinstance(number, int) for key in held for number in key)
 
 
 @controls
@@ -228,7 +239,7 @@ def test_impossible_simulations_are_rejected() -> None:
 def test_payload_mismatch_agrees_with_mujoco(knee: KneeBranch) -> None:
     """MuJoCo's loops are springs, its steps finite and its torques linear between samples."""
     pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
-    from paminsa_viz.engines.simulation import play
+    from paminsa_viz.engines.mujoco_model import play
 
     height = np.array([0, 0, 0, 0.0 if knee is KneeBranch.LOWER else 0.945])
     samples = point_to_point(A + height, B + height, 0.6).sample(400)
