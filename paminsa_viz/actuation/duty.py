@@ -24,6 +24,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS, NO_DRIVES
 from paminsa_viz.model.dynamics import friction_torque
+from paminsa_viz.model.load import NO_LOAD
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.trajectory import Trajectory, actuator_inertia, analyze
 from paminsa_viz.trajectory.integrals import running_integral
@@ -270,7 +271,7 @@ def _passages(design: Design, duty: Duty, slower: float) -> list[Passage]:
         torque = analysis.torque
     else:
         parts = analysis.breakdown
-        torque = parts.gravity + (parts.inertial + parts.velocity) / slower**2
+        torque = parts.gravity + parts.load + (parts.inertial + parts.velocity) / slower**2
         torque = torque + friction_torque(design.actuator_friction, speed)
     power = torque * speed
     signals = np.stack(
@@ -283,7 +284,9 @@ def _passages(design: Design, duty: Duty, slower: float) -> list[Passage]:
             np.sign(speed),
         ]
     )
-    held = static_torques(design, motion.pose[-1])
+    held = static_torques(replace(design, load=NO_LOAD), motion.pose[-1])
+    if analysis.solved.loaded(design):
+        held = held + analysis.solved.load_torques(design)[-1]
     t = slower * (motion.t - motion.t[0])
     return [
         Passage(t, signals[:, :, j], float(duty.count), float(duty.dwell), float(held[j]))

@@ -126,4 +126,4 @@ def _torques(design: Design, motion: Trajectory, mass: float) -> _Torques:
     analyses[0].check.require()
     parts = [analysis.breakdown for analysis in analyses]
     dynamic = [(part.inertial + part.velocity)[:, :3] for part in parts]
-    return _Torques(motion.t, parts[0].gravity[:, :3], *dynamic)
+    return _Torques(motion.t, (parts[0].gravity + parts[0].load)[:, :3], *dynamic)

@@ -8,7 +8,6 @@ cycle starts at the temperature that it ends with.
 from __future__ import annotations
 
 import numpy as np
-from scipy.signal import lfilter
 
 from paminsa_viz.actuation.drive_table import DriveTable
 from paminsa_viz.actuation.duty import ActuatorLoad, Passage
@@ -74,6 +73,8 @@ def _rise(passage: Passage, heat: Array, time: Array) -> Array:
     rise = np.zeros_like(heat)
     rise[:, 1:] = here * heat[:, :-1] + there * heat[:, 1:]
     if np.ptp(steps) <= EVEN * steps.mean():
+        from scipy.signal import lfilter  # late: it takes half a second to load
+
         for value in np.unique(time):
             rows = time[:, 0] == value
             decay = float(np.exp(-steps.mean() / value))

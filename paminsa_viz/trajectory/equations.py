@@ -26,9 +26,27 @@ _WORK = 1_000_000
 """Poses that a simulation counts as when it is decided whether to load compiled kernels."""
 
 
+_LENGTHS, _TERMS = len(Mechanism._fields), len(EnergyTerms._fields)
+
+
+to_fixed_tuple: Any = None
+"""Numba's, from the first compilation on."""
+
+
+# Not inside `_compiled`: a local function would be part of the cache key, another in each process.
+def _unpack(robot):  # type: ignore[no-untyped-def]
+    rest = robot[_LENGTHS + _TERMS :]
+    return (
+        Mechanism(*to_fixed_tuple(robot, _LENGTHS)),  # type: ignore[call-arg]
+        EnergyTerms(*to_fixed_tuple(robot[_LENGTHS:], _TERMS)),
+        plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:14], rest[14:]),
+    )
+
+
 @cache
 def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
     """Return `plant.derivative` and `plant.commanded`, compiled or loaded from disk by a call."""
+    global to_fixed_tuple
     from numba import njit  # slow to load
     from numba.extending import register_jitable
     from numba.np.unsafe.ndarray import to_fixed_tuple
@@ -36,29 +54,20 @@ def _compiled() -> tuple[Callable[..., Array], Callable[..., Array]]:
     from paminsa_viz.model.compiled import OPTIONS, register
 
     # A closure variable is part of Numba's cache key, so that changed formulas are compiled again.
-    digest = register(plant.derivative, plant.commanded, inline=False)
-    lengths, terms = len(Mechanism._fields), len(EnergyTerms._fields)
-
-    @register_jitable
-    def unpack(robot):  # type: ignore[no-untyped-def]
-        rest = robot[lengths + terms :]
-        return (
-            Mechanism(*to_fixed_tuple(robot, lengths)),  # type: ignore[call-arg]
-            EnergyTerms(*to_fixed_tuple(robot[lengths:], terms)),
-            plant.Drivetrain(rest[0], rest[1], rest[2:6], rest[6:10], rest[10:14], rest[14:]),
-        )
+    key = (register(plant.derivative, plant.commanded, inline=False), _LENGTHS, _TERMS)
+    register_jitable(_unpack)
 
     @njit(**OPTIONS)
     def derivative(t, state, robot, model, gains, times, states):  # type: ignore[no-untyped-def]
-        if digest < 0:
+        if key[0] < 0:
             return state
-        return plant.derivative(t, state, unpack(robot), unpack(model), gains, times, states)
+        return plant.derivative(t, state, _unpack(robot), _unpack(model), gains, times, states)
 
     @njit(**OPTIONS)
     def commanded(t, state, model, gains, times, states):  # type: ignore[no-untyped-def]
-        if digest < 0:
+        if key[0] < 0:
             return state
-        return plant.commanded(t, state, unpack(model), gains, times, states)
+        return plant.commanded(t, state, _unpack(model), gains, times, states)
 
     robot = _packed(robot_numbers(Design()))
     gains = plant.Gains(0.0, 0.0, 0.0, np.zeros(4), np.zeros(4))

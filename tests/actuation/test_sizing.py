@@ -16,6 +16,7 @@ from paminsa_viz.actuation.thermal import thermal_share
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Drive
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.load import LoadCase
 from paminsa_viz.trajectory import PRESET, analyze
 from tests.actuation.loads import random_drives, random_load
 
@@ -263,6 +264,7 @@ def test_the_time_scaling_that_fits_is_the_least(motion) -> None:  # type: ignor
 
 def test_a_stretched_cycle_is_that_of_the_slower_motion() -> None:
     design = APPENDIX_4.vary({"friction.viscous_rotary": 0.1, "friction.coulomb_linear": 2.0})
+    design = replace(design, load=LoadCase(force_x=20.0, force_z=-50.0))
     plan = PRESET["quintic"].build(design.geometry)
     slow = duty_cycle(design, [Duty(plan.lasting(3.0).sample(200))]).loads
     fast = duty_cycle(design, [Duty(plan.lasting(1.5).sample(400))], slower=2.0).loads
@@ -282,3 +284,14 @@ def test_impossible_cycles_are_refused(motion, duties, argument: str) -> None:  
     with pytest.raises(InvalidInput) as caught:
         duty_cycle(APPENDIX_4, [Duty(motion, **values) for values in duties])
     assert caught.value.argument == argument
+
+
+def test_the_load_on_the_platform_is_driven_and_held() -> None:
+    pushed = replace(APPENDIX_4, load=LoadCase(force_x=30.0, force_z=-100.0))
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(300)
+    bare, loaded = (duty_cycle(one, [Duty(motion, 1, 1.0)]).loads for one in (APPENDIX_4, pushed))
+    k = APPENDIX_4.geometry.magnification
+    assert loaded[3].held == pytest.approx(bare[3].held + k * 100.0)
+    for j, load in enumerate(loaded):
+        np.testing.assert_allclose(load.torque, analyze(pushed, motion).torque[:, j], rtol=1e-12)
+    assert abs(loaded[0].held - bare[0].held) > 1.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import inspect
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -30,6 +32,7 @@ from paminsa_viz.trajectory import (
     Simulation,
     SimulationFailed,
     actuator_inertia,
+    equations,
     point_to_point,
     simulate,
 )
@@ -108,6 +111,14 @@ def test_compiled_and_python_equations_are_the_same(control: ControlMode) -> Non
         plain = run(trajectory=samples, tolerance=1e-6, **options)
     np.testing.assert_allclose(compiled.pose, plain.pose, atol=1e-10)
     np.testing.assert_allclose(compiled.torque, plain.torque, atol=1e-6)
+
+
+def test_compiled_equations_are_loaded_from_disk_by_another_process() -> None:
+    """Numba's cache key holds closure variables: numbers are the same in every process."""
+    backend.compile_now()
+    for kernel in equations._compiled():
+        held = inspect.getclosurevars(kernel.py_func).nonlocals.values()  # type: ignore[attr-defined]
+        assert all(isinstance(number, int) for key in held for number in key)
 
 
 @controls
