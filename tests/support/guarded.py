@@ -66,7 +66,7 @@ class GuardedServer:
         return page, eventually(lambda: self._sessions.get(page.client.client_id))
 
     def still_answers(self, page: RawPage, inputs: Inputs, value: float = 0.25) -> None:
-        """Wait until all that ``page`` sent was handled, and check that it and the server answer."""
+        """Wait until all that ``page`` sent was handled; check that page and server answer."""
         page.send(update(inputs.slider._impl.uuid, value))
         eventually(lambda: inputs.received and inputs.received[-1] == value)
         assert get(self.port).status == 200
