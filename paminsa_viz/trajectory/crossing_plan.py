@@ -11,9 +11,10 @@ where there is none, another one tells by what factor the torque limits are too 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
@@ -164,7 +165,7 @@ def plan_crossing(
             )
         from scipy.optimize import brentq
 
-        share = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
+        share: Any = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
         curve = blend(share)
     planned = tuple(program.planned(curve, index) for index in range(len(found)))
     passages = tuple(Passage(p.t / curve.duration, p.crossing.locus) for p in planned)
@@ -248,7 +249,7 @@ class _Program:
         right = [-condition.c for condition in self._conditions]
         return np.reshape(rows, (-1, INTERVALS + 1)), np.array(right)
 
-    def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, Array]:
+    def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """Return rows, constants and limits, and which of these are torques."""
         share = (np.arange(POINTS) + 0.5) / POINTS
         s = np.concatenate(
