@@ -108,7 +108,7 @@ def test_the_shortest_motion_keeps_the_chosen_drives(found: State) -> None:
     assert driven.trajectory is not bare.trajectory
 
 
-def test_an_uploaded_catalog_is_taken_or_refused_with_its_row() -> None:
+def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
     actions_: list[Any] = []
     notices: list[str] = []
     session: Any = SimpleNamespace(
@@ -119,8 +119,8 @@ def test_an_uploaded_catalog_is_taken_or_refused_with_its_row() -> None:
     assert notices == ["weak.csv: 1 motors, 1 gears, 1 screws and belts"]
     state = actions_[0](initial_state())
     assert state.driving.settings.parts.name == "weak.csv"
-    for content, told in ((b"", "too large"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
-        with pytest.raises(ValueError, match=told):
+    for content, problem in ((b"", "too large"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
+        with pytest.raises(ValueError, match=problem):
             panel._open(session, "bad.csv", content)
 
 
