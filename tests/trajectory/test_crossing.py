@@ -11,6 +11,7 @@ from paminsa_viz.balancing import balance
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
+    InvalidInput,
     KneeBranch,
     escape_twist,
     inverse_dynamics,
@@ -30,7 +31,7 @@ from paminsa_viz.trajectory import (
     round_trip,
     simulate,
 )
-from paminsa_viz.trajectory import crossing_plan as planner
+from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.crossing import (
     CrossingKind,
     Locus,
@@ -146,7 +147,7 @@ def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, Crossi
     assert abs(crossing.residual) < 1e-9
     near = _torque(design, found, crossing.t + np.array([-1e-6, 1e-6]))
     assert np.abs(near - crossing.torque).max() < 1e-2
-    t = np.linspace(0.0, found.plan.duration, 20 * planner.INTERVALS * planner.POINTS)
+    t = np.linspace(0.0, found.plan.duration, 20 * program.INTERVALS * program.POINTS)
     torque = _torque(design, found, t[np.abs(t - crossing.t) > 1e-6])
     assert np.abs(torque[:, :3]).max() < 10.1
 
@@ -166,8 +167,8 @@ def test_a_motion_that_ignores_the_condition_needs_torques_without_bound() -> No
 
 def test_a_finer_spline_hardly_changes_the_shortest_time(monkeypatch: pytest.MonkeyPatch) -> None:
     times = []
-    for count in (planner.INTERVALS, 2 * planner.INTERVALS):
-        monkeypatch.setattr(planner, "INTERVALS", count)
+    for count in (program.INTERVALS, 2 * program.INTERVALS):
+        monkeypatch.setattr(program, "INTERVALS", count)
         times.append(plan_crossing(APPENDIX_4, TURN, TEN).plan.duration)
     assert times[1] == pytest.approx(times[0], rel=5e-3)
 
@@ -187,7 +188,7 @@ def test_a_given_duration_is_kept(design: Design) -> None:
     found = plan_crossing(design, TURN, TEN, wanted)
     assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
-    with pytest.raises(planner.InvalidInput, match="duration"):
+    with pytest.raises(InvalidInput, match="duration"):
         plan_crossing(design, TURN, TEN, 0.5 * low)
 
 
