@@ -83,6 +83,13 @@ def _rotary(field: Field, design: Design) -> Array:
     return field.torques(design)[:3]
 
 
+def _rms(field: Field, design: Design) -> Array:
+    """Return the root mean square of the static torques of M1..M3 over a field (...) [N m]."""
+    if not design.load.acts:  # M_p2 is a factor of all three
+        return abs(static_imbalance(design)) * np.sqrt((field.gamma[:3] ** 2).mean(axis=0))
+    return np.sqrt((_rotary(field, design) ** 2).mean(axis=0))
+
+
 def _torque(actuator: int) -> Quantity:
     below = "₁₂₃"[actuator]
     return Quantity(
@@ -152,7 +159,7 @@ QUANTITIES: dict[str, Quantity] = {
         Quantity(
             "rms_torque", "RMS τ", "RMS τ of M1 to M3", "RMS of the static torques of M1 to M3",
             "N m", UNIT_TORQUES,
-            lambda field, design: np.sqrt((_rotary(field, design) ** 2).mean(axis=0)),
+            _rms,
         ),
         Quantity(
             "condition", "κ", "condition number κ", "Condition number", "1", DEXTERITY,

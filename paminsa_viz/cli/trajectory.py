@@ -33,6 +33,8 @@ from paminsa_viz.trajectory import (
     simulate,
     via_points,
 )
+from paminsa_viz.trajectory.crossing_plan import CrossingRefused, plan_crossing
+from paminsa_viz.trajectory.paths import spline_path
 from paminsa_viz.trajectory.sampled import RATE
 
 DESCRIPTION = """\
@@ -43,6 +45,7 @@ Required torques, speeds, power and energy of every actuator on a motion.
   paminsa-viz trajectory --file motion.csv --out loads.csv   every sample as a table
   paminsa-viz trajectory --preset arch --shortest --max-speed 1 --max-torque 4
   paminsa-viz trajectory --preset line --out line.html       the robot moves, in any browser
+  paminsa-viz trajectory --file poses.csv --waypoints --cross --max-torque 10
   paminsa-viz trajectory --simulate computed-torque --payload-mismatch 0.5 --out run.png
 
 A table has the columns t_s,x_m,y_m,theta_rad,z_m, and may have velocities and accelerations; other
@@ -113,6 +116,10 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
     shortest: bool = False
     """Run the motion in the shortest time that keeps the limits --max-... and those of the design's
     drives, if it has any."""
+    cross: bool = False
+    """Let the motion through --waypoints pass type-2 singularities: its time law is planned such
+    that torques stay bounded there, and within the limits --max-torque and --max-force. In the
+    shortest time, or with --duration in that time."""
     rate: Annotated[float | None, tyro.conf.arg(metavar="HZ")] = None
     """Samples a second; 1000 for planned motions, and as they are for a table."""
 
@@ -154,7 +161,13 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
                 self.shortest and not limits and self.design is None,
                 f"--shortest needs a limit, such as {limit}, or a design with drives",
             ),
-            (limits and not self.shortest, f"{limit} belongs to --shortest"),
+            (limits and not (self.shortest or self.cross), f"{limit} belongs to --shortest"),
+            (self.cross and not self.waypoints, "--cross needs --file with --waypoints"),
+            (self.cross and self.shortest, "--cross is the shortest motion; leave out --shortest"),
+            (
+                self.cross and not limits.keys() & {"max_torque", "max_force"},
+                "--cross needs --max-torque or --max-force",
+            ),
             (self.payload_mismatch and not self.simulate, "--payload-mismatch needs --simulate"),
             (kind == "tracking" and not self.simulate, "--figure tracking needs --simulate"),
             (
@@ -193,7 +206,7 @@ class TrajectoryFlags(FilesFlags, LimitFlags, MotionFlags, ComparedDesignFlags):
         reference = self.given_reference(design)
         try:
             results = _worked_out(self, design, reference)
-        except (ImpossibleTrajectory, InfeasibleMotion) as error:
+        except (ImpossibleTrajectory, InfeasibleMotion, CrossingRefused) as error:
             print_error(error)
             if self.json:
                 print_json({"ok": False, "problems": [str(error)]})
@@ -218,7 +231,7 @@ def _worked_out(flags: TrajectoryFlags, design: Design, reference: Design | None
     """Return all that the flags require.
 
     Raises:
-        ImpossibleTrajectory, InfeasibleMotion: If there is no motion to work out.
+        ImpossibleTrajectory, InfeasibleMotion, CrossingRefused: If there is no motion to work out.
     """
     trajectory, quickest = _motion(flags, design)
     analysis = analyze(design, trajectory)
@@ -253,6 +266,11 @@ def _motion(flags: TrajectoryFlags, design: Design) -> tuple[Trajectory, Minimum
         read = read_trajectory(flags.file)
         if not flags.waypoints:
             return (read if flags.rate is None else read.resampled(flags.rate)), None
+        if flags.cross:
+            found = plan_crossing(
+                design, spline_path(read.pose), flags.limits, flags.duration, name=read.name
+            )
+            return found.plan.sample(RATE if flags.rate is None else flags.rate), None
         way = via_points(read.pose, times=read.t, name=read.name)
         plan = replace(way, notes=read.notes)
     quickest = None

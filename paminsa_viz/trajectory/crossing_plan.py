@@ -58,6 +58,16 @@ class PlannedCrossing:
     speed: float
     speed_range: tuple[float, float]
 
+    @property
+    def explanation(self) -> str:
+        """Text of the crossing."""
+        torques = ", ".join(f"{torque:.4g}" for torque in self.torque[:3])
+        return (
+            f"crosses the {self.crossing.locus.label} at {self.t:.4g} s, where M1 to M3 make "
+            f"{torques} N m and M4 {self.torque[3]:.4g} N; actuators have no authority there along "
+            "the escape twist"
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class CrossingPlan:
@@ -126,7 +136,8 @@ def plan_crossing(
     planned = tuple(_planned(program, curve, *item) for item in enumerate(found))
     passages = tuple(Passage(p.t / curve.duration, p.crossing.locus) for p in planned)
     kind = "through singularities" if passages else "minimum time"
-    plan = Plan(curve, curve.duration, name, kind, passages=passages)
+    notes = tuple(item.explanation for item in planned)
+    plan = Plan(curve, curve.duration, name, kind, notes, passages)
     return CrossingPlan(plan, path, planned, (shortest, longest))
 
 

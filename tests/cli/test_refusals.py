@@ -85,6 +85,8 @@ sweep --out a.csv --vary links.b3=1 --preset arch --file a.csv | exclude
 trajectory --preset line --file a.csv               | --file
 trajectory --waypoints                              | --waypoints
 trajectory --shortest                               | --max-speed
+trajectory --cross --max-torque 3                   | --waypoints
+trajectory --file poses.csv --waypoints --cross     | --max-torque
 trajectory --max-torque 3                           | --max-torque
 trajectory --shortest --max-speed -1                | speed
 trajectory --shortest --max-speed 1 --duration 2    | --duration

@@ -123,6 +123,18 @@ def test_waypoints_are_passed_in_the_given_time(capsys) -> None:
     assert speed[0] == speed[-1] == pytest.approx(0.0, abs=1e-12)
 
 
+def test_a_singularity_is_crossed_within_the_torque_limit(capsys) -> None:
+    file = write([np.arange(2), np.array([[0.03, 0.02, 0.8, -0.5], [0.03, 0.02, 1.75, -0.5]])])
+    words = f"--file {file} --waypoints --cross --max-torque 10 --out a.csv".split()
+    found = run_json(capsys, *words)
+    assert found["trajectory"]["duration_s"] == pytest.approx(0.372, abs=1e-3)
+    assert "singular rotation" in " ".join(found["trajectory"]["notes"])
+    assert np.abs(numbers(read("a.csv"), TORQUES[:3])).max() < 10.1
+    code, _, err = run(capsys, *words[:-3], "5")
+    assert (code, err.count("\n")) == (1, 1)
+    assert "times as large" in err
+
+
 def test_a_motion_out_of_reach_is_exit_code_1_with_the_place(capsys) -> None:
     x = np.array([0, 0.45, 0.9])
     file = write([np.arange(3.0), x, 0 * x, 0 * x, 0 * x - 0.5])

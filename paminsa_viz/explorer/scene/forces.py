@@ -40,7 +40,7 @@ FULL_MOMENT: Final = 20.0
 BAR: Final = 0.1
 """Length that a label states the force of [m]."""
 
-BELOW: Final = 0.06
+BELOW: Final = 0.14
 """Distance of the polygon's label below the platform [m]."""
 
 LOAD_COLOR: Final = palette.BAD
