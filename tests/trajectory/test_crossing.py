@@ -23,13 +23,17 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import (
+    SINGULAR_CLEARANCE,
     Controller,
     ControlMode,
     MotionLimits,
     analyze,
     check_path,
+    payload_drift,
+    point_to_point,
     round_trip,
     simulate,
+    unplanned_torque,
 )
 from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.crossing import (
@@ -38,6 +42,7 @@ from paminsa_viz.trajectory.crossing import (
     PathOnLocus,
     crossing_condition,
     crossings,
+    locus_distances,
 )
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path, straight_path
@@ -329,3 +334,33 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     assert drift[-1].max() < 5e-6
     assert drift[:, [0, 1, 3]].max() < 5e-6
     assert drift[:, 2].max() < 3e-4  # MuJoCo's integrator is of first order
+
+
+def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
+    """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
+    found = plan_crossing(BALANCED, LINE, TEN)
+    (crossing,), (drift,) = found.crossings, payload_drift(BALANCED, found, 0.3)
+    heavier = BALANCED.vary({"payload.mass": 0.3})
+    twist, state = np.array(crossing.condition.twist), found.plan.at(crossing.t)
+    wanted = platform_wrench(BALANCED, *state)
+    rest = platform_wrench(heavier, *state) - mass_matrix(heavier, state.pose) @ state.acceleration
+    off = twist @ (wanted - rest) / drift.inertia  # no actuator acts along the twist
+    planned = twist @ mass_matrix(heavier, state.pose) @ state.acceleration / drift.inertia
+    assert drift.shift[2] == pytest.approx(0.5 * (off - planned) * drift.time**2, rel=1e-9)
+    assert payload_drift(BALANCED, found, 0.0)[0].shift == pytest.approx((0, 0, 0, 0), abs=1e-12)
+    times = found.plan.sample(1e5).t
+    near = locus_distances(BALANCED.geometry, found.plan.at(times).pose)[:, 0]
+    inside = times[np.abs(near) < SINGULAR_CLEARANCE]
+    assert np.ptp(inside) == pytest.approx(drift.time, rel=0.1)
+
+
+def test_the_torque_without_the_condition_grows_with_the_rate() -> None:
+    found = plan_crossing(APPENDIX_4, TURN, TEN)
+    (crossing,), duration = found.crossings, found.plan.duration
+    assert unplanned_torque(crossing, duration, 1e6) > 100 * unplanned_torque(crossing, duration)
+    naive = point_to_point(TURN.start, TURN.goal, duration)
+    s = naive.at(np.linspace(0.0, duration, 100_001)).pose[:, 2]
+    at = np.interp(crossing.crossing.pose[2], s, np.linspace(0.0, duration, 100_001))
+    torque = inverse_dynamics(APPENDIX_4, *naive.at(at - 5e-6)).torque
+    expected = unplanned_torque(crossing, duration, 1e5)
+    assert np.abs(torque[:3]).max() == pytest.approx(expected, rel=1e-2)
