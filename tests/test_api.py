@@ -1,4 +1,4 @@
-"""The Python API says what it is: every public name, every field, every argument."""
+"""The Python API is documented and typed: every public name, field and argument."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ DATA = [
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_a_package_says_what_it_is_and_lists_its_names_once(package) -> None:
+def test_package_has_a_docstring_and_unique_names(package) -> None:
     module = importlib.import_module(package)
     assert module.__doc__
     assert len(module.__all__) == len(set(module.__all__))
@@ -60,7 +60,7 @@ def test_a_package_says_what_it_is_and_lists_its_names_once(package) -> None:
 
 
 @pytest.mark.parametrize("value", CALLABLES)
-def test_a_public_name_says_what_it_is(value) -> None:
+def test_public_name_has_a_docstring(value) -> None:
     own = value.__doc__ or ""
     generated = f"{value.__name__}("  # what dataclass writes where there is nothing
     assert own.strip()
@@ -85,7 +85,7 @@ def test_public_functions_are_typed(value) -> None:
 
 
 @pytest.mark.parametrize("value", DATA)
-def test_every_field_says_what_it_is(value) -> None:
+def test_every_field_is_documented(value) -> None:
     """In the class's text, in one of its own below it, or as a design value by its label.
 
     What a term of an optimization is called is said where terms are, see `Term`.
@@ -112,12 +112,12 @@ def _below(value: type) -> set[str]:
     }
 
 
-def test_the_front_door_loads_nothing_before_it_is_asked() -> None:
+def test_importing_the_package_does_not_import_numpy() -> None:
     code = "import sys, paminsa_viz; assert 'numpy' not in sys.modules; paminsa_viz.APPENDIX_4"
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_the_front_door_has_the_rooms_own_names() -> None:
+def test_top_level_names_are_those_of_their_modules() -> None:
     assert 10 <= len(paminsa_viz.__all__) <= 16
     for name in paminsa_viz.__all__:
         value = getattr(paminsa_viz, name)
@@ -141,7 +141,7 @@ def test_arguments_come_in_one_order(name) -> None:
             assert known == sorted(known), public_name
 
 
-def test_the_package_is_typed_and_has_one_version() -> None:
+def test_package_is_typed_and_has_one_version() -> None:
     root = Path(paminsa_viz.__file__).parent
     assert (root / "py.typed").exists()
     wanted = paminsa_viz.__version__

@@ -42,7 +42,7 @@ def anchors(path: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name_of)
-def test_links_and_pictures_lead_somewhere(page) -> None:
+def test_targets_of_links_and_pictures_exist(page) -> None:
     text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
     for target in re.findall(r"\]\(([^)\s]+)\)", text):
         if re.match(r"https?:|mailto:", target):
@@ -56,12 +56,12 @@ def test_links_and_pictures_lead_somewhere(page) -> None:
             assert anchor in anchors(found), f"{name_of(page)} links to {target}"
 
 
-def test_every_page_is_in_the_sites_menu() -> None:
+def test_every_page_is_in_the_menu() -> None:
     menu = re.findall(r"([\w-]+\.md)$", (ROOT / "mkdocs.yml").read_text(), re.M)
     assert sorted(menu) == sorted(page.name for page in DOCS.glob("*.md"))
 
 
-def test_the_site_is_built_without_warnings(tmp_path) -> None:
+def test_site_is_built_without_warnings(tmp_path) -> None:
     pytest.importorskip("mkdocs")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path)]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=120)
@@ -86,10 +86,10 @@ def test_python_in_the_documentation_runs(code, tmp_path, monkeypatch) -> None:
     exec(compile(code, "documentation", "exec"), {})
 
 
-def test_the_readme_tells_of_every_command() -> None:
+def test_readme_lists_every_command() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
-    told = re.findall(r"^\| `(?:paminsa-viz )?(\w+)`", text, re.M)
-    assert sorted(told) == sorted(COMMANDS)
+    listed = re.findall(r"^\| `(?:paminsa-viz )?(\w+)`", text, re.M)
+    assert sorted(listed) == sorted(COMMANDS)
 
 
 def commands() -> list[str]:
@@ -103,13 +103,13 @@ def commands() -> list[str]:
 
 
 @pytest.mark.parametrize("words", commands())
-def test_commands_in_the_documentation_can_be_read(words) -> None:
+def test_flags_of_commands_in_the_documentation_are_known(words) -> None:
     """Their flags are known; what they would do is the business of other tests."""
     name, *rest = shlex.split(words)[1:]
     assert parse(command_module(name).FLAGS, rest, name, "")
 
 
-def test_the_changelog_begins_with_this_version() -> None:
+def test_changelog_begins_with_this_version() -> None:
     text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
     heads = re.findall(r"^## \[([^\]]+)\]", text, re.M)
     assert paminsa_viz.__version__ in heads[:2]

@@ -19,7 +19,7 @@ WRITTEN = {
     "in_a_notebook": {"robot.html", "maps.html", "motion.html", "torques.svg"},
     "static_maps": {"static_maps.png"},
 }
-SAID = {
+PRINTED = {
     "balance": r"M_p2 =  ? ?0\.0000 N, torques \[0\. 0\. 0\.\]",
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
@@ -32,21 +32,21 @@ SAID = {
 }
 
 
-def test_the_gallery_lists_every_script() -> None:
+def test_gallery_lists_every_script() -> None:
     listed = re.findall(
         r"^\| \[(\w+)\.py\]\(\1\.py\) \|", (EXAMPLES / "README.md").read_text(), re.M
     )
     assert sorted(listed) == [script.stem for script in SCRIPTS]
-    assert set(WRITTEN) | set(SAID) == set(listed)
+    assert set(WRITTEN) | set(PRINTED) == set(listed)
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
-def test_an_example_runs(script, tmp_path, monkeypatch, capsys) -> None:
+def test_example_runs_and_prints_its_result(script, tmp_path, monkeypatch, capsys) -> None:
     if script.stem == "verify_with_mujoco":
         pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(script), run_name="__main__")
-    assert re.search(SAID.get(script.stem, ""), capsys.readouterr().out)
+    assert re.search(PRINTED.get(script.stem, ""), capsys.readouterr().out)
     assert {path.name for path in tmp_path.iterdir()} == WRITTEN.get(script.stem, set())
     assert all(path.stat().st_size > 10_000 for path in tmp_path.iterdir())
     assert len(script.read_text().splitlines()) <= 45

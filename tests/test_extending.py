@@ -8,7 +8,6 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,8 +23,7 @@ from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
-from paminsa_viz.explorer.server.listening import open_server
-from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.files.tables import TABLE_FORMATS, table_csv
 from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
 from paminsa_viz.notebook import map_view
@@ -57,12 +55,6 @@ def quantity(monkeypatch: pytest.MonkeyPatch) -> Iterator[Quantity]:
     importlib.reload(map_command)
 
 
-def shown(key: str) -> State:
-    """A state whose single map shows a quantity."""
-    state = initial_state()
-    return replace(state, map_view=replace(state.map_view, quantity=key))
-
-
 def test_a_quantity_is_swept_drawn_written_and_chosen(
     quantity: Quantity, capsys, tmp_path, monkeypatch
 ) -> None:
@@ -74,28 +66,21 @@ def test_a_quantity_is_swept_drawn_written_and_chosen(
     found = sweep(APPENDIX_4, grid, (quantity.key,)).largest[quantity.key]
     assert found == pytest.approx(expected.max())
     words = ("--quantity", quantity.key, "--cells", "20", "--out", "a.csv", "--out", "a.svg")
-    told = commands.run_json("map", capsys, *words)
-    assert 0 < told["maps"][quantity.key]["largest"] < 2
+    printed = commands.run_json("map", capsys, *words)
+    assert 0 < printed["maps"][quantity.key]["largest"] < 2
     assert "ecc" in Path("a.csv").read_text()
     assert quantity.title in Path("a.svg").read_text()
-    assert (
-        b"ecc"
-        in exports.table(
-            shown(quantity.key).updated("export", single=True), MapStore(), "csv"
-        ).content
-    )
+    state = initial_state().updated("map_view", quantity=quantity.key)
+    exported = exports.table(state.updated("export", single=True), MapStore(), "csv")
+    assert b"ecc" in exported.content
     assert map_view(quantity=quantity.key, cells=20).data
 
 
-def test_a_quantity_is_chosen_on_the_page(quantity: Quantity) -> None:
-    server = open_server(port=0)
-    try:
-        with desk_with(server, lambda s: MapsPanel(s, Bridge(s.client), MotionStore())) as desk:
-            assert quantity.label in desk.handle("show").options
-            desk.set("show", quantity.label)
-            desk.until(lambda: desk.state.map_view.quantity == quantity.key)
-    finally:
-        server.stop()
+def test_a_quantity_is_chosen_on_the_page(quantity: Quantity, server: Any) -> None:
+    with desk_with(server, lambda s: MapsPanel(s, Bridge(s.client), MotionStore())) as desk:
+        assert quantity.label in desk.handle("show").options
+        desk.set("show", quantity.label)
+        desk.until(lambda: desk.state.map_view.quantity == quantity.key)
 
 
 def buttons(key: str) -> set[str]:
@@ -106,25 +91,27 @@ def buttons(key: str) -> set[str]:
     return set(given(row.choices, initial_state()))
 
 
-def test_a_table_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:
+@pytest.mark.parametrize(
+    ("registry", "name", "writer", "written", "rows"),
+    [
+        (TABLE_FORMATS, "tsv", lambda table: table_csv(table).replace(b",", b"\t"), b"\t",
+         ("export.table", "export.series")),
+        (FIGURE_FORMATS, "eps", FigureFormat("eps"), b"%!PS", ("export.figure", "export.curves")),
+    ],
+    ids=["table", "figure"],
+)  # fmt: skip
+def test_a_format_is_written_by_commands_and_offered_on_the_page(
+    registry: dict[str, Any], name: str, writer: Any, written: bytes, rows: tuple[str, str],
+    capsys, tmp_path, monkeypatch,
+) -> None:  # fmt: skip
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(TABLE_FORMATS, "tsv", lambda table: table_csv(table).replace(b",", b"\t"))
-    commands.run_json("map", capsys, "--cells", "10", "--out", "a.tsv")
-    commands.run_json("trajectory", capsys, "--rate", "50", "--out", "b.tsv")
-    for name in ("a.tsv", "b.tsv"):
-        assert b"\t" in Path(name).read_bytes()
-    assert exports.table(initial_state(), MapStore(), "tsv").name.endswith(".tsv")
-    assert "TSV" in buttons("export.table") & buttons("export.series")
-
-
-def test_a_figure_format_is_written_by_page_and_commands(capsys, tmp_path, monkeypatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(FIGURE_FORMATS, "eps", FigureFormat("eps"))
-    commands.run_json("map", capsys, "--cells", "20", "--out", "a.eps")
-    commands.run_json("trajectory", capsys, "--rate", "50", "--out", "b.eps")
-    for name in ("a.eps", "b.eps"):
-        assert Path(name).read_bytes().startswith(b"%!PS")
-    assert "EPS" in buttons("export.figure") & buttons("export.curves")
+    monkeypatch.setitem(registry, name, writer)
+    for command, words in (("map", ("--cells", "20")), ("trajectory", ("--rate", "50"))):
+        commands.run_json(command, capsys, *words, "--out", f"{command}.{name}")
+        assert written in Path(f"{command}.{name}").read_bytes()
+    assert name.upper() in buttons(rows[0]) & buttons(rows[1])
+    if registry is TABLE_FORMATS:
+        assert exports.table(initial_state(), MapStore(), name).name.endswith(f".{name}")
 
 
 CHANGES = {
@@ -139,7 +126,7 @@ CHANGES = {
     ),
     "engines/mechanism.py": ("foot, (guide,),", "foot, (guide, joint(10, behind)),"),
 }  # fmt: skip
-"""The three files of the worked example: what stands there, and what takes its place."""
+"""The three files of the worked example: old text, and what replaces it."""
 
 CHECK = """
 import numpy as np
@@ -162,8 +149,8 @@ assert found.passed, found.worst
 """
 
 
+@pytest.mark.usefixtures("mujoco")
 def test_a_mass_with_its_slider_takes_three_files(tmp_path) -> None:
-    pytest.importorskip("mujoco")
     package = tmp_path / "paminsa_viz"
     source = Path(paminsa_viz.__file__).parent
     shutil.copytree(source, package, ignore=shutil.ignore_patterns("__pycache__"))
