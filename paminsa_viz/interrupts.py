@@ -58,9 +58,10 @@ def exit_on_interrupt(program: str) -> None:
     """
     reading, writing = os.pipe()
     os.set_blocking(writing, False)
-    threading.Thread(target=_watch, args=(reading, program), daemon=True).start()
     signal.set_wakeup_fd(writing, warn_on_full_buffer=False)
     signal.signal(signal.SIGINT, lambda *_: None)
+    # Last, as it takes longest: a signal that comes before it waits in the pipe.
+    threading.Thread(target=_watch, args=(reading, program), daemon=True).start()
 
 
 def _watch(reading: int, program: str) -> None:

@@ -126,7 +126,7 @@ CHANGES = {
     ),
     "engines/mechanism.py": ("foot, (guide,),", "foot, (guide, joint(10, behind)),"),
 }  # fmt: skip
-"""The three files of the worked example: what stands there, and what takes its place."""
+"""The three files of the worked example: old text, and what replaces it."""
 
 CHECK = """
 import numpy as np

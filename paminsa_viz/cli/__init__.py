@@ -52,9 +52,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     if arguments is None:
         interrupts.exit_on_interrupt(PROGRAM)
-        code = _exit_code(sys.argv[1:])
-        interrupts.ignore_interrupts()
-        return code
+        try:
+            return _exit_code(sys.argv[1:])
+        finally:
+            interrupts.ignore_interrupts()
     return _exit_code(list(arguments))
 
 

@@ -17,12 +17,12 @@ from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.statics import static_torques
 from tests import oracle
 from tests.support import samples
+from tests.support.cases import BOTH
 from tests.support.samples import with_knee
 
 Engine = type[ClosedLoopRobot]
 RANDOM = samples.random_design(np.random.default_rng(1))
 EACH = samples.each_robot(range(5))
-BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 SHARP = 1e-11
 """Relative to the largest value of each actuator; a millionth is asked for."""
 

@@ -15,10 +15,10 @@ from paminsa_viz.model.design import APPENDIX_4, Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests import oracle
 from tests.support import samples
+from tests.support.cases import BOTH
 from tests.support.samples import with_knee
 
 EACH = samples.each_robot((20, 21))
-BOTH = pytest.mark.parametrize("knee", list(KneeBranch))
 
 
 def frames(design: Design, pose: Any) -> dict[str, tuple[Any, Rotation]]:

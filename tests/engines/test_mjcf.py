@@ -18,12 +18,11 @@ from paminsa_viz.model.design import APPENDIX_4, Design, KneeBranch
 from paminsa_viz.model.load import LoadCase, LoadFrame
 from tests import oracle
 from tests.support import samples
-from tests.support.cases import PROTOTYPES
+from tests.support.cases import BOTH, PROTOTYPES
 from tests.support.samples import with_knee
 
 RANDOM = samples.random_design(np.random.default_rng(7))
 EACH = samples.each_robot((7, 8))
-BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 
 
 def run(mujoco: Any, text: str, seconds: float, control: Any = None) -> tuple[Any, Any, float]:

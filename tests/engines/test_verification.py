@@ -31,12 +31,12 @@ from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.trajectory import ImpossibleTrajectory, Trajectory, paper_like
 from tests import oracle
 from tests.support import samples
+from tests.support.cases import BOTH
 from tests.support.samples import with_knee
 
 pytestmark = [pytest.mark.slow, pytest.mark.usefixtures("mujoco")]
 
 
-BOTH = pytest.mark.parametrize("knee", list(KneeBranch), ids=lambda a: a.value)
 RANDOM = samples.random_design(np.random.default_rng(31))
 SHARP = 1e-11
 

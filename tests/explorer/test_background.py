@@ -72,7 +72,7 @@ def test_newest_of_waiting_jobs_runs_and_only_its_result_is_received(bench: Benc
     assert bench.sources == ["job.progress", "job.result"]
 
 
-def test_canceled_job_is_told_to_stop_and_its_result_is_dropped(bench: Bench) -> None:
+def test_canceled_job_has_to_stop_and_its_result_is_dropped(bench: Bench) -> None:
     bench.start(0.01)
     bench.job.request(None)
     bench.may_end.release()

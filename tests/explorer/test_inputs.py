@@ -149,7 +149,7 @@ def test_value_of_another_kind_is_refused_by_name(entry: Input, state: State) ->
 
 
 @pytest.mark.parametrize("entry", INPUTS)
-def test_ends_of_a_range_are_taken_and_no_number_beyond_them(entry: Input, state: State) -> None:
+def test_ends_of_a_range_are_possible_and_no_number_beyond_them(entry: Input, state: State) -> None:
     if entry.key in ONE_WAY:
         return
     for end, beyond in ends(entry, state):

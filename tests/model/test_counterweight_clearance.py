@@ -24,6 +24,7 @@ from paminsa_viz.model.leg_points import (
 )
 from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.reach import Limit
+from tests.support.cases import BOTH
 from tests.support.samples import random_design, with_knee
 
 ENDS = [(bar, end) for bar, ends in BAR_ENDS.items() for end in ends]
@@ -84,7 +85,7 @@ def test_no_random_pose_needs_more(seed, end, beyond, knee) -> None:
     assert nearly.clear_depth >= found.clear_depth
 
 
-@pytest.mark.parametrize("knee", list(KneeBranch))
+@BOTH
 def test_the_robot_of_appendix_4_comes_close_to_it(knee) -> None:
     weight = Counterweight("b3", 7, 0.2, 1.0)
     found = met(with_knee(APPENDIX_4, knee), weight, np.random.default_rng(1), 300_000)

@@ -34,7 +34,7 @@ from paminsa_viz.model.lumped import (
 from tests import oracle
 from tests.model import paper
 from tests.support import samples
-from tests.support.cases import Case, cases
+from tests.support.cases import BOTH, Case, cases
 from tests.support.samples import possible_values, with_knee
 
 GOLDEN = {
@@ -173,7 +173,7 @@ def test_energy_terms_are_linear_in_the_coefficients(misprints: Misprint) -> Non
     assert (np.abs(matrix).sum(axis=0) > 0).all() or misprints & Misprint.EQ14_PHI_SPEED
 
 
-@pytest.mark.parametrize("knee", list(KneeBranch))
+@BOTH
 def test_energies_scale_with_the_unit_of_length(knee: KneeBranch) -> None:
     """In centimeters T and V are 10,000 times larger, if inertias are kg cm^2.
 

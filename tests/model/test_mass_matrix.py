@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -67,28 +65,12 @@ def test_it_has_the_kinetic_energy_of_the_bodies(case: Case) -> None:
 
 @given(case=cases())
 def test_the_inertial_torque_is_the_matrix_times_the_acceleration(case: Case) -> None:
-    """G^T Q_inertial = M a, and of the speeds G^T Q_velocity = M' v - grad T."""
+    """G^T Q_inertial = M a."""
     pose, v, a = case.states()
     parts = torque_breakdown(case.design, pose, v, a)
-    g = inverse_jacobian(case.geometry, pose)
-    forces = np.einsum("nji,nj->ni", g, parts.inertial)
+    forces = np.einsum("nji,nj->ni", inverse_jacobian(case.geometry, pose), parts.inertial)
     matrix = mass_matrix(case.design, pose)
     assert_close(forces, np.einsum("nij,nj->ni", matrix, a), 1e-11)
-
-    h = 1e-4
-
-    def slope(f: Any) -> Any:
-        return (8 * (f(h) - f(-h)) - f(2 * h) + f(-2 * h)) / (12 * h)
-
-    momentum = slope(lambda t: np.einsum("nij,nj->ni", mass_matrix(case.design, pose + t * v), v))
-    gradient = np.stack(
-        [slope(lambda t, e=e: kinetic_energy(case.design, pose + t * e, v)) for e in np.eye(4)],
-        axis=-1,
-    )
-    forces = np.einsum("nji,nj->ni", g, parts.velocity)
-    size = np.abs(momentum).max(axis=-1) + np.abs(gradient).max(axis=-1)
-    gap = np.abs(forces - momentum + gradient).max(axis=-1) / size
-    assert gap.max() < 1e-7
 
 
 @given(case=cases())

@@ -13,7 +13,7 @@ from tests.support.raw_page import RawPage, eventually, get, update
 
 @dataclass
 class Inputs:
-    """What every session of the test server has, and what its callbacks were told."""
+    """Inputs of a session of the test server, and the values that their callbacks received."""
 
     slider: Any
     count: Any
@@ -66,7 +66,7 @@ class GuardedServer:
         return page, eventually(lambda: self._sessions.get(page.client.client_id))
 
     def still_answers(self, page: RawPage, inputs: Inputs, value: float = 0.25) -> None:
-        """Wait until all that ``page`` sent has been dealt with, and it and the server answer."""
+        """Wait until all that ``page`` sent was handled; check that page and server answer."""
         page.send(update(inputs.slider._impl.uuid, value))
         eventually(lambda: inputs.received and inputs.received[-1] == value)
         assert get(self.port).status == 200

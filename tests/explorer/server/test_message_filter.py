@@ -159,7 +159,7 @@ def test_update_sets_the_value_and_nothing_else(guarded: GuardedServer) -> None:
 
 @pytest.fixture
 def shared(monkeypatch: pytest.MonkeyPatch) -> list[object]:
-    """The servers that were told to open a share tunnel."""
+    """The servers that were asked for a share tunnel."""
     found: list[object] = []
     monkeypatch.setattr(viser.ViserServer, "request_share_url", lambda self: found.append(self))
     return found
