@@ -25,9 +25,17 @@ import tyro
 
 from paminsa_viz import cli
 from paminsa_viz.cli import PROGRAM
-from paminsa_viz.files.design_schema import DRIVE_KEYS, KNEE, SCHEMA_VERSION, TABLES, DesignKey
+from paminsa_viz.files.design_schema import (
+    CHOICE_MEANINGS,
+    CHOICES,
+    DRIVE_KEYS,
+    SCHEMA_VERSION,
+    TABLES,
+    DesignKey,
+    choice,
+)
 from paminsa_viz.files.design_writer import write_design
-from paminsa_viz.model import APPENDIX_4, KneeBranch
+from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model import drive as drive_model
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.parameters import BAR_ENDS
@@ -40,6 +48,7 @@ API = {
     "paminsa_viz": "What most scripts need, by its shortest name.",
     "paminsa_viz.model": "Mechanics: design, kinematics, singularities, statics, dynamics, grids.",
     "paminsa_viz.trajectory": "Motions: planned, timed, checked, analyzed, simulated.",
+    "paminsa_viz.actuation": "What the actuators hold and reach within their limits.",
     "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",
     "paminsa_viz.studies": "Many designs, each measured over the workspace.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
@@ -79,13 +88,13 @@ def design_file() -> str:
     for table, keys in TABLES.items():
         if table:
             group = type(getattr(APPENDIX_4, table))
-            knee = [KNEE_ROW] if table == "geometry" else []
+            choices = [_choice_row(*place) for place in CHOICES if place[0] == table]
             parts += [
                 f"## [{table}]",
                 _paragraphs(inspect.getdoc(group) or ""),
                 _table(
                     ("key", "symbol", "meaning", "Appendix 4", "allowed"),
-                    [*(_key_row(key) for key in keys.values()), *knee],
+                    [*(_key_row(key) for key in keys.values()), *choices],
                 ),
             ]
     ends = ", ".join(f"{bar.upper()} ({a}, {b})" for bar, (a, b) in BAR_ENDS.items())
@@ -119,13 +128,11 @@ def design_file() -> str:
     return _page(parts)
 
 
-KNEE_ROW = (
-    f"`{KNEE}`",
-    "sign of F's root",
-    "branch of the knee 9, as Appendix 1 prints it or its mirror image",
-    f'`"{KneeBranch.LOWER.value}"`',
-    " or ".join(f'`"{branch.value}"`' for branch in KneeBranch),
-)
+def _choice_row(table: str, name: str) -> tuple[str, ...]:
+    symbol = {"knee": "sign of F's root"}.get(name, "")
+    default = f'`"{choice(APPENDIX_4, table, name).value}"`'
+    allowed = " or ".join(f'`"{word.value}"`' for word in CHOICES[table, name])
+    return f"`{name}`", symbol, CHOICE_MEANINGS[name], default, allowed
 
 
 def _meaning(key: DesignKey) -> str:
@@ -136,7 +143,7 @@ def _meaning(key: DesignKey) -> str:
 def _key_row(key: DesignKey) -> tuple[str, ...]:
     p = key.parameter
     default = "as l_B10" if p.path == "geometry.guide_stroke" else f"{p.default:g}"
-    allowed = "above 0" if p.positive else "0 or more"
+    allowed = "any number" if p.signed else "above 0" if p.positive else "0 or more"
     if p.path == "geometry.magnification":
         allowed = "above 1"
     return f"`{key.name}`", f"`{p.symbol}`", p.label, default, allowed

@@ -47,7 +47,7 @@ M_ARENA_MAX, ARENAS = -8, 2
 stays with the program when they are closed."""
 
 MOST_PAGES = 1000
-"""Most pages that can be asked for."""
+"""Largest possible number of open pages."""
 
 
 DESCRIPTION = f"""\

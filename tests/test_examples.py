@@ -21,6 +21,7 @@ WRITTEN = {
 }
 PRINTED = {
     "balance": r"M_p2 =  ? ?0\.0000 N, torques \[0\. 0\. 0\.\]",
+    "crossing": r"turn, Appendix 4: 0\.372 s, (.|\n)*cannot be held",
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
     "misprints": r"all of them +0\.\d+",

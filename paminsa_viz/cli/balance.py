@@ -56,7 +56,7 @@ a place for counterweights on each leg: a bar, the joint at one of its ends, fro
 beyond that joint (negative: on the bar itself), and the largest mass. A link's moments of inertia
 follow its mass.
 
-Exit code: 0 done; 1 the bounds do not allow what is asked for (it says what to relax), or the robot
+Exit code: 0 done; 1 the bounds do not allow the goal (the line names what to relax), or the robot
 cannot run the motion; 2 a wrong argument or file."""
 
 MassFlag = tuple[str, float, float]

@@ -16,6 +16,7 @@ from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.columns import (
     ACCELERATION,
     ACTUATORS,
+    LOAD,
     POSE,
     POSES,
     STATUS,
@@ -36,6 +37,7 @@ Columns of IN.csv, in any order, SI units:
   pose           x_m,y_m,theta_rad,z_m
   velocity       vx_m_s,vy_m_s,omega_rad_s,vz_m_s          (optional; 0 if left out)
   acceleration   ax_m_s2,ay_m_s2,alpha_rad_s2,az_m_s2      (optional; 0 if left out)
+  load           Fx_N,Fy_N,Fz_N,Mx_Nm,My_Nm,Mz_Nm          (any of them; 0 if left out)
 
 OUT.csv repeats them, row by row, and adds
   theta1_rad,theta2_rad,theta3_rad,Z_m,tau1_Nm,tau2_Nm,tau3_Nm,f4_N,status
@@ -106,11 +108,13 @@ def evaluate_table(
 
 def evaluate_block(block: TableBlock, design: Design) -> tuple[np.ndarray, np.ndarray]:
     """Return (n, 8) actuator positions and torques, NaN in rows without, and each row's status."""
-    pose, velocity, acceleration = (
-        block.group(names, default=0.0) for names in (POSE, VELOCITY, ACCELERATION)
+    pose, velocity, acceleration, load = (
+        block.group(names, default=0.0) for names in (POSE, VELOCITY, ACCELERATION, LOAD)
     )
     configuration = inverse_kinematics(design.geometry, pose)
-    dynamics = inverse_dynamics(design, pose, velocity, acceleration)
+    dynamics = inverse_dynamics(
+        design, pose, velocity, acceleration, load=load if load.any() else None
+    )
     results = np.concatenate([configuration.actuators, dynamics.torque], axis=-1)
     # A finite motion can still be too large for its torque to be a finite number.
     overflow = (dynamics.status == Limit.OK) & ~np.isfinite(results).all(axis=-1)

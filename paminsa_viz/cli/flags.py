@@ -1,4 +1,4 @@
-"""Flags that several commands have, and what they stand for: a design, a pose, a motion, files."""
+"""Flags that several commands have: of a design, a pose, a motion, files."""
 
 from __future__ import annotations
 

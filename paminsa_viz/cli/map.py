@@ -158,7 +158,7 @@ def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) ->
 
 
 def scales_of(flags: Map, data: MapData, sample: MapData) -> tuple[Scale, ...]:
-    """Return the color scales that the flags ask for, as the explorer chooses them."""
+    """Return the color scales that the flags describe, as the explorer chooses them."""
     choice = ScaleChoice(
         shared=not flags.own_ranges,
         kind="symlog" if flags.log else "linear",

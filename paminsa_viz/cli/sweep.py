@@ -151,7 +151,7 @@ FLAGS = Sweep
 
 
 def study_of(flags: Sweep, design: Design) -> Study:
-    """Return the study that the flags ask for.
+    """Return the study that the flags describe.
 
     Raises:
         UsageError, InvalidInput: Which value is not possible, and what is.

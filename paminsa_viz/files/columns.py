@@ -68,7 +68,11 @@ class TableKind:
 POSES = TableKind(
     "a pose",
     POSE,
-    (("velocity", VELOCITY, VELOCITY), ("acceleration", ACCELERATION, ACCELERATION)),
+    (
+        ("velocity", VELOCITY, VELOCITY),
+        ("acceleration", ACCELERATION, ACCELERATION),
+        ("load", LOAD, ()),
+    ),
     any_unit=False,
 )
 TRAJECTORY = TableKind(

@@ -11,7 +11,7 @@ A file looks like this (`write_design` adds the paper's symbol to each value):
     [links]
     b3_kg = 0.25
 
-Counterweights, if there are any, stand in tables ``[[counterweights]]``, drives in ``[drives.M1]``
+Counterweights, if there are any, are in tables ``[[counterweights]]``, drives in ``[drives.M1]``
 to ``[drives.M4]``. What a file leaves out is
 Appendix 4's. A file is read as a whole or refused as a whole, with one line that names the file,
 the line, the key, its value and what is allowed.
@@ -254,7 +254,7 @@ def find_line(text: str, key: str) -> int | None:
 
 
 def _left_side(line: str) -> str:
-    """Return what stands before the first ``=`` outside of quotes, empty without one."""
+    """Return the text before the first ``=`` outside of quotes, empty without one."""
     quote = ""
     for place, character in enumerate(line):
         if quote:

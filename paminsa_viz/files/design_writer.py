@@ -37,7 +37,7 @@ NAME_CHARACTERS = 200
 
 
 def name_problem(name: object) -> str:
-    """Return why a design's name cannot stand in a file, or an empty string if it can."""
+    """Return why a design's name cannot be written, or an empty string if it can."""
     if not isinstance(name, str) or len(name) > NAME_CHARACTERS or not name.isprintable():
         return f"a name is one line of printable text of at most {NAME_CHARACTERS} characters"
     return ""
@@ -51,7 +51,7 @@ def write_design(design: Design, *, comment: str = "") -> str:
         comment: Where the file comes from, for its head; may have several lines.
 
     Raises:
-        DesignFileError: If the design's name cannot stand in a file.
+        DesignFileError: If the design's name cannot be written.
     """
     for name in (design.name, *(drive.name for drive in design.drives if drive is not None)):
         if problem := name_problem(name):

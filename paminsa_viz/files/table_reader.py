@@ -51,7 +51,7 @@ class TableBlock:
 
 
 class TableReader:
-    """An open CSV table: its header is checked, its rows are read when asked for.
+    """An open CSV table: its header is checked, its rows are read on demand.
 
     Lines that begin with ``#`` may come before the header. Columns are in any order.
 

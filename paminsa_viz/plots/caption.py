@@ -42,7 +42,11 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
 def key_numbers(design: Design) -> list[tuple[str, float, str]]:
     """Return the numbers of a design that captions and tables name: symbol, value, unit (SI)."""
     numbers = [("Mₚ₂", static_imbalance(design), "N")]
-    return numbers + ([("payload", design.payload.mass, "kg")] if design.payload.mass else [])
+    numbers += [("payload", design.payload.mass, "kg")] if design.payload.mass else []
+    load = design.load
+    named = zip(("F_x", "F_y", "F_z", "M_z"), (*load.wrench[:3], load.moment_z), strict=True)
+    units = {"M_z": "N m"}
+    return numbers + [(name, value, units.get(name, "N")) for name, value in named if value]
 
 
 def robot(design: Design, reference: Design | None = None) -> str:

@@ -22,9 +22,26 @@ from paminsa_viz.trajectory.check import (
     check_path,
 )
 from paminsa_viz.trajectory.control import Controller, ControlMode, actuator_inertia
+from paminsa_viz.trajectory.crossing import (
+    Crossing,
+    CrossingCondition,
+    CrossingKind,
+    CrossingRefused,
+    PathOnLocus,
+    crossing_condition,
+    crossings,
+)
+from paminsa_viz.trajectory.crossing_measures import (
+    CrossingDrift,
+    escape_inertia,
+    payload_drift,
+    unplanned_torque,
+)
+from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing, plan_crossing
 from paminsa_viz.trajectory.equations import load_kernel
 from paminsa_viz.trajectory.imported import from_samples
 from paminsa_viz.trajectory.limits import MotionLimits
+from paminsa_viz.trajectory.paths import Path, spline_path, straight_path
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.planners import (
     arch,
@@ -36,7 +53,7 @@ from paminsa_viz.trajectory.planners import (
     via_points,
 )
 from paminsa_viz.trajectory.presets import PRESET, PRESETS, Preset, home, paper_like
-from paminsa_viz.trajectory.sampled import States, Trajectory
+from paminsa_viz.trajectory.sampled import Locus, Passage, States, Trajectory
 from paminsa_viz.trajectory.simulation import (
     Simulation,
     SimulationFailed,
@@ -54,13 +71,24 @@ __all__ = [
     "ActuatorSummary",
     "ControlMode",
     "Controller",
+    "Crossing",
+    "CrossingCondition",
+    "CrossingDrift",
+    "CrossingKind",
+    "CrossingPlan",
+    "CrossingRefused",
     "ImpossibleTrajectory",
     "InfeasibleMotion",
+    "Locus",
     "MinimumTime",
     "MotionLimits",
+    "Passage",
+    "Path",
     "PathCheck",
     "PathEvent",
+    "PathOnLocus",
     "Plan",
+    "PlannedCrossing",
     "Preset",
     "Profile",
     "Simulation",
@@ -77,6 +105,9 @@ __all__ = [
     "check_path",
     "circle",
     "compare",
+    "crossing_condition",
+    "crossings",
+    "escape_inertia",
     "fit_law",
     "from_samples",
     "home",
@@ -84,9 +115,14 @@ __all__ = [
     "load_kernel",
     "minimum_time",
     "paper_like",
+    "payload_drift",
+    "plan_crossing",
     "point_to_point",
     "round_trip",
     "simulate",
     "solve_trajectory",
+    "spline_path",
+    "straight_path",
+    "unplanned_torque",
     "via_points",
 ]

@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.errors import InvalidInput
+from paminsa_viz.errors import InvalidInput, PaminsaError
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import platform_wrench
@@ -97,6 +97,21 @@ class PathOnLocus(InvalidInput):
     def __init__(self, s: float, locus: Locus) -> None:
         self.s, self.locus = s, locus
         super().__init__("path", f"from s = {s:.4g} on it runs along the {locus.label}")
+
+
+class CrossingRefused(PaminsaError):
+    """A path that cannot be run through its singularities.
+
+    Attributes:
+        cause: ``"tangent"``, ``"double"``, ``"rest"`` (an end is singular), ``"hold"`` (an end
+            cannot be held within the limits), ``"weak"`` (a is zero), ``"reach"`` or
+            ``"infeasible"``.
+        s: Where on the path, NaN for none.
+    """
+
+    def __init__(self, cause: str, problem: str, s: float = float("nan")) -> None:
+        self.cause, self.s = cause, s
+        super().__init__(problem)
 
 
 def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
@@ -178,12 +193,10 @@ def path_coefficients(design: Design, path: Path, s: Array) -> tuple[Array, Arra
     """Return A, B and C of F = A s'' + B s'^2 + C along a path, each (n, 4) [N, N, N m, N]."""
     pose, along, bend = (path(s, order) for order in range(3))
     still = np.zeros_like(pose)
-    constant = platform_wrench(design, pose, still, still)
-    return (
-        platform_wrench(design, pose, still, along) - constant,
-        platform_wrench(design, pose, along, bend) - constant,
-        constant,
+    by_growth, by_rate, constant = platform_wrench(
+        design, [pose] * 3, [still, along, still], [along, bend, still]
     )
+    return by_growth - constant, by_rate - constant, constant
 
 
 def crossing_condition(design: Design, path: Path, s: float) -> CrossingCondition:

@@ -12,13 +12,15 @@ import pytest
 
 from paminsa_viz.cli.evaluate import evaluate_table
 from paminsa_viz.files import table_reader
-from paminsa_viz.files.columns import ACCELERATION, ACTUATORS, POSE, POSES, TORQUES
+from paminsa_viz.files.columns import ACCELERATION, ACTUATORS, POSE, TORQUES, VELOCITY
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.model.statics import static_torques
 from tests import oracle
 from tests.support.commands import run
 from tests.support.samples import random_design, random_states, with_knee
 
+MOTION = (*POSE, *VELOCITY, *ACCELERATION)
 RESULTS = (*ACTUATORS, *TORQUES)
 GOOD = "x_m,y_m,theta_rad,z_m\n0.05,-0.03,0.4,-0.6\n0,0,0,-0.5\n"
 
@@ -49,8 +51,8 @@ def test_numbers_are_those_of_first_principles(capsys, knee) -> None:
     rng = np.random.default_rng(7)
     design = random_design(rng)
     pose, velocity, acceleration = random_states(rng, with_knee(design, knee), 40)
-    order = rng.permutation(len(POSES.columns))
-    columns = [POSES.columns[i] for i in order]
+    order = rng.permutation(len(MOTION))
+    columns = [MOTION[i] for i in order]
     rows = np.concatenate([pose, velocity, acceleration], axis=-1)[:, order]
     write(columns, rows)
     save_design(design, "d.toml")
@@ -101,7 +103,7 @@ def test_rows_without_numbers_name_the_reason_and_stay_empty(capsys) -> None:
 def test_a_motion_beyond_all_numbers_has_none(capsys) -> None:
     pose = "0.05,-0.03,0.4,-0.6"
     rows = [f"{pose},0,0,0,0,{','.join([size] * 4)}" for size in ("1e308", "0")]
-    Path("in.csv").write_text("\n".join([",".join(POSES.columns), *rows]))
+    Path("in.csv").write_text("\n".join([",".join(MOTION), *rows]))
     evaluate(capsys)
     assert [row["status"] == "ok" for row in read()] == [False, True]
     assert not any(read()[0][name] for name in RESULTS)
@@ -168,3 +170,14 @@ def test_a_full_disk_leaves_no_output(folder, capsys, monkeypatch) -> None:
     _, _, err = run("evaluate", capsys, "in.csv", "--out", "out.csv")
     assert err == "paminsa-viz: out.csv: cannot be written: no space left on device\n"
     assert [path.name for path in folder.iterdir()] == ["in.csv"]
+
+
+def test_columns_of_a_load_come_on_top_of_the_designs(tmp_path: Path) -> None:
+    pose, source, target = (0.02, 0.0, 0.1, -0.5), tmp_path / "in.csv", tmp_path / "out.csv"
+    rows = "".join(f"{','.join(map(str, pose))},{end}\n" for end in ("10,1", "0,0"))
+    source.write_text(f"{','.join(POSE)},Fx_N,Mz_Nm\n{rows}")
+    evaluate_table(source, target, APPENDIX_4.vary({"load.force_x": 5.0}))
+    found = numbers(read(str(target)), TORQUES)
+    for torque, force, moment in zip(found, (15.0, 5.0), (1.0, 0.0), strict=True):
+        loaded = APPENDIX_4.vary({"load.force_x": force, "load.moment_z": moment})
+        np.testing.assert_allclose(torque, static_torques(loaded, pose), rtol=1e-12)

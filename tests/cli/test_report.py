@@ -14,9 +14,9 @@ pytestmark = pytest.mark.slow
 def test_one_command_makes_it(folder, capsys) -> None:
     words = "--out r.html --no-verify --preset arch --assembly mirror --pose 30 0 10 520 --seed 4"
     assert main(["report", *words.split()]) == 0
-    said = capsys.readouterr()
-    assert said.out == "r.html: written\n"
-    assert "torque maps ..." in said.err
+    printed = capsys.readouterr()
+    assert printed.out == "r.html: written\n"
+    assert "torque maps ..." in printed.err
     text = Path("r.html").read_text(encoding="utf-8")
     assert f"paminsa-viz report {words}" in text
     assert "Upper knee, pose x 30 mm" in text

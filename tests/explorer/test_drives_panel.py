@@ -15,6 +15,7 @@ from paminsa_viz.explorer.drives import LISTED, find_drives
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.panels import drives_panel as panel
+from paminsa_viz.explorer.panels.compare_panel import differences_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput
 
@@ -121,3 +122,11 @@ def test_uploaded_catalog_is_read_or_refused_with_its_row() -> None:
     for content, problem in ((b"", "too large"), (WEAK.replace("0.8", "1.8").encode(), "row 3")):
         with pytest.raises(ValueError, match=problem):
             panel._open(session, "bad.csv", content)
+
+
+def test_the_comparison_names_the_actuators_whose_drives_differ(found: State) -> None:
+    design = panel.choose(found, None).document.design
+    text = differences_html(design, found.document.design, "App. 4")
+    assert "4 numbers differ" in text
+    assert text.count("no drive") == 4
+    assert "No number differs" in differences_html(design, design, "same")

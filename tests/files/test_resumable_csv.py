@@ -84,7 +84,7 @@ def test_another_file_is_refused_and_kept_unless_restarted(content, whole, tmp_p
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "words"),
     [
         (b"# study: abcd\n", "; take"),
         (b"# study: abcd\n# motion: line\n# z: 1\n", 'whose z is "1", not "0"'),
@@ -95,11 +95,11 @@ def test_another_file_is_refused_and_kept_unless_restarted(content, whole, tmp_p
         (b"# w: 2\n# study: abcd\n# motion: line\n# z: 0\n", "; take"),
     ],
 )
-def test_another_study_is_named_by_its_first_difference(content, said, tmp_path) -> None:
+def test_another_study_is_named_by_its_first_difference(content, words, tmp_path) -> None:
     path = tmp_path / "other.csv"
     path.write_bytes(b"# format: test 1\n# command: two\n" + content + b"row,value\n")
     head = HEAD if content.count(b"\n") == 1 else HEAD | {"motion": "line", "z": "0"}
-    with pytest.raises(TableFileError, match=rf"other\.csv: holds another study.*{said}"):
+    with pytest.raises(TableFileError, match=rf"other\.csv: holds another study.*{words}"):
         grow(path, head=head)
 
 

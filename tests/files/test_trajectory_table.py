@@ -123,11 +123,11 @@ def test_columns_and_provenance_of_a_written_table() -> None:
     comments = [line for line in text.splitlines() if line.startswith("# ")]
     head, *rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]
     assert len(rows) == LEAVING.size
-    said = dict(line[2:].split(": ", 1) for line in comments)
-    assert said["design"] == "Appendix 4"
-    assert said["formulae"] == "as printed: APP3_MC4"
-    assert said["design links.b3 [kg]"] == "0.406"
-    assert "singular pose" in said["first failure"]
+    head_values = dict(line[2:].split(": ", 1) for line in comments)
+    assert head_values["design"] == "Appendix 4"
+    assert head_values["formulae"] == "as printed: APP3_MC4"
+    assert head_values["design links.b3 [kg]"] == "0.406"
+    assert "singular pose" in head_values["first failure"]
     for row, torque, word in zip(rows, found.torque, found.check.words(), strict=True):
         cells = [row[head.index(name)] for name in TORQUES]
         assert row[-1] == word

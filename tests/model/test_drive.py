@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 
+from paminsa_viz.balancing import Changes, MassRange, TrajectoryPeak, optimize
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot
 from paminsa_viz.errors import InvalidDesign
@@ -31,7 +32,14 @@ from paminsa_viz.model import (
     torque_regressor,
 )
 from paminsa_viz.model.drive import NO_DRIVES, Drive
-from paminsa_viz.trajectory import PRESET, Controller, ControlMode, analyze, simulate
+from paminsa_viz.trajectory import (
+    PRESET,
+    Controller,
+    ControlMode,
+    analyze,
+    simulate,
+    solve_trajectory,
+)
 from tests.support import samples
 from tests.support.cases import Case, assert_close, cases
 
@@ -179,3 +187,18 @@ def test_a_design_has_four_drives_and_only_the_lift_a_screw() -> None:
     assert design.vary({"drives.M2.gear_ratio": 7.0}).drives[1] == replace(DRIVES[1], gear_ratio=7)
     assert design != APPENDIX_4
     assert len({design, APPENDIX_4, driven(APPENDIX_4)}) == 2
+
+
+def test_optimal_masses_count_the_drives() -> None:
+    motion = PRESET["quintic"].build(APPENDIX_4.geometry).sample(100)
+    paths = ("links.b3", "links.b8", "joints.j9")
+    changes = Changes(tuple(MassRange(path, 0.1, 2.0) for path in paths))
+    solved = solve_trajectory(APPENDIX_4.geometry, motion)
+    for design in (APPENDIX_4, driven(APPENDIX_4)):
+        found = optimize(design, changes, TrajectoryPeak(solved))
+        for robot, value in (
+            (design, found.values[0].before), (found.after, found.values[0].after)
+        ):  # fmt: skip
+            torque = analyze(robot, motion).torque[:, :3]
+            assert value == pytest.approx(np.abs(torque).max(), rel=1e-9)
+        assert found.after.drives == design.drives

@@ -11,6 +11,7 @@ from paminsa_viz.balancing import balance
 from paminsa_viz.model import (
     APPENDIX_4,
     Design,
+    InvalidInput,
     KneeBranch,
     escape_twist,
     inverse_dynamics,
@@ -22,21 +23,26 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.trajectory import (
+    SINGULAR_CLEARANCE,
     Controller,
     ControlMode,
     MotionLimits,
     analyze,
     check_path,
+    payload_drift,
+    point_to_point,
     round_trip,
     simulate,
+    unplanned_torque,
 )
-from paminsa_viz.trajectory import crossing_plan as planner
+from paminsa_viz.trajectory import crossing_program as program
 from paminsa_viz.trajectory.crossing import (
     CrossingKind,
     Locus,
     PathOnLocus,
     crossing_condition,
     crossings,
+    locus_distances,
 )
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, CrossingRefused, plan_crossing
 from paminsa_viz.trajectory.paths import spline_path, straight_path
@@ -146,7 +152,7 @@ def test_torques_go_to_their_limit_and_keep_theirs(planned: tuple[Design, Crossi
     assert abs(crossing.residual) < 1e-9
     near = _torque(design, found, crossing.t + np.array([-1e-6, 1e-6]))
     assert np.abs(near - crossing.torque).max() < 1e-2
-    t = np.linspace(0.0, found.plan.duration, 20 * planner.INTERVALS * planner.POINTS)
+    t = np.linspace(0.0, found.plan.duration, 20 * program.INTERVALS * program.POINTS)
     torque = _torque(design, found, t[np.abs(t - crossing.t) > 1e-6])
     assert np.abs(torque[:, :3]).max() < 10.1
 
@@ -166,8 +172,8 @@ def test_a_motion_that_ignores_the_condition_needs_torques_without_bound() -> No
 
 def test_a_finer_spline_hardly_changes_the_shortest_time(monkeypatch: pytest.MonkeyPatch) -> None:
     times = []
-    for count in (planner.INTERVALS, 2 * planner.INTERVALS):
-        monkeypatch.setattr(planner, "INTERVALS", count)
+    for count in (program.INTERVALS, 2 * program.INTERVALS):
+        monkeypatch.setattr(program, "INTERVALS", count)
         times.append(plan_crossing(APPENDIX_4, TURN, TEN).plan.duration)
     assert times[1] == pytest.approx(times[0], rel=5e-3)
 
@@ -187,7 +193,7 @@ def test_a_given_duration_is_kept(design: Design) -> None:
     found = plan_crossing(design, TURN, TEN, wanted)
     assert found.plan.duration == pytest.approx(wanted, rel=1e-6)
     assert np.abs(_torque(design, found, np.array([found.crossings[0].t + 1e-6]))).max() < 400
-    with pytest.raises(planner.InvalidInput, match="duration"):
+    with pytest.raises(InvalidInput, match="duration"):
         plan_crossing(design, TURN, TEN, 0.5 * low)
 
 
@@ -328,3 +334,33 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     assert drift[-1].max() < 5e-6
     assert drift[:, [0, 1, 3]].max() < 5e-6
     assert drift[:, 2].max() < 3e-4  # MuJoCo's integrator is of first order
+
+
+def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
+    """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
+    found = plan_crossing(BALANCED, LINE, TEN)
+    (crossing,), (drift,) = found.crossings, payload_drift(BALANCED, found, 0.3)
+    heavier = BALANCED.vary({"payload.mass": 0.3})
+    twist, state = np.array(crossing.condition.twist), found.plan.at(crossing.t)
+    wanted = platform_wrench(BALANCED, *state)
+    rest = platform_wrench(heavier, *state) - mass_matrix(heavier, state.pose) @ state.acceleration
+    off = twist @ (wanted - rest) / drift.inertia  # no actuator acts along the twist
+    planned = twist @ mass_matrix(heavier, state.pose) @ state.acceleration / drift.inertia
+    assert drift.shift[2] == pytest.approx(0.5 * (off - planned) * drift.time**2, rel=1e-9)
+    assert payload_drift(BALANCED, found, 0.0)[0].shift == pytest.approx((0, 0, 0, 0), abs=1e-12)
+    times = found.plan.sample(1e5).t
+    near = locus_distances(BALANCED.geometry, found.plan.at(times).pose)[:, 0]
+    inside = times[np.abs(near) < SINGULAR_CLEARANCE]
+    assert np.ptp(inside) == pytest.approx(drift.time, rel=0.1)
+
+
+def test_the_torque_without_the_condition_grows_with_the_rate() -> None:
+    found = plan_crossing(APPENDIX_4, TURN, TEN)
+    (crossing,), duration = found.crossings, found.plan.duration
+    assert unplanned_torque(crossing, duration, 1e6) > 100 * unplanned_torque(crossing, duration)
+    naive = point_to_point(TURN.start, TURN.goal, duration)
+    s = naive.at(np.linspace(0.0, duration, 100_001)).pose[:, 2]
+    at = np.interp(crossing.crossing.pose[2], s, np.linspace(0.0, duration, 100_001))
+    torque = inverse_dynamics(APPENDIX_4, *naive.at(at - 5e-6)).torque
+    expected = unplanned_torque(crossing, duration, 1e5)
+    assert np.abs(torque[:3]).max() == pytest.approx(expected, rel=1e-2)

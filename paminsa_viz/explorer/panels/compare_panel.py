@@ -23,6 +23,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.drive import ACTUATORS
 
 PIN: Mapping[str, Effect] = {"Pin current design": actions.pin_reference}
 
@@ -66,6 +67,11 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
         "differences.j2", design=design, reference=reference, title=title, value=_value,
         parameters=[p for p in PARAMETERS if is_changed(design, p.path, reference)],
         weights=[(place, masses) for place, masses in weights if masses[0] != masses[1]],
+        drives=[
+            (name, *("no drive" if drive is None else f"{drive.gear_ratio:g}:1" for drive in pair))
+            for name, *pair in zip(ACTUATORS, reference.drives, design.drives, strict=True)
+            if pair[0] != pair[1]
+        ],
     )  # fmt: skip
 
 

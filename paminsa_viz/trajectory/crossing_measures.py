@@ -1,0 +1,104 @@
+"""What a motion through a singularity depends on: authority, drift, and torques without a plan.
+
+At the crossing no actuator moves the platform along the escape twist t_s: there it has the inertia
+t_s^T M t_s, and whatever force the plan did not know of accelerates it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.dynamics import mass_matrix, platform_wrench
+from paminsa_viz.model.singularity import escape_twist
+from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
+from paminsa_viz.trajectory.crossing import locus_distances
+from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing
+from paminsa_viz.trajectory.sampled import RATE
+from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
+
+
+def escape_inertia(design: Design, pose: ArrayLike) -> Array:
+    """Return t_s^T M t_s at type-2 singular poses (..., 4), (...) [kg m^2].
+
+    NaN where `escape_twist` is.
+    """
+    twist = escape_twist(design.geometry, pose)
+    return np.einsum("...i,...ij,...j->...", twist, mass_matrix(design, pose), twist)
+
+
+@dataclass(frozen=True)
+class CrossingDrift:
+    """Where an error of the payload takes the platform while actuators hardly can correct it.
+
+    Attributes:
+        inertia: t_s^T M t_s [kg m^2].
+        residual: t_s^T F of the robot with the error, on the planned motion [N m].
+        time: Time that the motion spends nearer to the locus than the clearance [s].
+        shift: (4,) displacement along t_s after that time [m, m, rad, m].
+    """
+
+    inertia: float
+    residual: float
+    time: float
+    shift: tuple[float, ...]
+
+
+def payload_drift(
+    design: Design,
+    found: CrossingPlan,
+    error: float,
+    clearance: float = SINGULAR_CLEARANCE,
+) -> tuple[CrossingDrift, ...]:
+    """Return how far an unknown payload takes the platform off at each crossing of a motion.
+
+    The residual accelerates the platform along t_s, as it is at the crossing, for the time near the
+    locus, from rest and uncorrected: shift = -t_s residual time^2 / (2 t_s^T M t_s).
+
+    Args:
+        design: The robot that the motion was planned for.
+        found: The motion.
+        error: Payload beyond the design's [kg].
+        clearance: Distance from the locus within which corrections are not counted on [m].
+
+    Raises:
+        InvalidDesign: If the payload is negative with the error.
+    """
+    payload = replace(design.payload, mass=design.payload.mass + error)
+    heavier = replace(design, payload=payload)
+    drifts = []
+    for item in found.crossings:
+        state = found.plan.at(item.t)
+        twist = np.array(item.condition.twist)
+        residual = float(twist @ platform_wrench(heavier, *state))
+        inertia = float(escape_inertia(heavier, item.crossing.pose))
+        near = item.crossing.s + np.array([-1e-6, 1e-6])
+        distance = locus_distances(design.geometry, found.path(near))[:, item.crossing.locus.value]
+        time = 2.0 * clearance / (abs(float(np.diff(distance)[0])) / 2e-6 * item.speed)
+        shift = -twist * residual * time**2 / (2.0 * inertia)
+        drifts.append(CrossingDrift(inertia, residual, time, tuple(shift.tolist())))
+    return tuple(drifts)
+
+
+def unplanned_torque(item: PlannedCrossing, duration: float, rate: float = RATE) -> float:
+    """Return the torque that a usual law needs half a sample before a crossing [N m].
+
+    It is the largest of M1 to M3, by the quintic law on the same path in the same time. It grows in
+    proportion to the rate: the law ignores the condition.
+
+    Args:
+        item: The crossing.
+        duration: Of the motion [s].
+        rate: Samples a second [1/s].
+    """
+    from scipy.optimize import brentq  # slow to load
+
+    law = TimeLaw(Profile.QUINTIC)
+    u = brentq(lambda at: float(law(np.array([at]))[0]) - item.crossing.s, 0.0, 1.0)
+    speed, growth = (float(law(np.array([u]), order)[0]) / duration**order for order in (1, 2))
+    residual = item.condition.residual(speed, growth)
+    return float(np.abs(item.condition.growth).max() * abs(residual) * 2.0 * rate / speed)

@@ -1,0 +1,196 @@
+"""The linear program of a motion through singularities.
+
+The unknowns are the coefficients of z(s) = s'^2, a cubic spline that is zero at both ends. The
+condition of `crossing` is an equation, and the limits are inequalities at points along the path.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NoReturn
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.dynamics import mass_matrix
+from paminsa_viz.model.jacobians import inverse_jacobian
+from paminsa_viz.trajectory.crossing import (
+    Crossing,
+    CrossingCondition,
+    CrossingRefused,
+    crossing_condition,
+    limit_torque_rows,
+    path_coefficients,
+)
+from paminsa_viz.trajectory.limits import MotionLimits
+from paminsa_viz.trajectory.paths import Path
+from paminsa_viz.trajectory.planners import PLACE
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
+
+INTERVALS = 80
+"""Pieces of the spline."""
+
+POINTS = 4
+"""Points in each of them where limits are kept."""
+
+_NEAR = 1e-4
+"""Around a crossing the torque's limit stands for the limits of torques [1]."""
+
+_SCALE = 0.02
+"""Share of the largest determinant below which rows are multiplied by it."""
+
+_WEAK = 1e-9
+"""Least cosine between path and escape twist (by M) with which a time law can do something [1]."""
+
+
+class CrossingProgram:
+    """The constraints on the coefficients of z, (rows) c + constant <= limit, and their optima."""
+
+    def __init__(
+        self, design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
+    ) -> None:
+        self._design, self._path, self._found = design, path, found
+        self._knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, INTERVALS + 1), [1.0] * 3])
+        self.conditions = [crossing_condition(design, path, item.s) for item in found]
+        self.limit_torques = [limit_torque_rows(design, path, item.s) for item in found]
+        for item, condition in zip(found, self.conditions, strict=True):
+            _require_influence(design, path, item, condition)
+        self._equal, self._right = self._condition_rows()
+        self._rows, self._constant, self._limit, self._scaled = self._limit_rows(limits)
+
+    def spline(self, inner: Array) -> BSpline:
+        """Return z from its coefficients but the first and the last, which are zero."""
+        from scipy.interpolate import BSpline
+
+        return BSpline(self._knots, np.concatenate([[0.0], np.maximum(inner, 0.0), [0.0]]), 3)
+
+    def _basis(self, s: Array, order: int = 0) -> Array:
+        """Return z or a derivative by s at points (n,) as rows on the coefficients."""
+        from scipy.interpolate import BSpline
+
+        return BSpline(self._knots, np.eye(len(self._knots) - 4), 3)(s, order)[:, 1:-1]
+
+    def _at(self, s: float) -> Array:
+        """Return z, dz and ddz at a point as rows (3, coefficients)."""
+        return np.concatenate([self._basis(np.array([s]), order) for order in range(3)])
+
+    def _condition_rows(self) -> tuple[Array, Array]:
+        rows = [
+            condition.b * (at := self._at(item.s))[0] + 0.5 * condition.a * at[1]
+            for item, condition in zip(self._found, self.conditions, strict=True)
+        ]
+        right = [-condition.c for condition in self.conditions]
+        return np.reshape(rows, (-1, INTERVALS + 1)), np.array(right)
+
+    def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
+        """Return rows, constants and limits, and which of these are torques."""
+        share = (np.arange(POINTS) + 0.5) / POINTS
+        s = np.concatenate(
+            [[0.0], ((np.arange(INTERVALS)[:, None] + share) / INTERVALS).ravel(), [1.0]]
+        )
+        for item in self._found:
+            s = s[np.abs(s - item.s) > _NEAR]
+        geometry, pose = self._design.geometry, self._path(s)
+        g = inverse_jacobian(geometry, pose)
+        det = np.abs(np.linalg.det(g[:, :3, :3]))
+        weight = np.minimum(1.0, det / (_SCALE * det.max()))[:, None, None]
+        solve = np.linalg.inv(np.swapaxes(g, 1, 2)) * weight / limits.actuators[:, None]
+        a, b, c = (
+            np.einsum("nij,nj->ni", solve, part)
+            for part in path_coefficients(self._design, self._path, s)
+        )
+        z, dz = self._basis(s), self._basis(s, 1)
+        torque = (b[..., None] * z[:, None] + 0.5 * a[..., None] * dz[:, None]).reshape(
+            -1, z.shape[1]
+        )
+        constant, most = c.ravel(), np.repeat(weight.ravel(), 4)
+        for item, found in zip(self._found, self.limit_torques, strict=True):
+            scaled = found / limits.actuators[:, None]
+            torque = np.concatenate([torque, scaled[:, :3] @ self._at(item.s)])
+            constant = np.concatenate([constant, scaled[:, 3]])
+            most = np.concatenate([most, np.ones(4)])
+        limited = np.tile(np.isfinite(limits.actuators), len(most) // 4)
+        torque, constant, most = torque[limited], constant[limited], most[limited]
+        along = self._path(s, 1)
+        sizes = np.stack([np.linalg.norm(along[:, PLACE], axis=1), np.abs(along[:, 2])], axis=1)
+        speeds = [
+            (size[:, None] / limit) ** 2 * z
+            for size, limit in zip(sizes.T, limits.rates[0], strict=True)
+            if np.isfinite(limit)
+        ]
+        fast = np.concatenate([np.zeros((0, z.shape[1])), *speeds])
+        rows = np.concatenate([torque, -torque, fast])
+        constants = np.concatenate([constant, -constant, np.zeros(len(fast))])
+        ends = np.concatenate([most, most, np.ones(len(fast))])
+        return rows, constants, ends, np.arange(len(rows)) < 2 * len(torque)
+
+    def fastest(self) -> Array:
+        """Return the coefficients of the shortest motion: the largest z wherever it can be.
+
+        Raises:
+            CrossingRefused: If no time law keeps the limits.
+        """
+        return self._optimum(-np.ones(INTERVALS + 1))
+
+    def slowest(self) -> Array:
+        """Return the coefficients of the slowest motion that satisfies the conditions."""
+        return self._optimum(np.ones(INTERVALS + 1))
+
+    def speed_range(self, index: int) -> tuple[float, float]:
+        """Return the smallest and largest s' that the limits allow at a crossing [1/s]."""
+        row = self._at(self._found[index].s)[0]
+        low, high = (row @ self._optimum(sign * row) for sign in (1.0, -1.0))
+        return float(np.sqrt(max(low, 0.0))), float(np.sqrt(max(high, 0.0)))
+
+    def _optimum(self, cost: Array) -> Array:
+        from scipy.optimize import linprog
+
+        result = linprog(
+            cost, self._rows, self._limit - self._constant,
+            self._equal if len(self._equal) else None, self._right if len(self._right) else None,
+            bounds=(0.0, None), method="highs",
+        )  # fmt: skip
+        if result.x is None:
+            self._refuse()
+        return result.x
+
+    def _refuse(self) -> NoReturn:
+        """Raise with the least factor of the torque limits that would be enough."""
+        from scipy.optimize import linprog
+
+        n = self._rows.shape[1]
+        factor = np.where(self._scaled, self._limit, 0.0)
+        rows = np.hstack([self._rows, -factor[:, None]])
+        fixed = np.where(self._scaled, 0.0, self._limit) - self._constant
+        equal = np.hstack([self._equal, np.zeros((len(self._equal), 1))])
+        result = linprog(
+            np.eye(n + 1)[-1], rows, fixed, equal if len(equal) else None,
+            self._right if len(equal) else None, bounds=(0.0, None), method="highs",
+        )  # fmt: skip
+        if result.x is None:
+            problem = "no time law satisfies the conditions at the crossings, whatever the torques"
+        else:
+            problem = (
+                "no time law keeps the limits; torque and force limits would have to be at least "
+                f"{result.x[-1]:.4g} times as large"
+            )
+        raise CrossingRefused("infeasible", problem)
+
+
+def _require_influence(
+    design: Design, path: Path, crossing: Crossing, condition: CrossingCondition
+) -> None:
+    at = np.array([crossing.s])
+    matrix, along = mass_matrix(design, path(at))[0], path(at, 1)[0]
+    twist = np.array(condition.twist)
+    size = np.sqrt((twist @ matrix @ twist) * (along @ matrix @ along))
+    if abs(condition.a) <= _WEAK * size:
+        raise CrossingRefused(
+            "weak",
+            f"at s = {crossing.s:.6g} the time law has no influence on the condition (a = 0): the "
+            "path is at right angles to the escape twist there; change it",
+            crossing.s,
+        )
