@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -251,8 +251,9 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
     if not (np.isfinite(slower) and slower > 0):
         raise InvalidInput("slower", f"a number above 0 is needed, not {slower!r}")
     plain = replace(design, drives=NO_DRIVES)
-    parts = [_passages(plain, duty, slower) for duty in duties]
-    inertia = np.max([_largest_inertia(plain, duty.trajectory) for duty in duties], axis=0)
+    solved = [_solved(plain, duty.trajectory) for duty in duties]
+    parts = [_passages(plain, duty, one, slower) for duty, one in zip(duties, solved, strict=True)]
+    inertia = np.max([one.inertia for one in solved], axis=0)
     loads = tuple(
         ActuatorLoad(name, tuple(part[j] for part in parts), float(inertia[j]))
         for j, name in enumerate(ACTUATORS)
@@ -260,19 +261,44 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
     return DutyCycle(plain, tuple(duties), slower, loads)
 
 
-def _passages(design: Design, duty: Duty, slower: float) -> list[Passage]:
-    """Return a motion as the four actuators see it."""
-    motion = duty.trajectory
+class _Solved(NamedTuple):
+    """A motion at its own pace: torques, and those at rest, speed, acceleration, each (n, 4).
+
+    ``held`` (4,) holds its last pose, ``inertia`` (4,) is the largest along it.
+    """
+
+    torque: Array
+    static: Array
+    speed: Array
+    growth: Array
+    held: Array
+    inertia: Array
+
+
+@lru_cache(maxsize=4)
+def _solved(design: Design, motion: Trajectory) -> _Solved:
+    """Solve a motion; kept, as one that is stretched in time needs no more."""
     analysis = analyze(design, motion)
     analysis.check.require()
-    speed = analysis.solved.speed / slower
-    growth = analysis.solved.actuator_acceleration / slower**2
-    if slower == 1.0:
-        torque = analysis.torque
-    else:
-        parts = analysis.breakdown
-        torque = parts.gravity + parts.load + (parts.inertial + parts.velocity) / slower**2
-        torque = torque + friction_torque(design.actuator_friction, speed)
+    static = static_torques(replace(design, load=NO_LOAD), motion.pose)
+    if analysis.solved.loaded(design):
+        static = static + analysis.solved.load_torques(design)
+    step = max(1, motion.size // INERTIA_SAMPLES)
+    inertia = np.nanmax(actuator_inertia(design, motion.pose[::step]), axis=0)
+    solved = analysis.solved
+    return _Solved(
+        analysis.torque, static, solved.speed, solved.actuator_acceleration, static[-1], inertia
+    )
+
+
+def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> list[Passage]:
+    """Return a motion as the four actuators see it."""
+    speed, growth = solved.speed / slower, solved.growth / slower**2
+    torque = solved.torque
+    if slower != 1.0:
+        friction = design.actuator_friction
+        dynamic = torque - friction_torque(friction, solved.speed) - solved.static
+        torque = solved.static + dynamic / slower**2 + friction_torque(friction, speed)
     power = torque * speed
     signals = np.stack(
         [
@@ -284,16 +310,6 @@ def _passages(design: Design, duty: Duty, slower: float) -> list[Passage]:
             np.sign(speed),
         ]
     )
-    held = static_torques(replace(design, load=NO_LOAD), motion.pose[-1])
-    if analysis.solved.loaded(design):
-        held = held + analysis.solved.load_torques(design)[-1]
-    t = slower * (motion.t - motion.t[0])
-    return [
-        Passage(t, signals[:, :, j], float(duty.count), float(duty.dwell), float(held[j]))
-        for j in range(4)
-    ]
-
-
-def _largest_inertia(design: Design, motion: Trajectory) -> Array:
-    step = max(1, motion.size // INERTIA_SAMPLES)
-    return np.nanmax(actuator_inertia(design, motion.pose[::step]), axis=0)
+    times = duty.trajectory.t
+    t, count, dwell = slower * (times - times[0]), float(duty.count), float(duty.dwell)
+    return [Passage(t, signals[:, :, j], count, dwell, float(solved.held[j])) for j in range(4)]

@@ -81,7 +81,8 @@ def ratio_intervals(
         top, mean = load.top_speed, load.mean_speed
         high = np.minimum(high, np.where(top > 0, table.top_speed / top, np.inf))
         high = np.minimum(high, np.where(mean > 0, table.rated_speed / mean, np.inf))
-        low = np.maximum(low, np.sqrt(load.inertia / (inertia_ratio * table.inertia)))
+        if np.isfinite(inertia_ratio):
+            low = np.maximum(low, np.sqrt(load.inertia / (inertia_ratio * table.inertia)))
         held = np.where(table.holds, 0.0, load.held / table.corner_torque[:, 0])
         low = np.maximum(low, held)
         low[(load.peak > table.gear_peak) | (load.rms > table.gear_rated)] = np.nan

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paminsa_viz.actuation.catalog import Catalog
 from paminsa_viz.actuation.drive_table import drive_table
 from paminsa_viz.actuation.duty import ActuatorLoad, DutyCycle, Signal
+from paminsa_viz.actuation.ratios import ratio_intervals
 from paminsa_viz.actuation.sizing import Order, Sizing, fitting_time, size_drives
 from paminsa_viz.actuation.thermal import thermal_share
 from paminsa_viz.model.arrays import Array
@@ -37,6 +38,8 @@ class DriveFigures:
         inertia_ratio: The robot's inertia over the motor's.
         thermal: Largest temperature rise of the winding over that at the rated torque; NaN without
             a time constant.
+        ratios: Least and largest gear ratio with which the motor could drive the load, the gear's
+            inertia and efficiency unchanged; NaN where none can.
     """
 
     drive: Drive
@@ -50,6 +53,7 @@ class DriveFigures:
     envelope: float
     inertia_ratio: float
     thermal: float
+    ratios: tuple[float, float]
 
 
 def cloud(load: ActuatorLoad, drive: Drive) -> tuple[Array, Array]:
@@ -64,6 +68,9 @@ def figures(sizing: Sizing, index: int) -> DriveFigures:
     drive = table.drive(index)
     speed, torque = cloud(load, drive)
     one = table[index : index + 1]
+    found = ratio_intervals(load, one, inertia_ratio=sizing.most_inertia)
+    ends = (found.low[0], found.high[0]) if found.feasible[0] else (np.nan, np.nan)
+    lead = drive.ratio / drive.gear_ratio
     timed = np.isfinite(one.thermal_time[0]) and np.isfinite(one.rated_torque[0])
     return DriveFigures(
         drive=drive,
@@ -77,6 +84,7 @@ def figures(sizing: Sizing, index: int) -> DriveFigures:
         envelope=float(sizing.envelope[index]),
         inertia_ratio=float(sizing.inertia_ratio[index]),
         thermal=float(thermal_share(load, one)[0]) if timed else float("nan"),
+        ratios=(float(ends[0] / lead), float(ends[1] / lead)),
     )
 
 

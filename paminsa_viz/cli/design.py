@@ -70,10 +70,13 @@ class Show(JsonFlags):
         design = _load(self.file)
         if self.json:
             values = {key.path: design.value(key.parameter.path) for key in KEYS}
-            facts: dict[str, Any] = {"name": design.name}
-            facts |= {name: choice(design, table, name).value for table, name in CHOICES}
-            facts["values"] = values
-            facts |= {"counterweights": _weights(design)}
+            facts: dict[str, Any] = {
+                "name": design.name,
+                "knee": design.geometry.knee.value,
+                "load_frame": design.load.frame.value,
+                "values": values,
+                "counterweights": _weights(design),
+            }
             print_json(facts | ({"drives": _drives(design)} if any(design.drives) else {}))
             return 0
         print(design.name)

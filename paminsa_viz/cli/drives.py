@@ -275,5 +275,5 @@ def _facts(one: DriveFigures) -> dict[str, Any]:
         "rms_Nm": one.rms, "peak_Nm": one.peak, "top_speed_rad_s": one.top_speed,
         "top_power_W": one.top_power, "envelope": one.envelope,
         "inertia_ratio": one.inertia_ratio, "thermal": one.thermal,
-        "mass_kg": drive.mass, "cost": drive.cost,
+        "mass_kg": drive.mass, "cost": drive.cost, "feasible_gear_ratios": list(one.ratios),
     }  # fmt: skip

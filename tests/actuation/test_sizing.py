@@ -295,3 +295,12 @@ def test_the_load_on_the_platform_is_driven_and_held() -> None:
     for j, load in enumerate(loaded):
         np.testing.assert_allclose(load.torque, analyze(pushed, motion).torque[:, j], rtol=1e-12)
     assert abs(loaded[0].held - bare[0].held) > 1.0
+
+
+def test_a_drive_without_inertia_has_ratios_too() -> None:
+    load = random_load(np.random.default_rng(7))
+    table = drive_table([replace(SERVO, rotor_inertia=0.0, rated_torque=5.0, peak_torque=9.0)])
+    found = ratio_intervals(load, table)
+    assert found.feasible[0]
+    use = size_drives(load, replace(table, ratio=found.low)).use
+    np.testing.assert_allclose(use, 1.0, rtol=1e-9)

@@ -78,7 +78,9 @@ def test_show_prints_every_number(capsys) -> None:
     wanted = [f"{key.table} {key.name} {values[key.path]:.10g} ".lstrip() for key in KEYS]
     for words in (*wanted, "geometry knee printed ", "load frame world "):
         assert sum(line.startswith(words) for line in lines) == 1, words
-    assert run_json(capsys, "show", "d.toml")["values"] == values
+    shown = run_json(capsys, "show", "d.toml")
+    assert shown["values"] == values
+    assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "printed", "world")
     assert list(run_json(capsys, "show")["values"].values()) == [p.default for p in PARAMETERS]
     assert "200 mm beyond joint 7" in run(capsys, "show", "w.toml")[1]
 

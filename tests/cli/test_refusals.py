@@ -126,6 +126,7 @@ READERS = {
     "balance --goal peak": "design preset file",
     "sweep --vary links.b3=1:2:2 --out out.csv": "design preset file",
     "verify": "design preset file",
+    "drives": "design preset file",
     "report --out out.html": "design preset file",
     "export --glb out.glb": "design",
 }
@@ -141,7 +142,7 @@ BAD = {
 WRITERS = [
     "map --out", "trajectory --out", "report --out", "export --glb", "export --mjcf",
     "balance --out", "design default --out", "evaluate in.csv --out",
-    "sweep --vary links.b3=1:2:2 --out",
+    "sweep --vary links.b3=1:2:2 --out", "drives --save",
 ]  # fmt: skip
 
 

@@ -24,10 +24,10 @@ from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT, BalanceChart, Tree
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.model import NO_DRIVES, InvalidInput
+from paminsa_viz.model import NO_DRIVES, Drive, InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
-from paminsa_viz.units import number
+from paminsa_viz.units import NONE, number
 
 ROTARY = 3
 """M1..M3."""
@@ -175,7 +175,25 @@ def fact_rows(one: DriveFigures) -> list[tuple[str, str, str]]:
         ("inertia ratio", number(one.inertia_ratio, 3), "robot over motor"),
         ("winding", f"{100 * one.thermal:.0f} %" if math.isfinite(one.thermal) else "–",
          "temperature rise"),
+        ("gear ratio", f"{drive.gear_ratio:g}", _ratios(one)),
+        ("one count", NONE if drive.resolution is None else _count(drive), "of the encoder"),
     ]  # fmt: skip
+
+
+def _ratios(one: DriveFigures) -> str:
+    """Return with which gear ratios the motor could drive the load."""
+    low, high = one.ratios
+    if math.isnan(low):
+        return "no ratio fits"
+    return f"{number(low, 3)} to {number(high, 3)} fit"
+
+
+def _count(drive: Drive) -> str:
+    """Return the motion of the actuator for one count of the encoder."""
+    resolution = drive.resolution or 0.0
+    if drive.lead is None:
+        return f"{number(math.degrees(resolution), 2)}°"
+    return f"{number(1e6 * resolution, 2)} µm"
 
 
 def own_html(frame: Frame) -> str:
