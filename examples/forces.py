@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from paminsa_viz.actuation.wrench_capability import capability, wrench_polytope
+from paminsa_viz.actuation import capability, wrench_polytope
 from paminsa_viz.model import (
     APPENDIX_4,
     LoadCase,

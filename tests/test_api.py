@@ -25,6 +25,7 @@ PACKAGES = (
     "paminsa_viz",
     "paminsa_viz.model",
     "paminsa_viz.trajectory",
+    "paminsa_viz.actuation",
     "paminsa_viz.balancing",
     "paminsa_viz.studies",
     "paminsa_viz.notebook",

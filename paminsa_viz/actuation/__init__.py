@@ -2,3 +2,27 @@
 
 `wrench_capability` and `transmission` measure a pose; the drives of a design give the limits.
 """
+
+from __future__ import annotations
+
+from paminsa_viz.actuation.wrench_capability import (
+    DEFAULT_LIMITS,
+    ActuatorLimits,
+    Capability,
+    WrenchPolytope,
+    actuator_limits,
+    capability,
+    field_capability,
+    wrench_polytope,
+)
+
+__all__ = [
+    "DEFAULT_LIMITS",
+    "ActuatorLimits",
+    "Capability",
+    "WrenchPolytope",
+    "actuator_limits",
+    "capability",
+    "field_capability",
+    "wrench_polytope",
+]

@@ -19,7 +19,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import ConvexHull, HalfspaceIntersection
 
 from paminsa_viz.actuation.transmission import SPEED_ROWS
 from paminsa_viz.errors import InvalidInput
@@ -303,6 +302,8 @@ class WrenchPolytope:
 
         Empty if no horizontal force is held with this moment.
         """
+        from scipy.spatial import ConvexHull, HalfspaceIntersection  # slow to load
+
         gx, gy, gt = self.rows
         middle = self.torque - gt * moment
         half_planes = np.concatenate(
