@@ -18,7 +18,7 @@ designs = RandomDesigns(
 )
 study = Study(APPENDIX_4, designs, default_region(APPENDIX_4), scale_bars=True)
 summary = run_study(study, "design_study.csv")
-print(f"design_study.csv: {summary.rows} designs, {summary.status}")
+print(f"design_study.csv: {summary.rows} designs, {dict(summary.status)}")
 
 with open("design_study.csv", encoding="utf-8") as file:
     rows = list(csv.DictReader(line for line in file if not line.startswith("#")))

@@ -24,6 +24,7 @@ PRINTED = {
     "crossing": r"turn, Appendix 4: 0\.372 s, (.|\n)*cannot be held",
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
+    "forces": r"in every horizontal direction: 83\.60 N, M1 limits",
     "misprints": r"all of them +0\.\d+",
     "payload_in_motion": r"at rest M1..M3 change by at most 0 N m,\nM4 by k m g = 147\.15 N",
     "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",

@@ -97,8 +97,8 @@ class DriveTable:
         slopes = self.slopes
         used = np.isfinite(slopes)
         s = np.where(used, -slopes, 0.0)
-        a = np.where(used, self.corner_torque[:, :-1] + s * self.corner_speed[:, :-1], np.inf)
-        return a, s
+        starts = np.where(used, self.corner_speed[:, :-1], 0.0)
+        return np.where(used, self.corner_torque[:, :-1] + s * starts, np.inf), s
 
 
 def drive_table(drives: Sequence[Drive]) -> DriveTable:

@@ -130,7 +130,8 @@ def _limit(table: DriveTable, speed: Array) -> Array:
     for place in range(slopes.shape[1]):
         first, last = table.corner_speed[:, place, None], table.corner_speed[:, place + 1, None]
         slope = np.nan_to_num(slopes[:, place, None])
-        torque = table.corner_torque[:, place, None] + slope * (speed - first)
+        along = np.where(last > first, speed - np.where(last > first, first, 0.0), 0.0)
+        torque = table.corner_torque[:, place, None] + slope * along
         limit = np.where((speed >= first) & (speed <= last) & (last > first), torque, limit)
     return limit
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from paminsa_viz.plots.series import FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
-from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, actuator_rows
-from paminsa_viz.trajectory import TrajectoryAnalysis
+from paminsa_viz.report.blocks import Block, Figure, Note, Section, Table, actuator_rows, rows
+from paminsa_viz.trajectory import TrajectoryAnalysis, escape_inertia
 from paminsa_viz.units import format_value
 
 FIGURES: tuple[FigureKind, ...] = ("pose", "torques", "breakdown", "power")
@@ -30,6 +30,17 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
                 "ok",
             )
         )
+    blocks += [
+        Note(
+            f"At {item.t:.4g} s this robot's torques have no bound: the motion crosses the "
+            f"{item.locus.label} with t_sᵀ F = {format_value(item.residual, 'N m', 3)} instead of "
+            "zero. Sampled values next to it depend on the rate.",
+            "bad",
+        )
+        for item in analysis.unbounded
+    ]
+    if analysis.crossings:
+        blocks.append(_crossings(analysis))
     if analysis.summary:
         blocks.append(_table(analysis))
         for figure in FIGURES:
@@ -39,11 +50,40 @@ def trajectory_section(analysis: TrajectoryAnalysis) -> Section:
     return Section("trajectory", "Trajectory", tuple(blocks))
 
 
+def _crossings(analysis: TrajectoryAnalysis) -> Table:
+    found = []
+    for item in analysis.crossings:
+        pose = analysis.trajectory.at(item.t).pose
+        limits = ["no bound"] * 4
+        if item not in analysis.unbounded:
+            limits = [
+                format_value(torque, "N" if j == 3 else "N m")
+                for j, torque in enumerate(item.torque)
+            ]
+        inertia = float(escape_inertia(analysis.design, pose))
+        found.append(
+            (
+                item.locus.label,
+                format_value(item.t, "s", 4),
+                format_value(item.residual, "N m", 3),
+                *limits,
+                format_value(inertia, "kg m^2", 3),
+            )
+        )
+    head = ("", "At", "t_sᵀ F", "M1", "M2", "M3", "M4", "t_sᵀ M t_s")
+    text = (
+        "Crossings of singularities and the torques in the limit. There the actuators have no "
+        "authority along the escape twist t_s: what the model does not know of moves the platform "
+        "along it, against the inertia t_sᵀ M t_s only."
+    )
+    return Table(head, rows(*found), text)
+
+
 def _table(analysis: TrajectoryAnalysis) -> Table:
-    rows = []
+    found = []
     for j, summary in enumerate(analysis.summary):
         unit, speed = ("N m", "rad/s") if j < 3 else ("N", "m/s")
-        rows.append(
+        found.append(
             (
                 f"M{j + 1}",
                 format_value(summary.peak, unit),
@@ -59,4 +99,4 @@ def _table(analysis: TrajectoryAnalysis) -> Table:
         "", "Peak torque, force", "At", "RMS", "Top speed", "Peak power", "Energy driving",
         "Braking",
     )  # fmt: skip
-    return Table(head, actuator_rows(*rows), "Required actuator torques on the motion.")
+    return Table(head, actuator_rows(*found), "Required actuator torques on the motion.")

@@ -33,6 +33,8 @@ from paminsa_viz.trajectory.crossing import (
 )
 from paminsa_viz.trajectory.crossing_measures import (
     CrossingDrift,
+    CrossingLoad,
+    crossing_loads,
     escape_inertia,
     payload_drift,
     unplanned_torque,
@@ -75,6 +77,7 @@ __all__ = [
     "CrossingCondition",
     "CrossingDrift",
     "CrossingKind",
+    "CrossingLoad",
     "CrossingPlan",
     "CrossingRefused",
     "ImpossibleTrajectory",
@@ -106,6 +109,7 @@ __all__ = [
     "circle",
     "compare",
     "crossing_condition",
+    "crossing_loads",
     "crossings",
     "escape_inertia",
     "fit_law",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,9 +14,13 @@ from paminsa_viz.model.dynamics import TorqueBreakdown, kinetic_energy
 from paminsa_viz.model.lumped import Misprint
 from paminsa_viz.model.statics import potential_energy
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE, PathCheck
+from paminsa_viz.trajectory.crossing_measures import CrossingLoad, crossing_loads
 from paminsa_viz.trajectory.integrals import rms, running_integral
 from paminsa_viz.trajectory.sampled import Trajectory
 from paminsa_viz.trajectory.solved import SolvedTrajectory, solve_trajectory
+
+EXCESS = 0.05
+"""Share of the largest torque that a crossing's residual may cause next to it, by rounding."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +28,8 @@ class ActuatorSummary:
     """Load of an actuator before the motion ends or first fails.
 
     Attributes:
-        peak: Torque or force that is largest in size, with its sign [N m or N].
+        peak: Torque or force that is largest in size, with its sign; at a planned crossing of a
+            singularity its limit counts [N m or N].
         peak_t: When [s].
         rms: Root mean square over time [N m or N].
         top_speed: Largest speed [rad/s or m/s].
@@ -101,12 +106,24 @@ class TrajectoryAnalysis:
         torque, speed = self.torque[:until], self.solved.speed[:until]
         driven = running_integral(t, np.maximum(power, 0.0))[-1]
         braked = running_integral(t, np.minimum(power, 0.0))[-1]
-        peak, top = np.abs(torque).argmax(axis=0), np.abs(power).argmax(axis=0)
+        at_peak, top = np.abs(torque).argmax(axis=0), np.abs(power).argmax(axis=0)
+        limits = [
+            (item.torque, item.t)
+            for item in self.crossings
+            if item not in self.unbounded and item.t <= t[-1]
+        ]
+        peaks = [
+            max(
+                [(torque[i, j], t[i]), *((tau[j], at) for tau, at in limits)],
+                key=lambda found: abs(found[0]),
+            )
+            for j, i in enumerate(at_peak)
+        ]
         mean = rms(t, torque)
         return tuple(
             ActuatorSummary(
-                peak=float(torque[peak[j], j]),
-                peak_t=float(t[peak[j]]),
+                peak=float(peaks[j][0]),
+                peak_t=float(peaks[j][1]),
                 rms=float(mean[j]),
                 top_speed=float(np.abs(speed[:, j]).max()),
                 top_power=float(power[top[j], j]),
@@ -116,6 +133,32 @@ class TrajectoryAnalysis:
             )
             for j in range(4)
         )
+
+    @cached_property
+    def crossings(self) -> tuple[CrossingLoad, ...]:
+        """Planned crossings of singularities; torques in the limit, with friction.
+
+        They are not those of the sampled torques if the robot is another one than it was planned
+        for, see `unbounded`. Empty with misprints.
+        """
+        if self.solved.misprints:
+            return ()
+        t, friction = self.trajectory.t, self.solved.friction(self.design)
+        return tuple(
+            replace(item, torque=tuple(
+                torque + float(np.interp(item.t, t, column))
+                for torque, column in zip(item.torque, friction.T, strict=True)
+            ))
+            for item in crossing_loads(self.design, self.trajectory)
+        )  # fmt: skip
+
+    @cached_property
+    def unbounded(self) -> tuple[CrossingLoad, ...]:
+        """Planned crossings at which this robot's torques have no bound."""
+        if not self.crossings:
+            return ()
+        largest = float(np.nanmax(np.abs(self.torque[:, :3]), initial=0.0))
+        return tuple(item for item in self.crossings if item.excess > EXCESS * largest)
 
     @cached_property
     def energy(self) -> Array:

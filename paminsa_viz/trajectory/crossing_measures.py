@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import mass_matrix, platform_wrench
+from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
 from paminsa_viz.model.singularity import escape_twist
 from paminsa_viz.trajectory.check import SINGULAR_CLEARANCE
 from paminsa_viz.trajectory.crossing import locus_distances
 from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing
-from paminsa_viz.trajectory.sampled import RATE
+from paminsa_viz.trajectory.sampled import RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
 
 
@@ -102,3 +103,52 @@ def unplanned_torque(item: PlannedCrossing, duration: float, rate: float = RATE)
     speed, growth = (float(law(np.array([u]), order)[0]) / duration**order for order in (1, 2))
     residual = item.condition.residual(speed, growth)
     return float(np.abs(item.condition.growth).max() * abs(residual) * 2.0 * rate / speed)
+
+
+@dataclass(frozen=True)
+class CrossingLoad:
+    """What a robot needs where a sampled motion crosses a singularity.
+
+    Attributes:
+        t: When [s].
+        locus: Which locus.
+        residual: t_s^T F; unless it is zero, the torques have no bound [N m].
+        excess: Largest torque of M1 to M3 that follows from the residual half a sample step from
+            the crossing [N m].
+        torque: (4,) torques in the limit, as if the residual were zero [N m, N].
+    """
+
+    t: float
+    locus: Locus
+    residual: float
+    excess: float
+    torque: tuple[float, ...]
+
+
+def crossing_loads(design: Design, trajectory: Trajectory) -> tuple[CrossingLoad, ...]:
+    """Return what a robot needs at the planned crossings of a motion, friction left out.
+
+    A crossing at which the samples miss the locus is left out.
+    """
+    loads = []
+    for t, locus in trajectory.passages:
+        after = int(np.clip(np.searchsorted(trajectory.t, t), 1, trajectory.size - 1))
+        step = float(trajectory.t[after] - trajectory.t[after - 1])
+        times = t + 0.25 * step * np.array([0.0, -1.0, 1.0])
+        pose, velocity, acceleration = trajectory.at(times)
+        load = trajectory.load_at(times)
+        force = platform_wrench(design, pose, velocity, acceleration, load=load)
+        twist = escape_twist(design.geometry, pose[0])
+        if not (np.isfinite(twist).all() and np.isfinite(force).all()):
+            continue
+        g = inverse_jacobian(design.geometry, pose[0])
+        rate = inverse_jacobian_rate(design.geometry, pose[0], velocity[0])
+        force_rate = (force[2] - force[1]) / (0.5 * step)
+        left, right = np.vstack([g.T, twist @ rate.T]), np.append(force[0], twist @ force_rate)
+        torque = np.linalg.lstsq(left, right, rcond=None)[0]
+        null = np.linalg.svd(g.T)[2][-1]  # G^T null = 0
+        residual = float(twist @ force[0])
+        growth = float(np.abs(null / (twist @ rate.T @ null)).max())
+        excess = abs(residual) * growth / (0.5 * step)
+        loads.append(CrossingLoad(t, locus, residual, excess, tuple(torque.tolist())))
+    return tuple(loads)

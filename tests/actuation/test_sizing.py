@@ -173,7 +173,9 @@ def test_winding_temperature_is_that_of_its_differential_equation(time: float, e
     for count, dwell in ((1.0, 0.7), (3.0, 0.0), (2.0, 0.4)):
         (passage,) = random_load(rng, 400, bias=1.0).passages
         t = passage.t if even else passage.t[-1] * np.linspace(0, 1, 400) ** 1.2
-        passages.append(DutyMotion(t, passage.signals, count, dwell, passage.held))
+        # the middle one heats up from each time to the next, the last one cools down
+        scale = np.array([[{1.0: 1.0, 3.0: 3.0, 2.0: 0.2}[count]]] * 3 + [[1.0]] * 3)
+        passages.append(DutyMotion(t, scale * passage.signals, count, dwell, passage.held))
     load = ActuatorLoad("M1", tuple(passages), 1.0)
     drive = replace(SERVO, gear_ratio=20.0, efficiency=0.8, thermal_time_constant=time)
     table = drive_table([drive, replace(drive, brake=True)])
@@ -304,3 +306,21 @@ def test_a_drive_without_inertia_has_ratios_too() -> None:
     assert found.feasible[0]
     use = size_drives(load, replace(table, ratio=found.low)).use
     np.testing.assert_allclose(use, 1.0, rtol=1e-9)
+
+
+def test_drives_with_and_without_limits_stand_in_one_table() -> None:
+    load = random_load(np.random.default_rng(8), dwell=0.5)
+    bent = ((0.0, 9.0), (100.0, 2.0), (300.0, 1.9), (600.0, 0.1))
+    drives = [
+        Drive(), Drive(rated_torque=50.0), replace(SERVO, envelope=((0.0, 9.0), (600.0, 1.0))),
+        Drive(envelope=bent), Drive(top_speed=100.0), Drive(peak_torque=1e-3),
+    ]  # fmt: skip
+    together = size_drives(load, drive_table(drives))
+    alone = [size_drives(load, drive_table([drive])) for drive in drives]
+    np.testing.assert_allclose(together.use, [one.use[0] for one in alone], rtol=1e-12)
+    assert together.feasible[[0, 1]].all()
+    assert not together.feasible[5]
+    ends = [ratio_intervals(load, drive_table([drive])) for drive in drives]
+    found = ratio_intervals(load, drive_table(drives))
+    np.testing.assert_allclose(found.low, [one.low[0] for one in ends], rtol=1e-12)
+    np.testing.assert_allclose(found.high, [one.high[0] for one in ends], rtol=1e-12)

@@ -32,8 +32,8 @@ def motion(folder, mujoco) -> None:
     """A short motion as a table."""
     t = paper_like(APPENDIX_4.geometry).lasting(0.3).sample(100)
     rows = np.column_stack([t.t, t.pose, t.velocity, t.acceleration]).tolist()
-    lines = [",".join(TRAJECTORY.columns), *(",".join(map(repr, row)) for row in rows)]
-    Path("motion.csv").write_text("\n".join(lines) + "\n")
+    lines = [TRAJECTORY.columns[: len(rows[0])], *(map(repr, row) for row in rows)]
+    Path("motion.csv").write_text("\n".join(map(",".join, lines)) + "\n")
 
 
 def test_a_pass_is_shown_in_a_table(capsys) -> None:

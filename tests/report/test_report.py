@@ -25,7 +25,15 @@ from paminsa_viz.report.design_section import design_section
 from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
-from paminsa_viz.trajectory import Trajectory, analyze, home, paper_like
+from paminsa_viz.trajectory import (
+    MotionLimits,
+    Trajectory,
+    analyze,
+    home,
+    paper_like,
+    plan_crossing,
+    straight_path,
+)
 from paminsa_viz.units import format_value
 from tests.support.samples import random_design
 
@@ -243,3 +251,24 @@ def test_forces_are_those_of_the_load_and_the_limits() -> None:
     (none, *_) = forces_section(request_for()).blocks
     assert none == Note("No external force or moment acts on the platform.")
     assert "load" not in [row.cells[0] for row in design_section(HEAVY).blocks[1].rows]
+
+
+def test_planned_crossings_are_listed_and_those_of_another_robot_are_warned_of() -> None:
+    path = straight_path([0.1, 0.0, 0.2, -0.5], [0.36, 0.02, 0.5, -0.5])
+    lighter = balance(APPENDIX_4).after
+    found = plan_crossing(lighter, path, MotionLimits(torque=10.0))
+    samples = found.plan.sample(1000.0)
+
+    def blocks(design: Design) -> tuple[list[Table], list[Note]]:
+        section = trajectory_section(analyze(design, samples))
+        tables = [b for b in section.blocks if isinstance(b, Table) and b.head[1] == "At"]
+        return tables, [b for b in section.blocks if isinstance(b, Note) and b.kind == "bad"]
+
+    (table,), warnings = blocks(lighter)
+    assert not warnings
+    cells = table.rows[0].cells
+    assert cells[0] == "singular circle"
+    assert cells[3] == format_value(found.crossings[0].torque[0], "N m")
+    (table,), (warning,) = blocks(APPENDIX_4)
+    assert "no bound" in table.rows[0].cells
+    assert "have no bound" in warning.text

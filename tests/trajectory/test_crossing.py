@@ -27,6 +27,7 @@ from paminsa_viz.trajectory import (
     Controller,
     ControlMode,
     MotionLimits,
+    TrajectoryAnalysis,
     analyze,
     check_path,
     payload_drift,
@@ -364,3 +365,29 @@ def test_the_torque_without_the_condition_grows_with_the_rate() -> None:
     torque = inverse_dynamics(APPENDIX_4, *naive.at(at - 5e-6)).torque
     expected = unplanned_torque(crossing, duration, 1e5)
     assert np.abs(torque[:3]).max() == pytest.approx(expected, rel=1e-2)
+
+
+def test_the_peak_at_a_crossing_is_the_limit_torque(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = plan_crossing(BALANCED, LINE, TEN)
+    (crossing,) = found.crossings
+    samples = found.plan.sample(1000.0)
+    analysis = analyze(BALANCED, samples)
+    (load,) = analysis.crossings
+    assert load.torque == pytest.approx(crossing.torque, abs=1e-3)
+    assert abs(load.residual) < 1e-6
+    assert not analysis.unbounded
+    assert all(abs(one.peak) < 50.0 for one in analysis.summary[:3])
+    beyond = (replace(load, torque=(50.0, -60.0, 1.0, 2.0)),)
+    monkeypatch.setattr(TrajectoryAnalysis, "crossings", property(lambda _: beyond))
+    peaks = [(one.peak, one.peak_t) for one in analyze(BALANCED, samples).summary[:2]]
+    assert peaks == [(50.0, load.t), (-60.0, load.t)]
+
+
+def test_another_robot_on_a_planned_crossing_needs_torques_without_bound() -> None:
+    samples = plan_crossing(BALANCED, LINE, TEN).plan.sample(1000.0)
+    for design in (APPENDIX_4, BALANCED.vary({"payload.mass": 0.1})):
+        analysis = analyze(design, samples)
+        (load,) = analysis.unbounded
+        assert load.excess > 5.0
+        sampled = np.abs(analysis.torque[np.abs(samples.t - load.t) < 1e-3, :3]).max()
+        assert sampled > 0.5 * load.excess
