@@ -132,8 +132,10 @@ class Panel:
     def _bind(self, entry: Input, handle: Any) -> Any:
         if isinstance(entry, Dropdown) and callable(options := entry.options):
             self._follow(handle, "options", lambda state: tuple(options(state)))
-        binding = (SliderBinding if isinstance(entry, Slider) else Binding)(
-            self._session, entry, handle
+        binding = (
+            SliderBinding(self._session, entry, handle)
+            if isinstance(entry, Slider)
+            else Binding(self._session, entry, handle)
         )
 
         def draw(frame: Frame, dragging: bool) -> None:

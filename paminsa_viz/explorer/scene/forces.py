@@ -40,6 +40,9 @@ FULL_MOMENT: Final = 20.0
 BAR: Final = 0.1
 """Length that a label states the force of [m]."""
 
+ABOVE: Final = 0.05
+"""Height of the force polygon over the platform's origin, clear of its plate [m]."""
+
 BELOW: Final = 0.14
 """Distance of the polygon's label below the platform [m]."""
 
@@ -131,7 +134,7 @@ class LoadView:
                 "/load/label", text, font_screen_scale=0.9, anchor="bottom-left"
             )
         self._label.text = text
-        self._label.position = tuple(map(float, arrow[0, 1]))
+        self._label.position = arrow[0, 1]
 
 
 def load_text(design: Design, scale: float) -> str:
@@ -184,7 +187,7 @@ class PolytopeView:
             if found is not None:
                 center = pose[[0, 1, 3]]
                 if "force_polygon" in shown:
-                    self._draw_polygon(found, center)
+                    self._draw_polygon(found, center + np.array([0.0, 0.0, ABOVE]))
                 if "wrench_solid" in shown:
                     self._draw_solid(found, center)
         if not shown and self._nodes:
@@ -207,7 +210,7 @@ class PolytopeView:
     def _text(self, name: str, text: str, place: Array) -> None:
         self._nodes[name] = self._scene.add_label(
             f"/forces/{name}", text, font_screen_scale=0.9, anchor="top-center",
-            position=tuple(map(float, place)),
+            position=place,
         )  # fmt: skip
 
     def _draw_polygon(self, found: WrenchPolytope, center: Array) -> None:
@@ -228,7 +231,7 @@ class PolytopeView:
         circle = center + np.stack([ring[:-1:2], ring[1::2]], axis=1)
         self._lines("disc", circle, [palette.INK] * len(circle), 2.0)
         text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale)})"
-        self._text("polygon label", text, center - [0.0, 0.0, BELOW])
+        self._text("polygon label", text, center - [0.0, 0.0, ABOVE + BELOW])
 
     def _draw_solid(self, found: WrenchPolytope, center: Array) -> None:
         corners = found.vertices / [1.0, 1.0, found.length]

@@ -54,7 +54,7 @@ def test_polygon_and_solid_are_the_polytopes(scene: Scene) -> None:
     found = wrench_polytope(LOADED, pose)
     lines = np.asarray(scene.nodes["/forces/polygon"].points)
     middle = np.array(pose)[[0, 1, 3]]
-    size = np.linalg.norm(lines - middle, axis=-1).max()
+    size = np.linalg.norm((lines - middle)[..., :2], axis=-1).max()
     polygon = found.section()
     scale = np.linalg.norm(polygon, axis=1).max() / size
     np.testing.assert_allclose((lines[:, 0] - middle)[:, :2] * scale, polygon, rtol=1e-3, atol=0.1)
