@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # loaded when the server starts, and in the background
 
     from paminsa_viz.explorer.session import Session
     from paminsa_viz.model import Design
+    from paminsa_viz.trajectory import Trajectory
 
 log = logging.getLogger(__name__)
 
@@ -180,6 +181,18 @@ class App:
         self.server.stop()
         self._stopped.set()
         self._closed_page.set()
+
+
+def motion_page(design: Design, trajectory: Trajectory) -> bytes:
+    """Return a page that plays a motion without a server, for the command ``trajectory``.
+
+    Args:
+        design: The robot.
+        trajectory: The motion.
+    """
+    from paminsa_viz.explorer.html_pages import motion_html
+
+    return motion_html(design, trajectory)
 
 
 def call_allocator(function: str, *arguments: int) -> None:

@@ -58,28 +58,28 @@ class Duty(NamedTuple):
 
     Attributes:
         trajectory: The motion.
-        count: How often it is made in a cycle, one time after the other; at least 1.
+        repeats: How often it is made in a cycle, one time after the other; at least 1.
         dwell: How long the robot waits after each time, where the motion ends [s].
     """
 
     trajectory: Trajectory
-    count: float = 1.0
+    repeats: float = 1.0
     dwell: float = 0.0
 
 
-class Passage(NamedTuple):
+class DutyMotion(NamedTuple):
     """One motion of a load, over its samples.
 
     Attributes:
         t: (n,) from 0 [s].
         signals: (6, n), see `Signal`.
-        count, dwell: As in `Duty`.
+        repeats, dwell: As in `Duty`.
         held: Load torque in the dwell [N m, N].
     """
 
     t: Array
     signals: Array
-    count: float
+    repeats: float
     dwell: float
     held: float
 
@@ -107,7 +107,7 @@ class Blocks(NamedTuple):
     speed_top: Array
 
     @property
-    def count(self) -> int:
+    def number(self) -> int:
         """Number of blocks."""
         return len(self.speed)
 
@@ -123,13 +123,13 @@ class ActuatorLoad:
     """
 
     name: str
-    passages: tuple[Passage, ...]
+    passages: tuple[DutyMotion, ...]
     inertia: float
 
     @cached_property
     def period(self) -> float:
         """Time of a cycle [s]."""
-        return float(sum(p.count * (p.t[-1] + p.dwell) for p in self.passages))
+        return float(sum(p.repeats * (p.t[-1] + p.dwell) for p in self.passages))
 
     @cached_property
     def signals(self) -> Array:
@@ -160,13 +160,13 @@ class ActuatorLoad:
         total = np.zeros((6, 6))
         for p in self.passages:
             products = np.einsum("in,jn->nij", p.signals, p.signals)
-            total += p.count * running_integral(p.t, products)[-1]
+            total += p.repeats * running_integral(p.t, products)[-1]
         return total / self.period
 
     @cached_property
     def held_square(self) -> float:
         """Mean over the cycle of T^2 in the dwells, zero while the robot moves."""
-        return sum(p.count * p.dwell * p.held**2 for p in self.passages) / self.period
+        return sum(p.repeats * p.dwell * p.held**2 for p in self.passages) / self.period
 
     @cached_property
     def held(self) -> float:
@@ -244,8 +244,8 @@ def duty_cycle(design: Design, duties: Sequence[Duty], *, slower: float = 1.0) -
     if not duties:
         raise InvalidInput("duties", "at least one motion is needed")
     for duty in duties:
-        if not (np.isfinite(duty.count) and duty.count >= 1):
-            raise InvalidInput("count", f"a number of at least 1 is needed, not {duty.count!r}")
+        if not (np.isfinite(duty.repeats) and duty.repeats >= 1):
+            raise InvalidInput("repeats", f"a number of at least 1 is needed, not {duty.repeats!r}")
         if not (np.isfinite(duty.dwell) and duty.dwell >= 0):
             raise InvalidInput("dwell", f"a time of at least 0 s is needed, not {duty.dwell!r}")
     if not (np.isfinite(slower) and slower > 0):
@@ -291,7 +291,7 @@ def _solved(design: Design, motion: Trajectory) -> _Solved:
     )
 
 
-def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> list[Passage]:
+def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> list[DutyMotion]:
     """Return a motion as the four actuators see it."""
     speed, growth = solved.speed / slower, solved.growth / slower**2
     torque = solved.torque
@@ -311,5 +311,5 @@ def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> lis
         ]
     )
     times = duty.trajectory.t
-    t, count, dwell = slower * (times - times[0]), float(duty.count), float(duty.dwell)
-    return [Passage(t, signals[:, :, j], count, dwell, float(solved.held[j])) for j in range(4)]
+    t, count, dwell = slower * (times - times[0]), float(duty.repeats), float(duty.dwell)
+    return [DutyMotion(t, signals[:, :, j], count, dwell, float(solved.held[j])) for j in range(4)]

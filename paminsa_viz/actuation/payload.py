@@ -9,7 +9,7 @@ the payload changes the torques by no more than a given share.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import brentq
@@ -109,14 +109,11 @@ def payload_time_scaling(
         elif first == 0:
             found.append(np.nan)
         else:
-            found.append(
-                float(
-                    brentq(
-                        lambda slower, reading=reading: torques.change(slower)[reading] - share,
-                        grid[first], grid[first - 1], rtol=1e-12,
-                    )
-                )
+            root: Any = brentq(
+                lambda slower, reading=reading: torques.change(slower)[reading] - share,
+                grid[first], grid[first - 1], rtol=np.float64(1e-12),
             )  # fmt: skip
+            found.append(float(root))
     return PayloadChange(*found)
 
 

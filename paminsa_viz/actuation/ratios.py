@@ -123,7 +123,7 @@ def _coefficients(load: ActuatorLoad, table: DriveTable) -> tuple[Array, Array, 
     )
 
 
-def _interval(square: Array, limit: Array, constant: Array) -> tuple[Array, Array]:
+def _interval(square: Array, limit: Array, constant: Array | float) -> tuple[Array, Array]:
     """Return the x > 0 with square x^2 - limit x + constant <= 0, as ends; NaN where none is.
 
     With constant > 0 and square < 0 this is a half line, and so on: always one interval.
@@ -215,9 +215,9 @@ def _scan(
         found = np.flatnonzero(good)
         gaps[row] = not good[found[0] : found[-1] + 1].all()
         if found[0] > 0:
-            low[row] = _edge(load, part, ratios[found[0]], ratios[found[0] - 1])
+            low[row] = _edge(load, part, *ratios[[found[0], found[0] - 1]].tolist())
         if found[-1] < SCANNED - 1:
-            high[row] = _edge(load, part, ratios[found[-1]], ratios[found[-1] + 1])
+            high[row] = _edge(load, part, *ratios[[found[-1], found[-1] + 1]].tolist())
     return gaps
 
 

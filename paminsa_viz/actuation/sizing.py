@@ -55,7 +55,7 @@ def envelope_share(
     n = table.ratio if ratio is None else ratio
     for concave in (True, False):
         chosen = np.flatnonzero(table.concave == concave)
-        look, size = (_largest_of_lines, load.blocks.count) if concave else (_largest, load.size)
+        look, size = (_largest_of_lines, load.blocks.number) if concave else (_largest, load.size)
         step = max(1, BLOCK // size)
         for start in range(0, len(chosen), step):
             rows = chosen[start : start + step]

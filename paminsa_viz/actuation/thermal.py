@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.actuation.drive_table import DriveTable
-from paminsa_viz.actuation.duty import ActuatorLoad, Passage
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion
 from paminsa_viz.model.arrays import Array
 
 EVEN = 1e-9
@@ -45,7 +45,7 @@ def _shares(load: ActuatorLoad, table: DriveTable) -> Array:
         held = np.where(table.holds, 0.0, passage.held * factors[:, 2] / table.rated_torque) ** 2
         cooled = np.exp(-passage.dwell / time[:, 0])
         step_decay, step_gain = one * cooled, rise[:, -1] * cooled + held * (1 - cooled)
-        many = step_decay ** (passage.count - 1)
+        many = step_decay ** (passage.repeats - 1)
         settled = step_gain / (1 - step_decay)
         starts.append((decay, gain, many, settled))
         parts.append((passage, rise, held))
@@ -66,7 +66,7 @@ def _shares(load: ActuatorLoad, table: DriveTable) -> Array:
     return hottest
 
 
-def _rise(passage: Passage, heat: Array, time: Array) -> Array:
+def _rise(passage: DutyMotion, heat: Array, time: Array) -> Array:
     """Return the temperature from zero at the start, under heat (n, m) linear between samples."""
     steps = np.diff(passage.t)
     fade, here, there = _weights(steps / time)

@@ -259,14 +259,14 @@ class WrenchPolytope:
     @property
     def center(self) -> Array:
         """Wrench that unloads M1..M3, (3,)."""
-        return np.linalg.solve(self.rows.T, self.torque)
+        return np.asarray(np.linalg.solve(self.rows.T, self.torque), dtype=np.float64)
 
     @property
     def vertices(self) -> Array:
         """The corners, (8, 3), in the order of the signs of tau_1, tau_2, tau_3."""
         signs = np.array(np.meshgrid(*[(-1, 1)] * 3, indexing="ij")).reshape(3, 8)
         corners = self.torque[:, None] - signs * self.limits[:, None]
-        return np.linalg.solve(self.rows.T, corners).T
+        return np.asarray(np.linalg.solve(self.rows.T, corners).T, dtype=np.float64)
 
     @property
     def faces(self) -> tuple[str, ...]:

@@ -146,8 +146,9 @@ class Diff(JsonFlags):
             return 0
         rows = [("", "", *(str(file or APPENDIX_4.name) for file in files), "change", "")]
         for table, name, a, b, what in changed:
-            share = isinstance(a, float) and isinstance(b, float) and a != 0
-            change = f"{100 * (b / a - 1):+.3g} %" if share else ""
+            change = ""
+            if isinstance(a, float) and isinstance(b, float) and a != 0:
+                change = f"{100 * (b / a - 1):+.3g} %"
             rows.append((table, name, _text(a), _text(b), change, what))
         if weighted:
             held = [

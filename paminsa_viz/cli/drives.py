@@ -117,7 +117,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
 
     def _print(self, design: Design, catalog: Catalog, found: Selection, advice: list[str]) -> None:
         motions = ", ".join(
-            f"{duty.trajectory.name} ({duty.trajectory.duration:.3g} s, {duty.count:g} times, "
+            f"{duty.trajectory.name} ({duty.trajectory.duration:.3g} s, {duty.repeats:g} times, "
             f"dwell {duty.dwell:g} s)"
             for duty in found.cycle.duties
         )
@@ -151,7 +151,7 @@ class Drives(JsonFlags, MotionFlags, DesignFlags):
             "motions": [
                 {
                     "name": duty.trajectory.name, "duration_s": duty.trajectory.duration,
-                    "count": duty.count, "dwell_s": duty.dwell,
+                    "repeats": duty.repeats, "dwell_s": duty.dwell,
                 }
                 for duty in found.cycle.duties
             ],

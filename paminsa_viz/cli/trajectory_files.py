@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from paminsa_viz.cli import command_module
 from paminsa_viz.cli.output import print_error
 from paminsa_viz.cli.trajectory_report import Results
 from paminsa_viz.files.atomic import write_bytes
@@ -59,9 +60,7 @@ def write_files(
             table = simulation_table(simulation) if simulation else analysis_table(analysis)
             return table_bytes(table, ending[1:])
         if ending == PAGE:
-            from paminsa_viz.explorer.html_pages import motion_html  # late: the page's libraries
-
-            return motion_html(analysis.design, analysis.trajectory)
+            return command_module("start").motion_page(analysis.design, analysis.trajectory)
         from paminsa_viz.plots.series_figure import figure_bytes  # late: matplotlib
 
         return figure_bytes(

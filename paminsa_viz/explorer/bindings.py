@@ -132,8 +132,10 @@ class Panel:
     def _bind(self, entry: Input, handle: Any) -> Any:
         if isinstance(entry, Dropdown) and callable(options := entry.options):
             self._follow(handle, "options", lambda state: tuple(options(state)))
-        binding = (SliderBinding if isinstance(entry, Slider) else Binding)(
-            self._session, entry, handle
+        binding = (
+            SliderBinding(self._session, entry, handle)
+            if isinstance(entry, Slider)
+            else Binding(self._session, entry, handle)
         )
 
         def draw(frame: Frame, dragging: bool) -> None:
@@ -260,9 +262,9 @@ class SliderBinding(Binding):
     def draw(self, state: State) -> bool:
         written = super().draw(state)
         base = given(self._slider.range, state)
-        by_hand = base == self._base and not written
+        dragged = base == self._base and not written
         self._base = base
-        ends = self._slider.ends(state, self._ends if by_hand else base)
+        ends = self._slider.ends(state, self._ends if dragged else base)
         if ends != self._ends:
             self._ends = ends
             self._handle.min, self._handle.max = ends

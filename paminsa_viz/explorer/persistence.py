@@ -151,8 +151,8 @@ def _design(data: dict[str, Any]) -> Design:
 
 def _drive(values: dict[str, Any]) -> Drive:
     """Read what `_changed_fields` returned."""
-    name = printable(str(values.get("name", "")))[:NAME_CHARACTERS]
-    return Drive(**values | {"name": name})
+    known: Any = values | {"name": printable(str(values.get("name", "")))[:NAME_CHARACTERS]}
+    return Drive(**known)
 
 
 def share_code(document: Document) -> str:

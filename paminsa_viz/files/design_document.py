@@ -46,11 +46,10 @@ _DRIVE_KINDS: dict[str, Any] = {
     "transmission": Literal[TRANSMISSIONS],
     "brake": bool,
 }
-DriveEntry = create_model(
-    "DriveEntry",
-    __config__=_CLOSED,
-    **{key: (_DRIVE_KINDS.get(name, _Number), None) for name, key in DRIVE_KEYS.items()},
-)
+_drive_fields: Any = {
+    key: (_DRIVE_KINDS.get(name, _Number), None) for name, key in DRIVE_KEYS.items()
+}
+DriveEntry = create_model("DriveEntry", __config__=_CLOSED, **_drive_fields)
 DriveTables = create_model(
     "DriveTables", __config__=_CLOSED, **dict.fromkeys(ACTUATORS, (DriveEntry, None))
 )

@@ -128,7 +128,8 @@ def center_wrench(load: LoadCase, theta: ArrayLike, extra: ArrayLike | None = No
         parts = np.moveaxis(as_vectors(extra, "load", 6) + np.array(load.wrench), -1, 0)
     with np.errstate(invalid="ignore"):
         c, s = np.cos(theta), np.sin(theta)
-        found = wrench_at_center(*parts, *load.point, load.turns, c, s)
+        arguments: Any = (*parts, *load.point, load.turns, c, s)
+        found = wrench_at_center(*arguments)
     return np.stack(np.broadcast_arrays(*found, theta)[:6], axis=-1)
 
 

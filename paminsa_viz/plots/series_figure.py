@@ -183,17 +183,19 @@ def _legend(figure: Figure, data: SeriesData, width: float, body: float) -> Lege
         return None
     em = body * POINT
     labels = ["\n".join(wrapped(text, em, width - 16.0)) for text in entries]
+    legend: Legend | None = None
     for columns in range(len(labels), 0, -1):
+        if legend is not None:
+            legend.remove()
         legend = figure.legend(
             list(entries.values()), labels, loc="upper center", bbox_to_anchor=(0.5, 0.5),
             ncols=columns, frameon=False, fontsize=body,
             labelcolor=INK, handlelength=8.0 / em, handletextpad=1.5 / em, columnspacing=6.0 / em,
             labelspacing=0.3, borderpad=0.0, borderaxespad=0.0,
         )  # fmt: skip
-        if columns == 1 or legend.get_window_extent().width <= (width - 4.0) / INCH * figure.dpi:
+        legend.set_in_layout(False)
+        if legend.get_window_extent().width <= (width - 4.0) / INCH * figure.dpi:
             break
-        legend.remove()
-    legend.set_in_layout(False)
     return legend
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -188,7 +188,7 @@ def search_geometry(
     found = differential_evolution(
         trial, list(chosen.values()), maxiter=generations, popsize=population,
         rng=np.random.default_rng(seed), callback=after_generation, polish=False,
-        updating="deferred", workers=in_parts, tol=1e-6,
+        updating="deferred", workers=cast(Any, in_parts), tol=1e-6,
     )  # fmt: skip
     try:
         best = trial.robot(found.x)

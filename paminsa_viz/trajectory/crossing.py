@@ -13,8 +13,10 @@ limit. Friction at the actuators does no work on t_s and is left out.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 import numpy as np
 
@@ -118,7 +120,7 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
     Raises:
         PathOnLocus: If a part of it lies on one.
     """
-    from scipy.optimize import brentq, minimize_scalar  # slow to load
+    from scipy.optimize import minimize_scalar  # slow to load
 
     s = np.linspace(0.0, 1.0, NODES)
     found: list[tuple[float, Locus, bool]] = []
@@ -135,7 +137,7 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
             raise PathOnLocus(float(s[along[0]]), locus)
         found += [(float(s[i]), locus, True) for i in np.flatnonzero(on)]
         change = np.flatnonzero((d[:-1] * d[1:] < 0) & ~on[:-1] & ~on[1:])
-        found += [(brentq(distance, s[i], s[i + 1], xtol=1e-15), locus, True) for i in change]
+        found += [(_root(distance, s[i], s[i + 1]), locus, True) for i in change]
         size = np.abs(d)
         dips = np.flatnonzero((size[1:-1] < size[:-2]) & (size[1:-1] < size[2:])) + 1
         for i in dips[(d[dips - 1] * d[dips + 1] > 0) & ~on[dips]]:
@@ -147,6 +149,13 @@ def crossings(geometry: Geometry, path: Path) -> tuple[Crossing, ...]:
                 found.append((float(low.x), locus, False))
     found.sort(key=lambda item: item[0])
     return tuple(_crossing(geometry, path, *item, found) for item in found)
+
+
+def _root(function: Callable[[float], float], low: float, high: float) -> float:
+    from scipy.optimize import brentq
+
+    root: Any = brentq(function, low, high, xtol=1e-15)
+    return float(root)
 
 
 def _crossing(
@@ -228,7 +237,8 @@ def limit_torque_rows(design: Design, path: Path, s: float) -> Array:
     force = np.stack([b, 0.5 * a, np.zeros(4), c], axis=1)  # F by z, dz, ddz, 1
     force_rate = np.stack([db, b + 0.5 * da, 0.5 * a, dc], axis=1)
     left = np.vstack([g.T, twist @ rate.T])
-    return np.linalg.lstsq(left, np.vstack([force, twist @ force_rate]), rcond=None)[0]
+    right = np.vstack([force, twist @ force_rate])
+    return np.asarray(np.linalg.lstsq(left, right, rcond=None)[0], dtype=np.float64)
 
 
 def _jacobians(geometry: Geometry, path: Path, at: Array) -> tuple[Array, Array]:

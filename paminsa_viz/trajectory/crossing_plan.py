@@ -11,7 +11,7 @@ where there is none, another one tells by what factor the torque limits are too 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -31,9 +31,6 @@ from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.sampled import Passage
-
-if TYPE_CHECKING:
-    pass
 
 
 @dataclass(frozen=True)
@@ -131,7 +128,7 @@ def plan_crossing(
             )
         from scipy.optimize import brentq
 
-        share = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
+        share: Any = brentq(lambda at: np.log(blend(at).duration / duration), 1e-3, 1.0, xtol=1e-12)
         curve = blend(share)
     planned = tuple(_planned(program, curve, *item) for item in enumerate(found))
     passages = tuple(Passage(p.t / curve.duration, p.crossing.locus) for p in planned)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
@@ -84,7 +85,7 @@ class CrossingProgram:
         right = [-condition.c for condition in self.conditions]
         return np.reshape(rows, (-1, INTERVALS + 1)), np.array(right)
 
-    def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, Array]:
+    def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """Return rows, constants and limits, and which of these are torques."""
         share = (np.arange(POINTS) + 0.5) / POINTS
         s = np.concatenate(

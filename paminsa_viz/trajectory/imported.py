@@ -53,10 +53,11 @@ def from_samples(
     times = np.array(as_numbers(t, "t"))
     poses = np.array(as_vectors(pose, "pose"))
     zero = np.zeros((times.size, 4))
+    wrench = None if load is None else as_vectors(load, "load", 6)
     # Checks shapes and values, before anything is made of them.
     speeds = zero if velocity is None else as_vectors(velocity, "velocity")
     growth = zero if acceleration is None else as_vectors(acceleration, "acceleration")
-    Trajectory(times, poses, speeds, growth, load=load)
+    Trajectory(times, poses, speeds, growth, load=wrench)
     notes: list[str] = []
     if times[0] != 0.0:
         notes.append(f"The times are shifted by {-times[0]:.6g} s, to start at zero.")
@@ -84,7 +85,7 @@ def from_samples(
         notes += _mismatch("velocity", times, poses, speeds)
     if acceleration is not None:
         notes += _mismatch("acceleration", times, speeds, growth)
-    return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes), load)
+    return Trajectory(times, poses, speeds, growth, name, "imported samples", tuple(notes), wrench)
 
 
 def _spline(t: Array, values: Array, rest: bool) -> BSpline:

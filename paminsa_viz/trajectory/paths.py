@@ -23,7 +23,7 @@ _GAUSS = np.polynomial.legendre.leggauss(8)
 class Path(Protocol):
     """A path: the pose (n, 4), or its derivative by s up to the third, at s (n,) in [0, 1]."""
 
-    def __call__(self, s: Array, order: int = 0) -> Array: ...
+    def __call__(self, s: Array, order: int = 0, /) -> Array: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +47,12 @@ def straight_path(start: ArrayLike, goal: ArrayLike) -> StraightPath:
     Raises:
         InvalidInput: If they are not two different, finite poses.
     """
-    poses = as_vectors([start, goal], "poses")
-    if not np.isfinite(poses).all() or (poses[0] == poses[1]).all():
-        raise InvalidInput("poses", "two different, finite poses are needed")
-    return StraightPath(*poses)
+    begin, end = as_vectors(start, "start"), as_vectors(goal, "goal")
+    if begin.shape != (4,) or end.shape != (4,) or not np.isfinite([begin, end]).all():
+        raise InvalidInput("poses", "two finite poses (4,) are needed")
+    if (begin == end).all():
+        raise InvalidInput("poses", "two different poses are needed")
+    return StraightPath(begin, end)
 
 
 def spline_path(poses: ArrayLike) -> Path:

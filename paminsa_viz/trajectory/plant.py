@@ -198,7 +198,8 @@ def acceleration_under(
             number += 1
     rows = actuator_rows(m, legs)
     inertia += rows.T @ (np.diag(o.inertia) @ rows)
-    return np.linalg.solve(inertia, rows.T @ torque + force - bias)
+    found: Any = np.linalg.solve(inertia, rows.T @ torque + force - bias)
+    return found
 
 
 def derivative(

@@ -174,7 +174,7 @@ class Trajectory:
         ]  # fmt: skip
         return States(*hermite(u, h, *ends))
 
-    def load_at(self, t: ArrayLike) -> Array | None:
+    def load_at(self, t: Array) -> Array | None:
         """Return the load at times (n,), linear between samples, (n, 6); None without one."""
         if self.load is None:
             return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.actuation.drive_table import DriveTable, drive_table
-from paminsa_viz.actuation.duty import ActuatorLoad, Passage
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion
 from paminsa_viz.model.drive import Drive
 
 
@@ -34,7 +34,7 @@ def random_load(
             np.sign(speed),
         ]
     )
-    passage = Passage(t, signals, 1.0, dwell, float(torque[-1]))
+    passage = DutyMotion(t, signals, 1.0, dwell, float(torque[-1]))
     return ActuatorLoad("M1", (passage,), rng.uniform(0.01, 1.0))
 
 

@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import simpson
 
 from paminsa_viz.actuation.drive_table import combined, drive_table, pair_table
-from paminsa_viz.actuation.duty import ActuatorLoad, Duty, Passage, duty_cycle
+from paminsa_viz.actuation.duty import ActuatorLoad, Duty, DutyMotion, duty_cycle
 from paminsa_viz.actuation.ratios import figure_of_merit, ratio_intervals
 from paminsa_viz.actuation.sizing import LIMITS, envelope_share, fitting_time, size_drives
 from paminsa_viz.actuation.thermal import thermal_share
@@ -175,7 +175,7 @@ def test_winding_temperature_is_that_of_its_differential_equation(time: float, e
         t = passage.t if even else passage.t[-1] * np.linspace(0, 1, 400) ** 1.2
         # the middle one heats up from each time to the next, the last one cools down
         scale = np.array([[{1.0: 1.0, 3.0: 3.0, 2.0: 0.2}[count]]] * 3 + [[1.0]] * 3)
-        passages.append(Passage(t, scale * passage.signals, count, dwell, passage.held))
+        passages.append(DutyMotion(t, scale * passage.signals, count, dwell, passage.held))
     load = ActuatorLoad("M1", tuple(passages), 1.0)
     drive = replace(SERVO, gear_ratio=20.0, efficiency=0.8, thermal_time_constant=time)
     table = drive_table([drive, replace(drive, brake=True)])
@@ -185,7 +185,7 @@ def test_winding_temperature_is_that_of_its_differential_equation(time: float, e
             one = replace(load, passages=(p,))
             tau = motor_torque(one, table.drive(i), np.array([20.0]))[0] / drive.rated_torque
             held = 0.0 if i else (p.held / 20 / drive.rated_torque) ** 2
-            for _ in range(int(p.count)):
+            for _ in range(int(p.repeats)):
                 times += list(times[-1] + p.t + 1e-12)
                 heats += list(tau**2)
                 if p.dwell:
@@ -279,8 +279,8 @@ def test_a_stretched_cycle_is_that_of_the_slower_motion() -> None:
 
 @pytest.mark.parametrize(
     ("duties", "argument"),
-    [([], "duties"), ([{"count": 0.5}], "count"), ([{"dwell": -1.0}], "dwell")],
-    ids=["none", "count", "dwell"],
+    [([], "duties"), ([{"repeats": 0.5}], "repeats"), ([{"dwell": -1.0}], "dwell")],
+    ids=["none", "repeats", "dwell"],
 )
 def test_impossible_cycles_are_refused(motion, duties, argument: str) -> None:  # type: ignore[no-untyped-def]
     with pytest.raises(InvalidInput) as caught:

@@ -49,7 +49,7 @@ def test_the_saved_design_has_the_first_drives_and_keeps_their_limits(capsys) ->
 def test_several_motions_with_repetitions_and_dwells(capsys) -> None:
     cycle = ("--cycle", "arch", "3", "0.5", "--cycle", "circle", "1", "2")
     found = run_json("drives", capsys, *cycle, "--catalog", "mine.csv", "--rows", "1")
-    assert [motion["count"] for motion in found["motions"]] == [3, 1]
+    assert [motion["repeats"] for motion in found["motions"]] == [3, 1]
     assert [motion["dwell_s"] for motion in found["motions"]] == [0.5, 2]
 
 
@@ -80,7 +80,7 @@ def test_what_would_make_a_drive_fit_is_said(capsys) -> None:
         (("--catalog", "none.csv"), "none.csv"),
         (("--catalog", "bad.csv"), "bad.csv: row 2, column rotor_inertia_kg_cm2"),
         (("--cycle", "ellipse", "1", "0"), "--cycle ellipse"),
-        (("--cycle", "arch", "0", "0"), "count"),
+        (("--cycle", "arch", "0", "0"), "repeats"),
         (("--cycle", "arch", "1", "0", "--preset", "arch"), "--cycle excludes"),
         (("--dwell", "-1"), "dwell"),
         (("--inertia-ratio", "0"), "inertia_ratio"),

@@ -74,8 +74,11 @@ def test_lists_say_when_they_are_of_something_else(found: State) -> None:
 def test_the_chart_holds_the_motion_inside_the_envelope(found: State) -> None:
     figure = panel.chart_figure(found)
     traces = {trace["name"]: trace for trace in figure["data"]}
-    assert np.abs(traces["motion"]["x"]).max() < np.max(traces["envelope"]["x"])
-    assert np.abs(traces["motion"]["y"]).max() < np.max(traces["envelope"]["y"])
+    for name in ("M1", "M2", "M3"):
+        assert np.abs(traces[name]["x"]).max() < np.max(traces["envelope"]["x"])
+        assert np.abs(traces[name]["y"]).max() < np.max(traces["envelope"]["y"])
+    lift = panel.chart_figure(found.updated("driving", actuator=3))
+    assert {"M4", "M1"} & {trace["name"] for trace in lift["data"]} == {"M4"}
     other = found.updated("driving", row=1)
     assert panel.chart_key(found) != panel.chart_key(other)
     assert panel.chart_key(initial_state()) is None

@@ -77,10 +77,8 @@ def choose(state: State, row: int | None) -> State:
     if row is None:
         drives = list(outcome.selection.design(design).drives)
     else:
-        j = driving.actuator
-        shared = range(ROTARY) if outcome.job.settings.same and j < ROTARY else [j]
-        for one in shared:
-            drives[one] = driving.listed[row].drive
+        for j in _shared(state, driving.actuator):
+            drives[j] = driving.listed[row].drive
     return _with_drives(state, drives)
 
 
@@ -142,10 +140,15 @@ def list_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def _name(state: State, actuator: int) -> str:
+def _shared(state: State, actuator: int) -> tuple[int, ...]:
+    """Return the actuators that have the same drive as one of them."""
     outcome = state.driving.outcome
     same = outcome is not None and outcome.job.settings.same and actuator < ROTARY
-    return "M1 to M3" if same else ACTUATORS[actuator]
+    return tuple(range(ROTARY)) if same else (actuator,)
+
+
+def _name(state: State, actuator: int) -> str:
+    return "M1 to M3" if len(_shared(state, actuator)) > 1 else ACTUATORS[actuator]
 
 
 def facts_html(frame: Frame) -> str:
@@ -191,9 +194,7 @@ def _ratios(one: DriveFigures) -> str:
 def _count(drive: Drive) -> str:
     """Return the motion of the actuator for one count of the encoder."""
     resolution = drive.resolution or 0.0
-    if drive.lead is None:
-        return f"{number(math.degrees(resolution), 2)}°"
-    return f"{number(1e6 * resolution, 2)} µm"
+    return f"{number(1e6 * resolution, 2)} {'µrad' if drive.lead is None else 'µm'}"
 
 
 def own_html(frame: Frame) -> str:
@@ -225,10 +226,9 @@ def chart_figure(state: State) -> Tree:
     if one is None or outcome is None or outcome.selection is None:
         raise ValueError("there is no drive to show")
     drive = one.drive
-    load = outcome.selection.cycle.loads[driving.actuator]
-    speed, torque = cloud(load, drive)
-    kept = np.linspace(0, len(speed) - 1, min(len(speed), MOST_POINTS)).round().astype(int)
-    top = max(1.25 * float(np.abs(speed).max()), 1e-6)
+    shared = _shared(state, driving.actuator)
+    clouds = [cloud(outcome.selection.cycle.loads[j], drive) for j in shared]
+    top = max(1.25 * max(float(np.abs(speed).max()) for speed, _ in clouds), 1e-6)
     corners = [(min(s, top) if math.isinf(s) else s, t) for s, t in drive.corners]
     corners = [(s, t) for s, t in corners if math.isfinite(t)]
     around = [*corners, *[(s, -t) for s, t in reversed(corners)]]
@@ -253,19 +253,21 @@ def chart_figure(state: State) -> Tree:
                 "line": {"color": MUTED, "width": 1, "dash": "dash"}, "hoverinfo": "skip",
             }
         )  # fmt: skip
-    color = ACTUATOR_COLORS[driving.actuator]
+    for j, (speed, torque) in zip(shared, clouds, strict=True):
+        kept = np.linspace(0, len(speed) - 1, min(len(speed), MOST_POINTS)).round().astype(int)
+        color = ACTUATOR_COLORS[j]
+        data.append(
+            {
+                "type": "scatter", "mode": "lines+markers", "name": ACTUATORS[j],
+                "x": (RPM * speed[kept]).tolist(), "y": torque[kept].tolist(),
+                "line": {"color": color, "width": 1}, "marker": {"color": color, "size": 3},
+                "hovertemplate": hover,
+            }
+        )  # fmt: skip
+    mean = RPM * drive.ratio * outcome.selection.cycle.loads[driving.actuator].mean_speed
     data.append(
         {
-            "type": "scatter", "mode": "lines+markers", "name": "motion",
-            "x": (RPM * speed[kept]).tolist(), "y": torque[kept].tolist(),
-            "line": {"color": color, "width": 1}, "marker": {"color": color, "size": 3},
-            "hovertemplate": hover,
-        }
-    )  # fmt: skip
-    mean = RPM * drive.ratio * load.mean_speed
-    data.append(
-        {
-            "type": "scatter", "mode": "markers", "name": "RMS",
+            "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[driving.actuator]}",
             "x": [mean], "y": [one.rms],
             "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
         }

@@ -134,7 +134,7 @@ class LoadView:
                 "/load/label", text, font_screen_scale=0.9, anchor="bottom-left"
             )
         self._label.text = text
-        self._label.position = tuple(map(float, arrow[0, 1]))
+        self._label.position = arrow[0, 1]
 
 
 def load_text(design: Design, scale: float) -> str:
@@ -210,7 +210,7 @@ class PolytopeView:
     def _text(self, name: str, text: str, place: Array) -> None:
         self._nodes[name] = self._scene.add_label(
             f"/forces/{name}", text, font_screen_scale=0.9, anchor="top-center",
-            position=tuple(map(float, place)),
+            position=place,
         )  # fmt: skip
 
     def _draw_polygon(self, found: WrenchPolytope, center: Array) -> None:
