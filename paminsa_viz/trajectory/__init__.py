@@ -31,6 +31,7 @@ from paminsa_viz.trajectory.crossing import (
     crossing_condition,
     crossings,
 )
+from paminsa_viz.trajectory.crossing_deform import DeformedPlan, plan_deformed
 from paminsa_viz.trajectory.crossing_measures import (
     CrossingDrift,
     CrossingLoad,
@@ -80,6 +81,7 @@ __all__ = [
     "CrossingLoad",
     "CrossingPlan",
     "CrossingRefused",
+    "DeformedPlan",
     "ImpossibleTrajectory",
     "InfeasibleMotion",
     "Locus",
@@ -121,6 +123,7 @@ __all__ = [
     "paper_like",
     "payload_drift",
     "plan_crossing",
+    "plan_deformed",
     "point_to_point",
     "round_trip",
     "simulate",

@@ -92,7 +92,7 @@ def arc_arrow(fraction: float) -> Array:
 
 
 def force_arrow(fraction: float) -> Array:
-    """Return the corners of an upright arrow from the origin for a force as a fraction, + up."""
+    """Return the corners of a vertical arrow from the origin for a force as a fraction, + up."""
     fraction = float(np.clip(fraction, -1.0, 1.0))
     along, wide = _rings(fraction, max(abs(fraction) * FULL_LENGTH, 1e-3), 1.0)
     out = np.empty((_RINGS, _SIDES, 3))

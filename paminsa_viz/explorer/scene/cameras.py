@@ -18,7 +18,7 @@ from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kin
 Array = NDArray[np.float64]
 
 FIELD_OF_VIEW: Final = float(np.radians(32.0))
-"""Vertical field of view of every preset [rad]: a long lens, so that upright lines stay upright."""
+"""Vertical field of view of every preset [rad]: a long lens keeps vertical lines vertical."""
 
 FILL: Final = 0.94
 """How much of the picture's height or width a preset fills."""
