@@ -75,7 +75,7 @@ def solve(program: Program, *, tolerance: float = 1e-9) -> Solution:
             break
     if best is None or proof is None or best.excess > ACCEPTED:
         raise SolverFailed("the limits could not be met within rounding")
-    best = _tidied(program, best, 1e-9 * max(abs(proof.bound), program.scale))
+    best = _without_rounding_error(program, best, 1e-9 * max(abs(proof.bound), program.scale))
     least = [v.cheapest(price) for v, price in zip(program.variables, proof.prices, strict=True)]
     slopes = [
         price[1] + 2 * at * price[2] for price, (at, _) in zip(proof.prices, least, strict=True)
@@ -127,7 +127,7 @@ def _relax(enclosure: Enclosure) -> int:
     raise SolverFailed("it could not be decided whether the limits can be met")
 
 
-def _tidied(program: Program, best: _Candidate, slack: float) -> _Candidate:
+def _without_rounding_error(program: Program, best: _Candidate, slack: float) -> _Candidate:
     """Put amounts at the bounds they are near to, and shared amounts at one lever, if that does."""
     for number, variable in enumerate(program.variables):
         places = best.levers[number]

@@ -34,11 +34,11 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
         UsageError: If the words do not fit.
         SystemExit: After ``--help``.
     """
-    complaint = io.StringIO()
+    message = io.StringIO()
     if not {"-h", "--help"}.isdisjoint(words):
         print(f"{description}\n")  # tyro would run its lines together
     try:
-        with redirect_stderr(complaint):
+        with redirect_stderr(message):
             return tyro.cli(
                 kind,
                 args=list(words),
@@ -49,24 +49,24 @@ def parse(kind: Any, words: Sequence[str], program: str, description: str) -> An
     except SystemExit as stop:
         if not stop.code:
             raise
-        raise UsageError(f"{one_line(complaint.getvalue())}; see {program} --help") from None
+        raise UsageError(f"{one_line(message.getvalue())}; see {program} --help") from None
 
 
-def one_line(complaint: str) -> str:
-    """Return the first statement of tyro's complaint, and its suggestion, as one line.
+def one_line(message: str) -> str:
+    """Return the first statement of tyro's message, and its suggestion, as one line.
 
-    A complaint is a title and statements with rules between them, in a drawn frame or, on a screen
+    It is a title and statements with rules between them, in a drawn frame or, on a screen
     without line drawing, below a dashed rule.
     """
     statements: list[list[str]] = [[]]
-    for framed in re.sub(r"\x1b\[[\d;]*m", "", complaint).splitlines():
+    for framed in re.sub(r"\x1b\[[\d;]*m", "", message).splitlines():
         line = framed.strip("│").rstrip()
         if re.match(r"[╭╰]|\s*[─-]{4}", line):
             statements.append([])
         elif line.strip() and not line.startswith(" " * 8):  # there is a flag's help text
             statements[-1].append(line.strip())
     texts = [" ".join(lines).rstrip(".") for lines in statements if lines]
-    if "╭" not in complaint:
+    if "╭" not in message:
         del texts[:1]  # the title
     for pattern, needed in _TYPES.items():
         texts[:1] = [re.sub(pattern, needed, text) for text in texts[:1]]

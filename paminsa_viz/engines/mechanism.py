@@ -145,7 +145,7 @@ def build_mechanism(design: Design) -> MechanismTree:
     return MechanismTree(tuple(links), tuple(pins), (*theta, LIFT), design.gravity, design.drives)
 
 
-def _upright(inertia: float) -> Point:
+def _vertical(inertia: float) -> Point:
     """Inertias of a body that only turns about the vertical: a flat disc's."""
     return (0.5 * inertia, 0.5 * inertia, inertia)
 
@@ -175,9 +175,9 @@ def _joint_5(design: Design, leg: int) -> Point:
 def _platform(design: Design) -> Link:
     g = design.geometry
     platform, load = design.platform, design.payload
-    parts = [Part(PLATFORM, platform.mass, ORIGIN, _upright(platform.inertia))]
+    parts = [Part(PLATFORM, platform.mass, ORIGIN, _vertical(platform.inertia))]
     if load.mass > 0 or load.inertia > 0:
-        parts.append(Part("payload", load.mass, ORIGIN, _upright(load.inertia)))
+        parts.append(Part("payload", load.mass, ORIGIN, _vertical(load.inertia)))
     width = 0.06 * max(g.platform_radius, 0.2 * g.base_radius)
     corners = [_joint_5(design, leg) for leg in range(3)]
     rods = [Rod(ORIGIN, (x, y, 0), 2 * width) for x, y, _ in corners]
@@ -228,8 +228,8 @@ def _leg(design: Design, leg: int) -> list[Link]:
         look = Rod(ORIGIN, (reach, 0, 0), width)
         return Link(tube.name, name(parent), (hinge,), place, fixed, (look,), leg=leg)
 
-    guide = Part(name("B10"), links.b10, (behind[0] / 2, 0, 0), _upright(inertias.b10_vertical))
-    shaft = Part(name("B2"), links.b2, (0, 0, below[2] / 2), _upright(inertias.b2_vertical))
+    guide = Part(name("B10"), links.b10, (behind[0] / 2, 0, 0), _vertical(inertias.b10_vertical))
+    shaft = Part(name("B2"), links.b2, (0, 0, below[2] / 2), _vertical(inertias.b2_vertical))
     return [
         Link(
             guide.name, None, (Joint(name("theta"), "hinge", Z),), foot, (guide,),

@@ -262,9 +262,9 @@ class SliderBinding(Binding):
     def draw(self, state: State) -> bool:
         written = super().draw(state)
         base = given(self._slider.range, state)
-        by_hand = base == self._base and not written
+        dragged = base == self._base and not written
         self._base = base
-        ends = self._slider.ends(state, self._ends if by_hand else base)
+        ends = self._slider.ends(state, self._ends if dragged else base)
         if ends != self._ends:
             self._ends = ends
             self._handle.min, self._handle.max = ends

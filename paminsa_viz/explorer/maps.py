@@ -88,7 +88,7 @@ class MapStore:
             quantities: What they show.
         """
         sample = data if data.x.size == COARSE else self.data(state, COARSE, quantities)
-        return choose(data, sample, state.map_view)
+        return select_scales(data, sample, state.map_view)
 
 
 def shows_difference(state: State) -> bool:
@@ -107,7 +107,7 @@ def hold_range(state: State) -> State:
     for design in (document.design, document.reference or APPENDIX_4):
         shown = replace(state, document=replace(document, design=design))
         data = store.current(shown, COARSE, TORQUES)
-        scale = choose(data, data, MapView())[0]
+        scale = select_scales(data, data, MapView())[0]
         if np.nanmax(np.abs(data.values), initial=0.0) > 0:
             largest = max(largest, -scale.low, scale.high)
     if largest == 0:
@@ -129,7 +129,7 @@ def go_to(state: State, x: float, y: float) -> State:
     return actions.move(state, x=x, y=y)
 
 
-def choose(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
+def select_scales(data: MapData, sample: MapData, view: MapView) -> tuple[Scale, ...]:
     """Return the color scales that a person chose, one a panel.
 
     A manual range counts for maps in the unit of ``view.quantity`` only; others get the robust

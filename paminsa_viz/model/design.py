@@ -45,7 +45,7 @@ class KneeBranch(Enum):
 
     ``LOWER`` is the root that Appendix 1 prints for F; the platform then hangs below the guides,
     z < 0. ``UPPER`` is the other one, its mirror image. A robot changes its branch only by being
-    put together again: on the way the pantographs would pass through their stretched posture.
+    put together again: on the way the pantographs would pass through the stretched configuration.
     """
 
     LOWER = "printed"

@@ -1,4 +1,4 @@
-"""Postures from poses (Appendix 1) and poses from actuator positions, both in closed form."""
+"""Configurations from poses (Appendix 1) and poses from actuator positions, both in closed form."""
 
 from __future__ import annotations
 

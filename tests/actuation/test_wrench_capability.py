@@ -155,11 +155,18 @@ def test_payload_brings_m4_to_its_limit_and_no_other(seed: int) -> None:
     np.testing.assert_allclose(torque[:3], static_torques(DRIVEN, pose)[:3], rtol=1e-12)
 
 
+SLOW = replace(SCREW, lead=1e-3, top_speed=100.0, rated_torque=0.1, peak_torque=0.11)
+"""An axis that limits speed and acceleration before M1 to M3 do."""
+
+
+@pytest.mark.parametrize("axis", [SCREW, SLOW], ids=["fast axis", "slow axis"])
 @given(seed=seeds)
-def test_speed_and_acceleration_are_held_in_every_direction(seed: int) -> None:
+def test_speed_and_acceleration_are_held_in_every_direction(axis: Drive, seed: int) -> None:
     rng = np.random.default_rng(seed)
     pose = poses(seed, 1)[0]
-    at = capability(DRIVEN, pose)
+    robot = replace(DRIVEN, drives=(SERVO, SERVO, SERVO, axis))
+    at = capability(robot, pose)
+    assert (at.limits.peak - np.abs(at.torque) > 0).all()
     n = rng.normal(size=(4000, 3))
     n /= np.linalg.norm(n, axis=1)[:, None]
     rate = np.insert(n, 2, 0.0, axis=1)  # (x, y, theta, z), no turn
@@ -170,9 +177,9 @@ def test_speed_and_acceleration_are_held_in_every_direction(seed: int) -> None:
         return float((np.abs(values) / limit).max())
 
     for most, unit in ((at.speed, rate), (at.turn_speed, turn)):
-        used = share(at.limits.speed, actuator_velocity(DRIVEN, pose, most * unit))
+        used = share(at.limits.speed, actuator_velocity(robot, pose, most * unit))
         assert 0.97 < used <= 1 + 1e-9
-    smooth = DRIVEN.without_friction()
+    smooth = robot.without_friction()
     for most, unit in ((at.acceleration, rate), (at.turn_acceleration, turn)):
         at_rest = zero[: len(unit)]
         torque = inverse_dynamics(smooth, pose, at_rest, most * unit).torque

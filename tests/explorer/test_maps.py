@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import MapStore, choose, go_to
+from paminsa_viz.explorer.maps import MapStore, go_to, select_scales
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -208,7 +208,7 @@ def test_robot_is_sent_to_places_on_the_map_only(x: float, y: float) -> None:
 
 def test_robot_is_sent_to_a_tenth_of_a_millimeter() -> None:
     state = go_to(at(), 0.0512349, -0.03)
-    assert state.standing.pose[:2] == state.document.pose[:2] == (0.0512, -0.03)
+    assert state.last_reachable.pose[:2] == state.document.pose[:2] == (0.0512, -0.03)
 
 
 def scales(
@@ -260,7 +260,7 @@ def test_full_range_of_a_force_is_tight() -> None:
 def test_map_with_nothing_in_reach_has_a_scale(mode: RangeMode) -> None:
     data = MapStore().data(at(z=-5.0), CELLS)
     assert np.isnan(data.values).all()
-    assert len(choose(data, data, MapView(range_mode=mode))) == 3
+    assert len(select_scales(data, data, MapView(range_mode=mode))) == 3
 
 
 @given(design=possible_designs(LOADS), mode=st.sampled_from(RangeMode), logarithmic=st.booleans())
@@ -272,4 +272,4 @@ def test_any_possible_masses_have_maps_and_colors(
     for quantities in (("tau_1", "tau_2", "tau_3"), ("f_4",)):
         data = MapStore().data(state, COARSE, quantities)
         assert np.isfinite(data.values[:, data.status == Limit.OK]).all()
-        assert len(choose(data, data, view)) == len(quantities)
+        assert len(select_scales(data, data, view)) == len(quantities)

@@ -17,6 +17,7 @@ from paminsa_viz.model import (
     LoadCase,
     LoadFrame,
     center_wrench,
+    closure_matrix,
     forward_dynamics,
     generalized_force,
     inverse_dynamics,
@@ -124,6 +125,19 @@ def test_actuators_see_neither_horizontal_moments_nor_the_height_of_the_point(
     assert np.array_equal(found.multipliers, same.multipliers)
     moved = center_wrench(other, states[0][:, 2]) - center_wrench(load, states[0][:, 2])
     assert np.abs(moved[:, [0, 1, 2, 5]]).max() == 0
+
+
+@given(load=loads, seed=seeds)
+def test_multipliers_carry_the_load_to_the_platform(load: LoadCase, seed: int) -> None:
+    """Lagrange's first four equations: what a load adds to A^T lambda is its opposite."""
+    design, rng = robot(seed, load)
+    states = samples.random_states(rng, design, 5)
+    actuators = inverse_kinematics(design.geometry, states[0]).actuators
+    a = closure_matrix(design.geometry, states[0], actuators)[..., :4]
+    bare = inverse_dynamics(replace(design, load=NO_LOAD), *states).multipliers
+    change = inverse_dynamics(design, *states).multipliers - bare
+    found = np.einsum("nij,ni->nj", a, change)
+    close(found, -generalized_force(load, states[0][:, 2]), 1e-9)
 
 
 def test_an_offset_of_a_vertical_force_loads_the_bearings() -> None:

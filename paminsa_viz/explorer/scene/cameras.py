@@ -18,7 +18,7 @@ from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kin
 Array = NDArray[np.float64]
 
 FIELD_OF_VIEW: Final = float(np.radians(32.0))
-"""Vertical field of view of every preset [rad]: a long lens, so that upright lines stay upright."""
+"""Vertical field of view of every preset [rad]: a long lens keeps vertical lines vertical."""
 
 FILL: Final = 0.94
 """How much of the picture's height or width a preset fills."""
@@ -148,12 +148,12 @@ def look(session: Session, name: str) -> None:
         session: The tab; "Leg k" faces the leg at the robot's pose.
         name: One of `CAMERAS`.
     """
-    client, standing = session.client, session.state.standing
-    configuration = inverse_kinematics(standing.geometry, standing.pose)
+    client, last_reachable = session.client, session.state.last_reachable
+    configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
     width, height = client.camera.image_width, client.camera.image_height
     covered = covered_share(session.panel_width, height)
     aspect = width / (height * (1 - covered)) if height else 1.4
-    view = preset(name, standing.geometry, configuration, aspect)
+    view = preset(name, last_reachable.geometry, configuration, aspect)
     view = raised(view, covered)
     camera = client.camera
     with client.atomic():

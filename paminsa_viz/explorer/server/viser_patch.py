@@ -46,7 +46,7 @@ _NEEDED_OF_CONNECTION = {"connection_made", "connection_lost", "data_received", 
 _CLOSE_TIMEOUT = 3.0  # s; a page answers at once, a hostile socket should not linger
 
 _making = threading.Lock()  # the overlay is seen by all of viser while it is in place
-_printing = threading.RLock()  # so is the console that viser prints on
+_console_lock = threading.RLock()  # so is the console that viser prints on
 
 
 class ViserChanged(RuntimeError):
@@ -138,7 +138,7 @@ def _with(module: Any, **replaced: Any) -> SimpleNamespace:
 def quiet() -> Iterator[None]:
     """Keep viser from announcing a server; whoever starts one says what is to be known of it."""
     console = rich.get_console()  # where viser prints
-    with _printing:
+    with _console_lock:
         before, console.quiet = console.quiet, True
         try:
             yield
