@@ -111,9 +111,8 @@ class Frame:
     @cached_property
     def barriers(self) -> tuple[Locus, ...]:
         """Type-2 loci between the last reachable pose and home: no way there avoids them."""
-        geometry, pose = self.state.standing.geometry, self.state.standing.pose
-        poses = np.array([pose, home_pose(geometry)])
-        here, home = locus_distances(geometry, poses)
+        geometry, pose = self.state.last_reachable.geometry, self.state.last_reachable.pose
+        here, home = locus_distances(geometry, np.array([pose, home_pose(geometry)]))
         return tuple(locus for locus in Locus if here[locus.value] * home[locus.value] < 0)
 
 
