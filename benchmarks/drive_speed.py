@@ -48,7 +48,7 @@ def main() -> None:
     cycle = duty_cycle(APPENDIX_4, [Duty(motion)])
     for load in cycle.loads:
         size_drives(load, motors(sloped=False))  # the load's own sums
-    loads = best(lambda: duty_cycle(APPENDIX_4, [Duty(motion)]))
+    loads = best(lambda: duty_cycle(APPENDIX_4, [Duty(plan.sample(1000))]))  # kept by motion
     rows = [["loads of the motion", "", number(1e3 * loads)]]
     for name, sloped in (("rectangular", False), ("sloped", True)):
         columns = motors(sloped=sloped)

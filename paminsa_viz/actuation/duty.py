@@ -32,7 +32,7 @@ from paminsa_viz.trajectory.integrals import running_integral
 INERTIA_SAMPLES = 200
 """Samples of a motion at which the robot's inertia is looked at."""
 
-BLOCK_WIDTH = 16
+BLOCK_WIDTH = 64
 """Neighboring samples that are looked at together."""
 
 

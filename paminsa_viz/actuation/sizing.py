@@ -78,15 +78,18 @@ def _largest_of_lines(
     """
     blocks = load.blocks
     a, k = table.lines
-    a, k = a[:, :, None], k[:, :, None] * n[:, None, None]
+    k, inverse = k[:, :, None] * n[:, None, None], 1.0 / a[:, :, None]
 
     def share(torque: Array, speed: Array, rows: NDArray[np.intp] | slice = slice(None)) -> Array:
-        found = np.abs(torque) / a[rows, 0]
-        if k.any() or a.shape[1] > 1:
-            found = (np.abs(torque) + k[rows, 0] * speed) / a[rows, 0]
-            for line in range(1, a.shape[1]):
-                more = (np.abs(torque) + k[rows, line] * speed) / a[rows, line]
-                np.maximum(found, more, out=found)
+        torque = np.abs(torque)
+        if not k.any():
+            return torque * inverse[rows, 0]
+        found = np.zeros_like(torque)
+        for line in range(a.shape[1]):
+            more = k[rows, line] * speed
+            more += torque
+            more *= inverse[rows, line]
+            np.maximum(found, more, out=found)
         return found
 
     below = share(_torques(factors, blocks.sample), blocks.speed_sample).max(axis=1)

@@ -8,7 +8,7 @@ import numpy as np
 
 from paminsa_viz.actuation.catalog import Catalog, generic_catalog
 from paminsa_viz.actuation.duty import Duty, duty_cycle
-from paminsa_viz.actuation.selection import DriveFigures, Selection, figures, select_drives
+from paminsa_viz.actuation.selection import ROTARY, DriveFigures, Selection, figures, select_drives
 from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.model import NO_DRIVES, Design, PaminsaError
 from paminsa_viz.trajectory import Trajectory
@@ -100,6 +100,12 @@ class Driving:
     def shown(self) -> DriveFigures | None:
         """The drive in its envelope."""
         return self.listed[self.row] if self.row < len(self.listed) else None
+
+    def shared(self, actuator: int) -> tuple[int, ...]:
+        """Return the actuators that have the same drive as one of them, by the last search."""
+        outcome = self.outcome
+        same = outcome is not None and outcome.job.settings.same and actuator < ROTARY
+        return tuple(range(ROTARY)) if same else (actuator,)
 
 
 def find_drives(job: DriveJob) -> DriveOutcome:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
-import numpy as np
 from viser import Icon
 
 from paminsa_viz.actuation.catalog import CatalogError, read_catalog
-from paminsa_viz.actuation.selection import DriveFigures, cloud, size_design
+from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.explorer.actions import renamed_if_changed, with_document
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.drives import DriveJob, DriveOutcome, find_drives
@@ -21,21 +19,13 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.balance_charts import AXIS, CONFIG, LAYOUT, BalanceChart, Tree
+from paminsa_viz.explorer.panels.balance_charts import BalanceChart
+from paminsa_viz.explorer.panels.drives_chart import RPM, chart_figure, chart_key
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import NO_DRIVES, Drive, InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED
 from paminsa_viz.units import NONE, number
-
-ROTARY = 3
-"""M1..M3."""
-
-MOST_POINTS = 600
-"""About how many samples of a motion are drawn."""
-
-RPM = 30 / math.pi
 
 
 def change_settings(state: State, **changes: Any) -> State:
@@ -77,7 +67,7 @@ def choose(state: State, row: int | None) -> State:
     if row is None:
         drives = list(outcome.selection.design(design).drives)
     else:
-        for j in _shared(state, driving.actuator):
+        for j in driving.shared(driving.actuator):
             drives[j] = driving.listed[row].drive
     return _with_drives(state, drives)
 
@@ -140,15 +130,8 @@ def list_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-def _shared(state: State, actuator: int) -> tuple[int, ...]:
-    """Return the actuators that have the same drive as one of them."""
-    outcome = state.driving.outcome
-    same = outcome is not None and outcome.job.settings.same and actuator < ROTARY
-    return tuple(range(ROTARY)) if same else (actuator,)
-
-
 def _name(state: State, actuator: int) -> str:
-    return "M1 to M3" if len(_shared(state, actuator)) > 1 else ACTUATORS[actuator]
+    return "M1 to M3" if len(state.driving.shared(actuator)) > 1 else ACTUATORS[actuator]
 
 
 def facts_html(frame: Frame) -> str:
@@ -209,78 +192,6 @@ def own_html(frame: Frame) -> str:
         for j, (name, drive, one) in enumerate(zip(ACTUATORS, design.drives, sized, strict=True))
     ]
     return render("drives_own.j2", rows=rows, any=any(design.drives))
-
-
-def chart_key(state: State) -> Hashable | None:
-    """Return what the chart shows, or None."""
-    driving = state.driving
-    if driving.shown is None:
-        return None
-    return driving.outcome, driving.actuator, driving.row
-
-
-def chart_figure(state: State) -> Tree:
-    """Return the figure of a drive's torques over its speeds, inside its envelope."""
-    driving = state.driving
-    one, outcome = driving.shown, driving.outcome
-    if one is None or outcome is None or outcome.selection is None:
-        raise ValueError("there is no drive to show")
-    drive = one.drive
-    shared = _shared(state, driving.actuator)
-    clouds = [cloud(outcome.selection.cycle.loads[j], drive) for j in shared]
-    top = max(1.25 * max(float(np.abs(speed).max()) for speed, _ in clouds), 1e-6)
-    corners = [(min(s, top) if math.isinf(s) else s, t) for s, t in drive.corners]
-    corners = [(s, t) for s, t in corners if math.isfinite(t)]
-    around = [*corners, *[(s, -t) for s, t in reversed(corners)]]
-    around += [(-s, -t) for s, t in corners] + [(-s, t) for s, t in reversed(corners)]
-    hover = "%{x:.0f} rpm, %{y:.3~g} N·m<extra></extra>"
-    data: list[Tree] = []
-    if corners:
-        data.append(
-            {
-                "type": "scatter", "mode": "lines", "name": "envelope", "fill": "toself",
-                "x": [s * RPM for s, _ in around], "y": [t for _, t in around],
-                "line": {"color": MUTED, "width": 1.5}, "fillcolor": "rgba(120,130,140,0.10)",
-                "hoverinfo": "skip",
-            }
-        )  # fmt: skip
-    if drive.rated_torque is not None and drive.rated_speed is not None:
-        s, t = drive.rated_speed * RPM, drive.rated_torque
-        data.append(
-            {
-                "type": "scatter", "mode": "lines", "name": "rated",
-                "x": [s, s, -s, -s, s], "y": [-t, t, t, -t, -t],
-                "line": {"color": MUTED, "width": 1, "dash": "dash"}, "hoverinfo": "skip",
-            }
-        )  # fmt: skip
-    for j, (speed, torque) in zip(shared, clouds, strict=True):
-        kept = np.linspace(0, len(speed) - 1, min(len(speed), MOST_POINTS)).round().astype(int)
-        color = ACTUATOR_COLORS[j]
-        data.append(
-            {
-                "type": "scatter", "mode": "lines+markers", "name": ACTUATORS[j],
-                "x": (RPM * speed[kept]).tolist(), "y": torque[kept].tolist(),
-                "line": {"color": color, "width": 1}, "marker": {"color": color, "size": 3},
-                "hovertemplate": hover,
-            }
-        )  # fmt: skip
-    mean = RPM * drive.ratio * outcome.selection.cycle.loads[driving.actuator].mean_speed
-    data.append(
-        {
-            "type": "scatter", "mode": "markers", "name": f"RMS {ACTUATORS[driving.actuator]}",
-            "x": [mean], "y": [one.rms],
-            "marker": {"color": INK, "size": 10, "symbol": "x"}, "hovertemplate": hover,
-        }
-    )  # fmt: skip
-    return {
-        "data": data,
-        "layout": LAYOUT | {
-            "xaxis": AXIS | {"title": {"text": "motor speed [rpm]"}},
-            "yaxis": AXIS | {"title": {"text": "motor torque [N·m]"}},
-            "legend": {"orientation": "h", "x": 0, "y": 1.02, "yanchor": "bottom"},
-        },
-        "config": CONFIG,
-    }  # fmt: skip
 
 
 def _busy(state: State) -> bool:

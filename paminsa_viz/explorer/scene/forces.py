@@ -116,7 +116,7 @@ class LoadView:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the load and the platform; nothing is sent while hidden."""
         del dragging
-        design, pose, largest = frame.standing_design, frame.configuration.pose, 0.0
+        design, pose, largest = frame.shown_design, frame.configuration.pose, 0.0
         state = frame.state
         if "load" in state.layers and state.playback.following and self._motions is not None:
             analysis = self._motions.analysis(state)
@@ -201,7 +201,7 @@ class PolytopeView:
         """Follow masses, load, drives and pose; nothing is sent while hidden."""
         del dragging
         shown = frame.state.layers & {"force_polygon", "wrench_solid"}
-        design, pose = frame.standing_design, frame.configuration.pose
+        design, pose = frame.shown_design, frame.configuration.pose
         key = (shown, design, tuple(pose.tolist()))
         if shown and key != self._drawn:
             self._drawn = key
