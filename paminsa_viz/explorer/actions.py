@@ -28,10 +28,10 @@ def with_document(state: State, document: Document) -> State:
     """
     if state.playback.following:
         document = at_instant(document, state.playback.time)
-    standing = state.standing
+    last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
-        standing = LastReachable(document.design.geometry, document.pose)
-    return replace(state, document=document, standing=standing)
+        last_reachable = LastReachable(document.design.geometry, document.pose)
+    return replace(state, document=document, last_reachable=last_reachable)
 
 
 def at_instant(document: Document, time: float) -> Document:
@@ -98,7 +98,7 @@ def load_design(state: State, design: Design) -> State:
     """
     document = with_knee(state.document, design.geometry.knee)
     changed = with_document(state, replace(document, design=design))
-    if changed.standing.geometry is not design.geometry:
+    if changed.last_reachable.geometry is not design.geometry:
         changed = go_home(changed)
     return changed
 

@@ -57,7 +57,7 @@ def file_name(state: State, what: str, ending: str, at_pose: bool = False) -> st
         at_pose: Whether x and y belong to it, as they do for the robot but not for maps.
     """
     document = state.document
-    x, y, theta, z = state.standing.pose if at_pose else document.pose
+    x, y, theta, z = state.last_reachable.pose if at_pose else document.pose
     place = [f"x{round(1e3 * x)}", f"y{round(1e3 * y)}"] if at_pose else []
     place += [f"theta{round(math.degrees(theta))}", f"z{round(1e3 * z)}"]
     parts = ["paminsa", plain(document.design.name), what, *place]
@@ -149,9 +149,9 @@ def mujoco_model(state: State, meshes: bool) -> File:
 
 def _posed(state: State) -> tuple[Design, Configuration]:
     """Return the current masses on the last reachable geometry, and its configuration."""
-    standing = state.standing
-    design = replace(state.document.design, geometry=standing.geometry)
-    return design, inverse_kinematics(standing.geometry, standing.pose)
+    last_reachable = state.last_reachable
+    design = replace(state.document.design, geometry=last_reachable.geometry)
+    return design, inverse_kinematics(last_reachable.geometry, last_reachable.pose)
 
 
 def view(state: State, client: viser.ClientHandle) -> File:

@@ -23,6 +23,9 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.trajectory import Locus
+from paminsa_viz.trajectory.crossing import locus_distances
 
 NEAR_POSITION = 0.02
 """Closer than this to the singular circle, the pose counts as near a singularity [m]."""
@@ -56,7 +59,7 @@ class Frame:
     Attributes:
         state: The state.
         configuration: The configuration at the last reachable pose.
-        standing_design: The current masses on the last reachable geometry.
+        shown_design: The current masses on the last reachable geometry.
         requested: Reach of the requested pose.
         singularity: Distances of the last reachable pose.
         torques: Static torques there with the current masses, (4,) [N m, N].
@@ -67,7 +70,7 @@ class Frame:
 
     state: State
     configuration: Configuration
-    standing_design: Design
+    shown_design: Design
     requested: Reach
     singularity: Singularity
     torques: Array
@@ -105,26 +108,34 @@ class Frame:
             )
         return "all legs within their limits"
 
+    @cached_property
+    def barriers(self) -> tuple[Locus, ...]:
+        """Type-2 loci between the last reachable pose and home: no way there avoids them."""
+        geometry, pose = self.state.standing.geometry, self.state.standing.pose
+        poses = np.array([pose, home_pose(geometry)])
+        here, home = locus_distances(geometry, poses)
+        return tuple(locus for locus in Locus if here[locus.value] * home[locus.value] < 0)
+
 
 def compute(state: State) -> Frame:
     """Return what a state shows."""
-    document, standing = state.document, state.standing
-    configuration = inverse_kinematics(standing.geometry, standing.pose)
+    document, last_reachable = state.document, state.last_reachable
+    configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
     # If the current geometry is out of reach, its masses are shown on the last one that was not.
     here = document.design
-    if standing.geometry != here.geometry:
-        here = replace(here, geometry=standing.geometry)
+    if last_reachable.geometry != here.geometry:
+        here = replace(here, geometry=last_reachable.geometry)
     reference = None
     if document.reference is not None:
-        held = static_torques(document.reference, standing.pose)
+        held = static_torques(document.reference, last_reachable.pose)
         reference = held if np.isfinite(held).all() else None
     return Frame(
         state=state,
         configuration=configuration,
-        standing_design=here,
+        shown_design=here,
         requested=check_reach(document.design.geometry, document.pose),
-        singularity=measure_singularity(standing.geometry, standing.pose),
-        torques=static_torques(here, standing.pose),
+        singularity=measure_singularity(last_reachable.geometry, last_reachable.pose),
+        torques=static_torques(here, last_reachable.pose),
         reference_torques=reference,
         balance=static_imbalance(document.design),
     )

@@ -118,8 +118,8 @@ def robot_scene(
         writes the page.
     """
     x, y, theta, z = map(float, configuration.pose)
-    standing = LastReachable(design.geometry, (x, y, theta, z))
-    state = replace(initial_state(design), standing=standing, layers=_LAYERS)
+    last_reachable = LastReachable(design.geometry, (x, y, theta, z))
+    state = replace(initial_state(design), last_reachable=last_reachable, layers=_LAYERS)
     with quiet():
         server = open_server(port=0)
         try:

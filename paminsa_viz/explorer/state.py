@@ -97,7 +97,7 @@ class State:
     """Everything one browser tab shows.
 
     Attributes:
-        document, standing: What is worked on, and where the robot is.
+        document, last_reachable: What is worked on, and where the robot is.
         map_view: How the maps are drawn.
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
@@ -108,7 +108,7 @@ class State:
     """
 
     document: Document
-    standing: LastReachable
+    last_reachable: LastReachable
     map_view: MapView = field(default_factory=MapView)
     layers: frozenset[str] = field(default_factory=default_layers)
     floor_opacity: float = 0.85

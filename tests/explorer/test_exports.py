@@ -128,7 +128,7 @@ def test_robot_is_exported_at_its_last_reachable_pose() -> None:
     content = io.BytesIO(exports.robot(state).content)
     scene: Any = trimesh.load(content, file_type="glb", force="scene")
     place = scene.graph.get("platform")[0]
-    x, y, _, z = inverse_kinematics(state.standing.geometry, state.standing.pose).pose
+    x, y, _, z = inverse_kinematics(state.last_reachable.geometry, state.last_reachable.pose).pose
     np.testing.assert_allclose(place[:3, 3], (x, z, -y), atol=1e-6)  # y is up in a GLB
 
 
@@ -142,7 +142,7 @@ def mirrored() -> State:
 
 def test_mujoco_model_is_the_commands(mirrored: State, tmp_path: Path) -> None:
     save_design(mirrored.document.design, tmp_path / "d.toml")
-    x, y, theta, z = mirrored.standing.pose
+    x, y, theta, z = mirrored.last_reachable.pose
     pose = (1e3 * x, 1e3 * y, np.degrees(theta), 1e3 * z)
     arguments = ["--design", str(tmp_path / "d.toml"), "--assembly", "mirror"]
     arguments += ["--mjcf", str(tmp_path / "r.xml"), "--pose", *map(repr, map(float, pose))]
@@ -177,7 +177,7 @@ def test_mujoco_loads_both_models_and_they_hold_their_pose(
         for _ in range(200):
             mujoco.mj_step(model, data)
         found = [data.joint(f"platform_{name}").qpos[0] for name in ("x", "y", "theta", "z")]
-        np.testing.assert_allclose(found, mirrored.standing.pose, atol=1e-4)
+        np.testing.assert_allclose(found, mirrored.last_reachable.pose, atol=1e-4)
         assert model.body("payload").mass[0] == 3.25
     assert model.nmesh > 40
 

@@ -116,9 +116,9 @@ def test_manual_range_does_not_outlive_its_unit() -> None:
 @pytest.mark.parametrize(("start", "x"), [({"x": 0.03}, 0.03), ({"x": 0.0, "y": 0.4}, 0.0)])
 def test_figure_3_is_shown_at_a_pose_within_reach(start: dict[str, float], x: float) -> None:
     state = actions.move(initial_state(), **start).updated("map_view", shared=False)
-    assert state.standing.pose == state.document.pose
+    assert state.last_reachable.pose == state.document.pose
     shown = show_figure_3(state)
-    assert shown.standing.pose == shown.document.pose
+    assert shown.last_reachable.pose == shown.document.pose
     assert shown.document.pose[:3] == pytest.approx((x, 0.0, math.radians(60)))
     assert shown.map_view.shared
     assert not shown.map_view.difference
@@ -173,7 +173,7 @@ def test_difference_needs_a_reference(desk: Desk) -> None:
 
 def test_click_on_a_map_moves_the_robot(desk: Desk) -> None:
     desk.set("bridge", json.dumps([[7, "click", {"title": "torques", "x": 40.04, "y": -60.0}]]))
-    desk.until(lambda: desk.state.standing.pose[:2] == (0.04, -0.06))
+    desk.until(lambda: desk.state.last_reachable.pose[:2] == (0.04, -0.06))
 
 
 def test_only_the_map_in_sight_is_drawn_and_finely_when_idle(desk: Desk) -> None:

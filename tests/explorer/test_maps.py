@@ -208,7 +208,7 @@ def test_robot_is_sent_to_places_on_the_map_only(x: float, y: float) -> None:
 
 def test_robot_is_sent_to_a_tenth_of_a_millimeter() -> None:
     state = go_to(at(), 0.0512349, -0.03)
-    assert state.standing.pose[:2] == state.document.pose[:2] == (0.0512, -0.03)
+    assert state.last_reachable.pose[:2] == state.document.pose[:2] == (0.0512, -0.03)
 
 
 def scales(

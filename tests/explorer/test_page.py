@@ -32,13 +32,13 @@ def wait_agreement(tab: Tab) -> None:
 
 @pytest.mark.parametrize("index", range(4))
 def test_pose_slider_moves_its_parts_and_the_torques_are_the_models(tab: Tab, index: int) -> None:
-    start = np.array(tab.state.standing.pose)
+    start = np.array(tab.state.last_reachable.pose)
     carriage = until(lambda: tab.place("/robot/carriage"), "the scene is there")
     tab.press(SLIDERS[index], "ArrowRight", 12)
-    until(lambda: tab.state.standing.pose[index] > start[index], "the pose changes")
+    until(lambda: tab.state.last_reachable.pose[index] > start[index], "the pose changes")
     wait_agreement(tab)
     tab.wait_platform()
-    pose = np.array(tab.state.standing.pose)
+    pose = np.array(tab.state.last_reachable.pose)
     np.testing.assert_array_equal(np.delete(pose, index), np.delete(start, index))
     assert (tab.place("/robot/carriage") == carriage) == (index != 3)
     expected = static_torques(APPENDIX_4, pose)
@@ -74,12 +74,12 @@ def test_mass_scales_the_torques_and_the_colors(tab: Tab) -> None:
 
 
 def test_unreachable_pose_is_explained_and_left_again(tab: Tab) -> None:
-    reachable = tab.state.standing
+    reachable = tab.state.last_reachable
     tab.type_number(SLIDERS[0], 520)
     tab.page.get_by_text("Unreachable").wait_for()
     assert "leg" in tab.text("status")
     assert "mm" in tab.text("status")
-    assert tab.state.standing == reachable
+    assert tab.state.last_reachable == reachable
     tab.wait_platform(reachable.pose)
     tab.type_number(SLIDERS[0], 30)
     tab.wait_pose(0, 0.03)

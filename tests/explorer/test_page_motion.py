@@ -65,7 +65,7 @@ def test_robot_cursors_and_numbers_are_at_the_chosen_instant(motion: Tab) -> Non
 
         until(at_the_instant, f"the cursors at {time}")
         until(lambda t=time: f"at {t:.3f} s" in motion.text("motion-numbers"), f"numbers at {time}")
-        np.testing.assert_allclose(motion.state.standing.pose, wanted, atol=1e-12)
+        np.testing.assert_allclose(motion.state.last_reachable.pose, wanted, atol=1e-12)
     motion.click_in(motion.page.locator(".u-over").first)
     half = planned(motion).duration / 2
     until(lambda: abs(motion.state.playback.time - half) < 0.02, "the middle of the motion")
@@ -81,7 +81,9 @@ def test_motion_is_played_to_its_end_and_a_pose_slider_stops_it(motion: Tab) -> 
     until(lambda: 0 < motion.state.playback.time < 4.0, "it is on its way")
     motion.page.get_by_role("button", name="Pause", exact=True).wait_for()
     until(lambda: not motion.state.playback.playing, "it ends")
-    np.testing.assert_allclose(motion.state.standing.pose, planned(motion).pose[-1], atol=1e-12)
+    np.testing.assert_allclose(
+        motion.state.last_reachable.pose, planned(motion).pose[-1], atol=1e-12
+    )
     motion.wait_platform()
     play.wait_for()
     # Playing is no step to undo: the last one is the choice of the motion.
@@ -154,10 +156,10 @@ def test_impossible_motion_is_explained_and_its_failing_part_drawn(motion: Tab) 
     until(lambda: first.explanation in motion.text("motion-status"), "when and why")
     until(lambda: any(np.array(curves(motion)[0][2]) == 1.0), "failures are shaded")
     until(lambda: motion.place("/path/failing"), "the path that fails is drawn")
-    reachable = motion.state.standing
+    reachable = motion.state.last_reachable
     motion.press(TIME, "End")
     until(lambda: motion.state.playback.time == planned(motion).duration, "the time goes on")
-    assert motion.state.standing == reachable
+    assert motion.state.last_reachable == reachable
 
 
 def test_csv_file_is_run_or_refused_by_row(motion: Tab) -> None:

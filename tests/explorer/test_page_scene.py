@@ -51,7 +51,7 @@ def test_handle_drags_the_platform(tab: Tab) -> None:
     tab.dispatch(lambda s: actions.set_layers(s, gizmo=True))
     until(lambda: tab.place("/gizmo"), "the handle is there")
     tab.wait_frames(600)
-    start = np.array(tab.state.standing.pose)
+    start = np.array(tab.state.last_reachable.pose)
     # Along the arrow of x, by its own length on the screen.
     tip, goal = (on_screen(tab, "/gizmo", (x, 0.0, 0.0)) for x in (0.13, 0.19))
     tab.page.mouse.move(*tip)
@@ -61,9 +61,12 @@ def test_handle_drags_the_platform(tab: Tab) -> None:
         tab.page.mouse.move(*(tip + part * (goal - tip)))
         tab.wait_frames(80)
     tab.page.mouse.up()
-    until(lambda: tab.state.standing.pose[0] > start[0] + 0.04, "the platform follows the handle")
+    until(
+        lambda: tab.state.last_reachable.pose[0] > start[0] + 0.04,
+        "the platform follows the handle",
+    )
     tab.wait_frames(400)
-    pose = np.array(tab.state.standing.pose)
+    pose = np.array(tab.state.last_reachable.pose)
     assert pose[0] == pytest.approx(start[0] + 0.06, abs=0.015)
     np.testing.assert_allclose(pose[1:], start[1:], atol=1e-4)
     x = tab.handle("x  [mm]")
@@ -77,7 +80,7 @@ def test_click_on_the_floor_map_moves_the_robot_there(tab: Tab) -> None:
     tab.wait_frames(600)
     tab.page.mouse.click(*on_screen(tab, "/robot/base", (*goal, ground)))
     until(
-        lambda: np.allclose(tab.state.standing.pose[:2], goal, atol=0.01),
-        f"the robot moves to {goal}; it is at {tab.state.standing.pose}",
+        lambda: np.allclose(tab.state.last_reachable.pose[:2], goal, atol=0.01),
+        f"the robot moves to {goal}; it is at {tab.state.last_reachable.pose}",
         timeout=15,
     )

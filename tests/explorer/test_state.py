@@ -37,7 +37,9 @@ def test_other_knee_mirrors_the_torques_and_twice_changes_nothing(seed: int) -> 
     twice = actions.set_knee(once, KneeBranch.LOWER)
     assert twice.document.design == state.document.design
     assert twice.document.pose == pytest.approx(state.document.pose, abs=1e-15)
-    assert once.standing.pose == once.document.pose  # the mirrored pose is within reach as well
+    assert (
+        once.last_reachable.pose == once.document.pose
+    )  # the mirrored pose is within reach as well
     np.testing.assert_allclose(
         compute(once).torques[:3], -compute(state).torques[:3], rtol=1e-9, atol=1e-9
     )
@@ -56,13 +58,13 @@ def test_opened_design_decides_on_the_knee(before: KneeBranch, knee: KneeBranch)
     assert opened.document.design == wanted
     assert opened.document.pose == actions.set_knee(state, knee).document.pose
     assert opened.document.reference == APPENDIX_4.with_knee(knee)
-    assert opened.standing.geometry.knee is knee
+    assert opened.last_reachable.geometry.knee is knee
 
 
 @pytest.mark.parametrize("knee", KneeBranch)
 def test_home_is_within_reach(knee: KneeBranch) -> None:
     home = actions.go_home(actions.set_knee(initial_state(), knee))
-    assert home.standing.pose == home.document.pose
+    assert home.last_reachable.pose == home.document.pose
     assert compute(home).health is Health.OK
 
 
@@ -74,7 +76,7 @@ def test_opened_design_keeps_the_pose_or_goes_home_where_it_cannot() -> None:
     small = small.vary({"geometry.guide_stroke": 0.09, "geometry.base_radius": 0.2})
     moved = actions.load_design(actions.move(state, x=0.15, y=0.1), small)
     assert moved.document.pose[:3] == (0, 0, 0)
-    assert moved.standing.geometry == small.geometry
+    assert moved.last_reachable.geometry == small.geometry
 
 
 def test_values_are_reset_to_appendix_4() -> None:
@@ -151,26 +153,28 @@ def test_last_reachable_pose_is_the_pose_wherever_it_is_reachable(
     seed: int, x: float, theta: float
 ) -> None:
     state = actions.move(actions.move(state_at_random_pose(seed), x=x), theta=theta)
-    assert check_reach(state.standing.geometry, state.standing.pose).ok.all()
+    assert check_reach(state.last_reachable.geometry, state.last_reachable.pose).ok.all()
     reachable = check_reach(state.document.design.geometry, state.document.pose).ok.all()
-    assert (state.standing.pose == state.document.pose) == bool(reachable)
+    assert (state.last_reachable.pose == state.document.pose) == bool(reachable)
 
 
 def test_unreachable_pose_keeps_the_last_reachable_one_until_it_is_left() -> None:
     good = actions.move(initial_state(), x=0.05, theta=0.3)
     far = actions.move(actions.move(good, x=5.0), y=0.01)
     assert far.document.pose[:2] == (5.0, 0.01)
-    assert far.standing is good.standing
+    assert far.last_reachable is good.last_reachable
     assert compute(far).health is Health.UNREACHABLE
     back = actions.move(far, x=0.02)
-    assert back.standing.pose == back.document.pose == (0.02, 0.01, 0.3, good.document.pose[3])
+    assert (
+        back.last_reachable.pose == back.document.pose == (0.02, 0.01, 0.3, good.document.pose[3])
+    )
 
 
 def test_impossible_geometry_keeps_the_last_possible_one_and_takes_the_masses() -> None:
     good = initial_state()
     stuck = actions.vary(good, {"geometry.guide_stroke": 0.01})
     heavier = actions.vary(stuck, {"links.b4": 3.0})
-    assert stuck.standing is heavier.standing is good.standing
+    assert stuck.last_reachable is heavier.last_reachable is good.last_reachable
     assert compute(heavier).torques[3] > compute(good).torques[3]
 
 

@@ -210,15 +210,15 @@ class Tab:
     def wait_pose(self, index: int, value: float) -> None:
         """Wait until the last reachable pose has a coordinate."""
         until(
-            lambda: abs(self.state.standing.pose[index] - value) < 1e-6,
-            f"coordinate {index} = {value}; it is {self.state.standing.pose}",
+            lambda: abs(self.state.last_reachable.pose[index] - value) < 1e-6,
+            f"coordinate {index} = {value}; it is {self.state.last_reachable.pose}",
         )
 
     def wait_platform(self, pose: Any = None) -> None:
         """Wait until the page draws the platform at a pose, or at the last reachable one."""
         until(
             lambda: np.allclose(
-                self.platform(), self.state.standing.pose if pose is None else pose, atol=1e-6
+                self.platform(), self.state.last_reachable.pose if pose is None else pose, atol=1e-6
             ),
             "the platform is drawn at its pose",
         )

@@ -34,8 +34,8 @@ def frame_at(
     """Return the frame of a robot at a pose."""
     x, y, theta, z = map(float, pose)
     shown = default_layers() if layers is None else frozenset(layers)
-    standing = LastReachable(design.geometry, (x, y, theta, z))
-    return compute(replace(initial_state(design), standing=standing, layers=shown))
+    last_reachable = LastReachable(design.geometry, (x, y, theta, z))
+    return compute(replace(initial_state(design), last_reachable=last_reachable, layers=shown))
 
 
 class Scene:

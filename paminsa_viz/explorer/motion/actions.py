@@ -82,7 +82,7 @@ def limit(state: State, name: str, value: float) -> State:
 
 def current_pose(state: State) -> Pose:
     """Return the pose of the robot, to the micrometer."""
-    x, y, theta, z = (round(value, 6) + 0.0 for value in state.standing.pose)
+    x, y, theta, z = (round(value, 6) + 0.0 for value in state.last_reachable.pose)
     return (x, y, theta, z)
 
 

@@ -95,9 +95,9 @@ def _compared_with(state: State) -> tuple[Design, str]:
 
 def _torques(frame: Frame) -> str:
     reference, title = _compared_with(frame.state)
-    standing = frame.state.standing
+    last_reachable = frame.state.last_reachable
     # The frame's own torques are None both without a reference and where it cannot be.
-    held = static_torques(reference, standing.pose)
+    held = static_torques(reference, last_reachable.pose)
     return torques_html(frame.torques, held, frame.state.document.design, reference, title)
 
 

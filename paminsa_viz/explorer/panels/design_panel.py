@@ -101,7 +101,7 @@ def _folder(group: Group) -> Folder:
 
 def load_html(frame: Frame) -> str:
     """Return the load at the platform's center: what the actuators carry, and what bearings do."""
-    design = frame.standing_design
+    design = frame.shown_design
     pose = frame.configuration.pose
     wrench = center_wrench(design.load, float(pose[2]))
     against = load_torques(design.geometry, design.load, pose)

@@ -52,7 +52,7 @@ def show_figure_3(state: State) -> State:
     """
     shown = state.updated("map_view", range_mode=RangeMode.AUTO, shared=True, difference=False)
     turned = actions.move(shown, theta=FIG_3_ANGLE)
-    if turned.standing.pose != turned.document.pose:
+    if turned.last_reachable.pose != turned.document.pose:
         turned = actions.move(shown, x=0.0, y=0.0, theta=FIG_3_ANGLE)
     return turned
 

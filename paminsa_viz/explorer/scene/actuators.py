@@ -134,7 +134,7 @@ class TorqueArrows:
             for node in self._nodes:
                 node.visible = False
             return
-        torque, force = arrow_scales(frame.standing_design)
+        torque, force = arrow_scales(frame.shown_design)
         with np.errstate(all="ignore"):
             fractions = frame.torques / [torque, torque, torque, force]
         if not self._nodes or not np.array_equal(fractions, self._fractions, equal_nan=True):
@@ -142,7 +142,7 @@ class TorqueArrows:
             self._draw_arrows()
         for node, fraction in zip(self._nodes, fractions, strict=True):
             node.visible = bool(np.isfinite(fraction) and abs(fraction) > 1e-4)
-        geometry = frame.standing_design.geometry
+        geometry = frame.shown_design.geometry
         if geometry is not self._geometry:
             self._geometry = geometry
             for node, angle in zip(self._nodes, AXIS_ANGLES, strict=False):
@@ -193,7 +193,7 @@ class ActuatorLabels:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the actuators of the geometry."""
         del dragging
-        geometry = frame.standing_design.geometry
+        geometry = frame.shown_design.geometry
         if geometry is not self._geometry:
             self._geometry = geometry
             for label, place in zip(self._labels, label_places(geometry), strict=True):

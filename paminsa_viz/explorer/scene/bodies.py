@@ -2,7 +2,7 @@
 
 A pose moves nodes and sends nothing else. Each leg is a frame that turns about its axis; within it
 the shaft and the slider slide, the bars swing from them, and B4 swings from the end of B8. One
-message a body is enough that way, where free-standing bodies would need two.
+message a body is enough that way, where separate bodies would need two.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class Bodies:
         """Move what has moved; remake only bodies whose lengths have changed."""
         del dragging
         self._top.visible = "mesh" in frame.state.layers
-        fine, design = "fine" in frame.state.layers, frame.standing_design
+        fine, design = "fine" in frame.state.layers, frame.shown_design
         if fine != self._fine or self._design is None or design.geometry != self._design.geometry:
             self._fine = fine
             self._build(design.geometry)

@@ -148,12 +148,12 @@ def look(session: Session, name: str) -> None:
         session: The tab; "Leg k" faces the leg at the robot's pose.
         name: One of `CAMERAS`.
     """
-    client, standing = session.client, session.state.standing
-    configuration = inverse_kinematics(standing.geometry, standing.pose)
+    client, last_reachable = session.client, session.state.last_reachable
+    configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
     width, height = client.camera.image_width, client.camera.image_height
     covered = covered_share(session.panel_width, height)
     aspect = width / (height * (1 - covered)) if height else 1.4
-    view = preset(name, standing.geometry, configuration, aspect)
+    view = preset(name, last_reachable.geometry, configuration, aspect)
     view = raised(view, covered)
     camera = client.camera
     with client.atomic():

@@ -86,9 +86,9 @@ class FloorMap:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed; nothing is computed for layers that are hidden."""
         state = frame.state
-        layers, standing = state.layers, state.standing
-        self._stand(layout(standing.geometry).ground)
-        x, y = standing.pose[:2]
+        layers, last_reachable = state.layers, state.last_reachable
+        self._stand(layout(last_reachable.geometry).ground)
+        x, y = last_reachable.pose[:2]
         self._ring.position = (x, y, self._height + ABOVE["ring"])
         if not dragging or time.monotonic() >= self._due:
             self._due = time.monotonic() + (PERIOD if "fine" in layers else PERIOD_PLAIN)
@@ -125,7 +125,7 @@ class FloorMap:
         self._key = (shown, not dragging)
 
     def _draw_legend(self, data: MapData, scale: Scale, state: State) -> None:
-        geometry = state.standing.geometry
+        geometry = state.last_reachable.geometry
         key = (data.names, scale, geometry)
         if key == self._legend_key:
             return

@@ -96,7 +96,7 @@ class LoadView:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the load and the platform; nothing is sent while hidden."""
         del dragging
-        design, pose = frame.standing_design, frame.configuration.pose
+        design, pose = frame.shown_design, frame.configuration.pose
         load = design.load
         shown = "load" in frame.state.layers and load.acts and bool(np.isfinite(pose).all())
         key = (load, tuple(pose.tolist()))
@@ -175,7 +175,7 @@ class PolytopeView:
         """Follow masses, load, drives and pose; nothing is sent while hidden."""
         del dragging
         shown = frame.state.layers & {"force_polygon", "wrench_solid"}
-        design, pose = frame.standing_design, frame.configuration.pose
+        design, pose = frame.shown_design, frame.configuration.pose
         key = (shown, design, tuple(pose.tolist()))
         if shown and key != self._drawn:
             self._drawn = key

@@ -222,7 +222,7 @@ class PointMassView:
         """Follow masses and configuration; nothing is sent while hidden."""
         del dragging
         shown = frame.state.layers & {"mass_centers", "gravity"} if frame.drawable else frozenset()
-        design, configuration = frame.standing_design, frame.configuration
+        design, configuration = frame.shown_design, frame.configuration
         key = (shown, design)
         if shown and (key != self._drawn or configuration is not self._configuration):
             self._drawn, self._configuration = key, configuration

@@ -115,7 +115,7 @@ class MotionPath:
         del dragging
         state = frame.state
         analysis = self._store.analysis(state) if "path" in state.layers else None
-        height = layout(state.standing.geometry).ground + ABOVE
+        height = layout(state.last_reachable.geometry).ground + ABOVE
         key = (analysis, state.plots.color, height)
         if key == self._key:
             return

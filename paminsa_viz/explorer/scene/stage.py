@@ -77,10 +77,10 @@ class Stage:
         """Follow the geometry, the platform, and what is shown."""
         del dragging
         layers = frame.state.layers
-        lengths = lengths_of("ground", frame.standing_design.geometry)
+        lengths = lengths_of("ground", frame.shown_design.geometry)
         if lengths != self._lengths:
             self._lengths = lengths
-            self._build(frame.standing_design.geometry)
+            self._build(frame.shown_design.geometry)
         if frame.drawable:
             self._spot.position = self.shadow_place(frame.configuration)
         # Over a map it would only dim the colors, and true shadows need no help.
@@ -151,6 +151,6 @@ class Gizmo:
         self.handle.visible = "gizmo" in frame.state.layers
         if (self._held and dragging) or not frame.drawable:
             return
-        x, y, theta, z = frame.state.standing.pose
+        x, y, theta, z = frame.state.last_reachable.pose
         self.handle.position = (x, y, z)
         self.handle.wxyz = (float(np.cos(theta / 2)), 0.0, 0.0, float(np.sin(theta / 2)))

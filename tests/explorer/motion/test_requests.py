@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import (
     MOST_SAMPLES,
@@ -20,11 +21,17 @@ from paminsa_viz.explorer.motion.description import (
     Playback,
     Timing,
     advanced,
+    motion_data,
+    motion_from_data,
     started,
 )
+from paminsa_viz.explorer.motion.planning import checked
+from paminsa_viz.explorer.panels.crossing_text import crossing_html
+from paminsa_viz.explorer.panels.motion_panel import status_line
+from paminsa_viz.explorer.panels.pose_panel import status_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
-from paminsa_viz.trajectory import PRESETS, Profile, Trajectory, from_samples
+from paminsa_viz.trajectory import PRESETS, Locus, Profile, Trajectory, analyze, from_samples
 
 
 def trajectory(state: State) -> Trajectory:
@@ -47,15 +54,17 @@ def test_robot_is_at_the_pose_of_the_chosen_instant(key: str, knee: KneeBranch) 
     motion = trajectory(state)
     for share in (0.0, 0.31, 0.77, 1.0):
         state = motions.scrub(state, share * motion.duration)
-        np.testing.assert_array_equal(state.standing.pose, motion.at(state.playback.time).pose)
-        assert state.document.pose == state.standing.pose
+        np.testing.assert_array_equal(
+            state.last_reachable.pose, motion.at(state.playback.time).pose
+        )
+        assert state.document.pose == state.last_reachable.pose
 
 
 def test_choice_of_a_motion_shows_its_path_and_does_not_move_the_robot() -> None:
     start = initial_state()
     chosen = motions.choose_preset(start, "circle")
     assert chosen.layers - start.layers == {"path"}
-    assert chosen.standing == start.standing
+    assert chosen.last_reachable == start.last_reachable
 
 
 def test_moving_the_robot_stops_the_motion() -> None:
@@ -64,27 +73,27 @@ def test_moving_the_robot_stops_the_motion() -> None:
     moved = actions.move(state, x=0.02)
     assert not moved.playback.following
     assert not moved.playback.playing
-    assert moved.standing.pose[0] == 0.02
+    assert moved.last_reachable.pose[0] == 0.02
     later = actions.vary(moved, {"geometry.platform_radius": 0.11})
-    assert later.standing.pose[0] == 0.02
+    assert later.last_reachable.pose[0] == 0.02
 
 
 def test_robot_follows_the_motion_through_changes() -> None:
     state = motions.scrub(initial_state(), 0.6)
     state = actions.vary(state, {"geometry.base_radius": 0.4})
-    np.testing.assert_array_equal(state.standing.pose, trajectory(state).at(0.6).pose)
-    assert state.standing.geometry == state.document.design.geometry
+    np.testing.assert_array_equal(state.last_reachable.pose, trajectory(state).at(0.6).pose)
+    assert state.last_reachable.geometry == state.document.design.geometry
     state = motions.change(state, back=True)
-    np.testing.assert_array_equal(state.standing.pose, trajectory(state).at(0.6).pose)
+    np.testing.assert_array_equal(state.last_reachable.pose, trajectory(state).at(0.6).pose)
 
 
 def test_failing_instants_do_not_move_the_robot(failing: State) -> None:
     motion = trajectory(failing)
     fine = motions.scrub(failing, 0.2 * motion.duration)
-    assert fine.standing.pose[0] > 0.01
+    assert fine.last_reachable.pose[0] > 0.01
     gone = motions.scrub(fine, motion.duration)
     assert gone.playback.time == motion.duration
-    assert gone.standing == fine.standing
+    assert gone.last_reachable == fine.last_reachable
     assert gone.document == fine.document
 
 
@@ -92,16 +101,16 @@ def test_time_is_limited_to_a_shortened_motion() -> None:
     state = motions.scrub(motions.choose_preset(initial_state(), "circle"), 2.9)
     short = motions.change(state, timing=Timing.GIVEN, duration=0.8)
     assert short.playback.time == trajectory(short).duration
-    np.testing.assert_allclose(short.standing.pose, trajectory(short).pose[-1], atol=1e-15)
+    np.testing.assert_allclose(short.last_reachable.pose, trajectory(short).pose[-1], atol=1e-15)
 
 
 def test_playback_runs_in_true_time_and_stops_at_the_end() -> None:
     state = motions.advance_time(motions.play(initial_state()), 0.25)
     assert state.playback.time == 0.25
-    np.testing.assert_array_equal(state.standing.pose, trajectory(state).at(0.25).pose)
+    np.testing.assert_array_equal(state.last_reachable.pose, trajectory(state).at(0.25).pose)
     end = motions.advance_time(state, 100.0)
     assert not end.playback.playing
-    np.testing.assert_array_equal(end.standing.pose, trajectory(end).pose[-1])
+    np.testing.assert_array_equal(end.last_reachable.pose, trajectory(end).pose[-1])
     again = motions.play(end)
     assert again.playback.time == 0.0
     assert motions.advance_time(motions.pause(again), 1.0) == motions.pause(again)
@@ -137,7 +146,7 @@ def test_motion_passes_its_waypoints() -> None:
     poses = []
     for x, y in ((0.05, 0.0), (0.0, 0.06), (-0.05, -0.02)):
         state = motions.add_waypoint(actions.move(state, x=x, y=y))
-        poses.append(state.standing.pose)
+        poses.append(state.last_reachable.pose)
     motion = trajectory(state)
     for pose in poses:
         assert np.abs(motion.pose - pose).max(axis=1).min() < 1e-4
@@ -217,3 +226,47 @@ def test_undo_stops_following_the_motion() -> None:
     back = actions.restore(played, before.document)
     assert not back.playback.playing
     assert replace(back, playback=Playback(), layers=before.layers) == before
+
+
+@pytest.fixture
+def turning() -> State:
+    """A turn through the singular rotation."""
+    state = motions.choose_kind(initial_state(), Kind.MOVE)
+    state = motions.limit(state, "torque", 10.0)
+    ends = {"start": (0.03, 0.02, 0.8, -0.5), "goal": (0.03, 0.02, 1.75, -0.5)}
+    return motions.change(state, timing=Timing.SHORTEST, **ends)
+
+
+def test_motion_passes_singularities_on_request(turning: State) -> None:
+    assert not checked(trajectory(turning), turning.document.design.geometry).ok
+    state = motions.change(turning, cross=True)
+    assert not motions.planned(state).problem
+    assert trajectory(state).duration == pytest.approx(0.372, abs=1e-3)
+    assert checked(trajectory(state), state.document.design.geometry).ok
+    there = motions.scrub(state, 0.37)
+    assert compute(there).barriers == (Locus.ROTATION,)
+    assert "singular rotation lies between" in status_html(compute(there))
+    assert not compute(motions.scrub(state, 0.0)).barriers
+    text = crossing_html(compute(state))
+    assert "singular rotation at 0.1794 s" in text
+    assert "without the condition: 631" in text
+    longer = motions.change(state, timing=Timing.GIVEN, duration=1.0)
+    assert trajectory(longer).duration == pytest.approx(1.0, rel=1e-6)
+    heavier = actions.vary(state, {"links.b4": 0.9})
+    assert trajectory(heavier).duration != trajectory(state).duration
+
+
+def test_refusal_to_pass_a_singularity_is_the_problem(turning: State) -> None:
+    state = motions.limit(motions.change(turning, cross=True), "torque", 5.0)
+    assert "times as large" in motions.planned(state).problem
+    assert crossing_html(compute(state)) == ""
+    ok, line = status_line(state, analyze(state.document.design, trajectory(state)))
+    assert not ok
+    assert "times as large" in line
+
+
+def test_a_motion_that_may_pass_singularities_is_saved(turning: State) -> None:
+    motion = motions.change(turning, cross=True, deviation=0.01).document.motion
+    assert motion_from_data(motion_data(motion)) == motion
+    with pytest.raises(InvalidInput):
+        motions.change(turning, deviation=1.0)
