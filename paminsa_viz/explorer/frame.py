@@ -23,6 +23,9 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.trajectory import Locus
+from paminsa_viz.trajectory.crossing import locus_distances
 
 NEAR_POSITION = 0.02
 """Closer than this to the singular circle, the pose counts as near a singularity [m]."""
@@ -104,6 +107,14 @@ class Frame:
                 f"{1e3 * float(s.serial_distance):.0f} mm from a pantograph's limit"
             )
         return "all legs within their limits"
+
+    @cached_property
+    def barriers(self) -> tuple[Locus, ...]:
+        """Type-2 loci between the last reachable pose and home: no way there avoids them."""
+        geometry, pose = self.state.standing.geometry, self.state.standing.pose
+        poses = np.array([pose, home_pose(geometry)])
+        here, home = locus_distances(geometry, poses)
+        return tuple(locus for locus in Locus if here[locus.value] * home[locus.value] < 0)
 
 
 def compute(state: State) -> Frame:

@@ -27,6 +27,9 @@ RATES = (50.0, 10_000.0)
 LENGTHS = (1e-4, 10.0)
 """Smallest and largest radius or height of a motion [m]."""
 
+MOST_DEVIATION = 0.1
+"""Largest possible change of a path [m]."""
+
 FARTHEST = 1e3
 """Largest coordinate of a pose of a motion [m, rad]."""
 
@@ -57,6 +60,11 @@ class Kind(Enum):
     def has_law(self) -> bool:
         """Whether a time law can be chosen for it."""
         return self.has_ends or self is Kind.CIRCLE
+
+    @property
+    def can_cross(self) -> bool:
+        """Whether it can be planned through type-2 singularities."""
+        return self in (Kind.MOVE, Kind.LINE, Kind.WAYPOINTS)
 
 
 class Timing(Enum):
@@ -96,6 +104,8 @@ class Motion:
         timing: What decides on the duration.
         duration: The given duration [s].
         limits: What the shortest duration keeps.
+        cross: Whether its time law is planned through type-2 singularities, see `crosses`.
+        deviation: How far its path may be changed for that [m].
         back: Whether the motion is followed by itself run backwards.
         table: Samples from a file; compared by identity.
         rate: Samples a second [1/s].
@@ -113,9 +123,16 @@ class Motion:
     timing: Timing = Timing.OWN
     duration: float = 1.5
     limits: MotionLimits = field(default=DEFAULT_LIMITS)
+    cross: bool = False
+    deviation: float = 0.0
     back: bool = False
     table: Trajectory | None = None
     rate: float = 1000.0
+
+    @property
+    def crosses(self) -> bool:
+        """Whether it is planned through singularities; not every kind can be."""
+        return self.cross and self.kind.can_cross
 
 
 def require_possible(motion: Motion) -> None:
@@ -129,6 +146,7 @@ def require_possible(motion: Motion) -> None:
         ("rate", RATES),
         ("radius", LENGTHS),
         ("height", (0.0, LENGTHS[1])),
+        ("deviation", (0.0, MOST_DEVIATION)),
     ):
         value = getattr(motion, name)
         if not low <= value <= high:

@@ -5,7 +5,7 @@ Everything here is a pure function. Results are kept, since many views ask for t
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -14,6 +14,8 @@ from paminsa_viz.explorer.motion.description import MOST_SAMPLES, Kind, Motion, 
 from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError
 from paminsa_viz.trajectory import (
     PRESET,
+    CrossingPlan,
+    DeformedPlan,
     ImpossibleTrajectory,
     PathCheck,
     Plan,
@@ -24,8 +26,12 @@ from paminsa_viz.trajectory import (
     circle,
     line,
     minimum_time,
+    plan_crossing,
+    plan_deformed,
     point_to_point,
     round_trip,
+    spline_path,
+    straight_path,
     via_points,
 )
 from paminsa_viz.trajectory.presets import PresetFrame
@@ -42,11 +48,15 @@ class Planned:
         trajectory: The motion, or None if its numbers make none.
         problem: Why there is none, or none that keeps its limits.
         bound: What keeps it from being shorter; empty if the duration was given.
+        crossing: The way there, if it was planned through type-2 singularities.
+        deviation: How far its path was changed for that [m].
     """
 
     trajectory: Trajectory | None
     problem: str = ""
     bound: str = ""
+    crossing: CrossingPlan | None = None
+    deviation: float = 0.0
 
 
 def planned(motion: Motion, design: Design) -> Planned:
@@ -54,7 +64,7 @@ def planned(motion: Motion, design: Design) -> Planned:
     # Masses matter only where torques bound the duration: other trajectories stay while a mass
     # changes, and with them all that was solved along them.
     bounded = motion.limits.needs_torques or any(design.drives)
-    shown = motion.timing is Timing.SHORTEST and bounded
+    shown = motion.crosses or (motion.timing is Timing.SHORTEST and bounded)
     return _planned(motion, design.geometry, design if shown else None)
 
 
@@ -67,7 +77,15 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
     except PaminsaError as error:
         return Planned(None, str(error))
     problem = bound = ""
-    if motion.timing is Timing.SHORTEST:
+    crossing, deviation = None, 0.0
+    if motion.crosses and design is not None:
+        try:
+            found = plan_through(motion, design)
+            crossing, deviation = found.found, found.deviation
+            plan = crossing.plan
+        except PaminsaError as error:
+            problem = str(error)
+    elif motion.timing is Timing.SHORTEST:
         try:
             found = minimum_time(plan, motion.limits, design)
             plan, bound = found.plan, found.explanation
@@ -77,7 +95,8 @@ def _planned(motion: Motion, geometry: Geometry, design: Design | None) -> Plann
             problem = str(error)
     if motion.back:
         plan = round_trip(plan)
-    return Planned(plan.sample(_rate(motion.rate, plan.duration)), problem, bound)
+    samples = plan.sample(_rate(motion.rate, plan.duration))
+    return Planned(samples, problem, bound, crossing, deviation)
 
 
 def _from_table(motion: Motion) -> Planned:
@@ -113,6 +132,30 @@ def make_plan(motion: Motion, geometry: Geometry) -> Plan:
         return via_points(np.reshape(motion.waypoints, (-1, 4)), duration)
     plan = PRESET[motion.preset].build(geometry)
     return plan.lasting(duration) if motion.timing is Timing.GIVEN else plan
+
+
+def plan_through(motion: Motion, design: Design) -> DeformedPlan:
+    """Return the plan of a motion that may cross singularities, within its limits.
+
+    Raises:
+        PaminsaError: If there is none.
+    """
+    start, goal = (np.array(pose) for pose in ends(motion, design.geometry))
+    if motion.kind is Kind.WAYPOINTS:
+        path = spline_path(np.reshape(motion.waypoints, (-1, 4)))
+    else:
+        if motion.kind is Kind.LINE:
+            goal[2] = start[2]
+        path = straight_path(start, goal)
+    limits = replace(
+        motion.limits, acceleration=None, turn_acceleration=None, jerk=None, turn_jerk=None
+    )
+    duration = None if motion.timing is Timing.SHORTEST else motion.duration
+    if motion.deviation:
+        return plan_deformed(
+            design, path, limits, duration, most=motion.deviation, name=motion.kind.value
+        )
+    return DeformedPlan(plan_crossing(design, path, limits, duration, name=motion.kind.value), 0.0)
 
 
 def ends(motion: Motion, geometry: Geometry) -> tuple[Pose, Pose]:

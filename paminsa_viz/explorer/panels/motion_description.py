@@ -25,6 +25,7 @@ from paminsa_viz.explorer.motion.description import (
     DURATIONS,
     LARGEST_LIMIT,
     LENGTHS,
+    MOST_DEVIATION,
     RATES,
     Kind,
     Timing,
@@ -61,6 +62,10 @@ def _kind(*kinds: Kind) -> Condition:
 
 def _planned(state: State) -> bool:
     return state.document.motion.kind is not Kind.TABLE
+
+
+def _crosses(state: State) -> bool:
+    return state.document.motion.crosses
 
 
 def _chosen(state: State) -> str | Kind:
@@ -134,11 +139,18 @@ def _number(
     )  # fmt: skip
 
 
-def _limit(name: str, label: str, unit: str, step: float) -> Number:
+def _not_crossing(state: State) -> bool:
+    """Whether accelerations and jerks can be limited; the planner through singularities cannot."""
+    return not _crosses(state)
+
+
+def _limit(
+    name: str, label: str, unit: str, step: float, visible: Condition | None = None
+) -> Number:
     """Return the input of a limit of the shortest duration; 0 is none."""
     return Number(
         f"motion.limits.{name}", label, unit=display_unit(unit), step=step,
-        range=(0.0, LARGEST_LIMIT),
+        range=(0.0, LARGEST_LIMIT), visible=visible,
         read=lambda state: getattr(state.document.motion.limits, name) or 0.0,
         apply=lambda state, value: motions.limit(state, name, value),
     )  # fmt: skip
@@ -219,8 +231,20 @@ DESCRIPTION: tuple[Entry, ...] = (
             "S-curve": Profile.S_CURVE,
         },
         hint="How the motion runs in time",
-        visible=lambda state: state.document.motion.kind.has_law,
+        visible=lambda state: state.document.motion.kind.has_law and not _crosses(state),
         **attribute("document.motion.profile", motions.change),
+    ),
+    Checkbox(
+        "motion.cross", "Pass singularities",
+        hint="Plan the time law so that torques stay bounded where the path crosses a type-2 "
+        "singularity, and within the limits",
+        visible=lambda state: state.document.motion.kind.can_cross,
+        **attribute("document.motion.cross", motions.change),
+    ),
+    _number(
+        "deviation", "Path may change by [mm]", (0.0, MOST_DEVIATION), 1.0,
+        "Along the escape twist, where no time law will do on the path itself; 0: not at all",
+        _crosses, MILLIMETERS,
     ),
     Checkbox(
         "motion.back", "Return to start", visible=_planned, hint="A closed motion",
@@ -237,15 +261,16 @@ DESCRIPTION: tuple[Entry, ...] = (
     ),
     Folder(
         "motion.limits", "Limits",
-        visible=lambda state: _planned(state) and state.document.motion.timing is Timing.SHORTEST,
+        visible=lambda state: _planned(state)
+        and (_crosses(state) or state.document.motion.timing is Timing.SHORTEST),
         entries=(
             Html("motion.limits.note", content=render("motion_limits.j2")),
             _limit("speed", "m/s", "m/s", 0.1),
             _limit("turn_speed", "°/s", "rad/s", 10.0),
-            _limit("acceleration", "m/s²", "m/s^2", 0.5),
-            _limit("turn_acceleration", "°/s²", "rad/s^2", 100.0),
-            _limit("jerk", "m/s³", "m/s^3", 10.0),
-            _limit("turn_jerk", "°/s³", "rad/s^3", 1000.0),
+            _limit("acceleration", "m/s²", "m/s^2", 0.5, _not_crossing),
+            _limit("turn_acceleration", "°/s²", "rad/s^2", 100.0, _not_crossing),
+            _limit("jerk", "m/s³", "m/s^3", 10.0, _not_crossing),
+            _limit("turn_jerk", "°/s³", "rad/s^3", 1000.0, _not_crossing),
             _limit("torque", "M1–3 N·m", "N m", 0.5),
             _limit("force", "F₄ N", "N", 10.0),
         ),

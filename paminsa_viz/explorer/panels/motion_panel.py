@@ -35,6 +35,7 @@ from paminsa_viz.explorer.motion.jobs import (
 )
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.crossing_text import crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.session import Session
@@ -194,6 +195,10 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
         Html(
             "motion.status",
             content=lambda frame: status_html(frame.state, store.analysis(frame.state)),
+        ),
+        Html(
+            "motion.crossing", content=crossing_html, idle=True,
+            visible=lambda state: state.document.motion.crosses,
         ),
         *PLAYBACK,
         *DESCRIPTION,

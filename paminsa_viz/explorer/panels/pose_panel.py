@@ -24,9 +24,12 @@ LEVELS = {Health.OK: "ok", Health.NEAR: "warn", Health.UNREACHABLE: "bad"}
 
 def status_html(frame: Frame) -> str:
     """Return the status line."""
+    lines = [frame.explanation]
+    if frame.health is not Health.UNREACHABLE:
+        lines += [f"the {locus.label} lies between this pose and home" for locus in frame.barriers]
     return render(
         "status.j2", testid="status", level=LEVELS[frame.health],
-        title=frame.health.value.capitalize(), lines=[frame.explanation],
+        title=frame.health.value.capitalize(), lines=lines,
     )  # fmt: skip
 
 

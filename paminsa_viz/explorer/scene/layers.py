@@ -155,6 +155,11 @@ register(
     ),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer(
+        "escape_twist", "Escape twist",
+        "Where the motion crosses a singularity: the platform's motion that no actuator feels",
+        "escape:EscapeTwist", default=True,
+    ),
+    Layer(
         "gizmo", "Platform handle", "Drag the platform in the scene", "stage:Gizmo", shortcut="G"
     ),
     Layer(

@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import (
     MOST_SAMPLES,
@@ -20,11 +21,17 @@ from paminsa_viz.explorer.motion.description import (
     Playback,
     Timing,
     advanced,
+    motion_data,
+    motion_from_data,
     started,
 )
+from paminsa_viz.explorer.motion.planning import checked
+from paminsa_viz.explorer.panels.crossing_text import crossing_html
+from paminsa_viz.explorer.panels.motion_panel import status_line
+from paminsa_viz.explorer.panels.pose_panel import status_html
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import InvalidInput, KneeBranch
-from paminsa_viz.trajectory import PRESETS, Profile, Trajectory, from_samples
+from paminsa_viz.trajectory import PRESETS, Locus, Profile, Trajectory, analyze, from_samples
 
 
 def trajectory(state: State) -> Trajectory:
@@ -219,3 +226,47 @@ def test_undo_stops_following_the_motion() -> None:
     back = actions.restore(played, before.document)
     assert not back.playback.playing
     assert replace(back, playback=Playback(), layers=before.layers) == before
+
+
+@pytest.fixture
+def turning() -> State:
+    """A turn through the singular rotation."""
+    state = motions.choose_kind(initial_state(), Kind.MOVE)
+    state = motions.limit(state, "torque", 10.0)
+    ends = {"start": (0.03, 0.02, 0.8, -0.5), "goal": (0.03, 0.02, 1.75, -0.5)}
+    return motions.change(state, timing=Timing.SHORTEST, **ends)
+
+
+def test_motion_passes_singularities_on_request(turning: State) -> None:
+    assert not checked(trajectory(turning), turning.document.design.geometry).ok
+    state = motions.change(turning, cross=True)
+    assert not motions.planned(state).problem
+    assert trajectory(state).duration == pytest.approx(0.372, abs=1e-3)
+    assert checked(trajectory(state), state.document.design.geometry).ok
+    there = motions.scrub(state, 0.37)
+    assert compute(there).barriers == (Locus.ROTATION,)
+    assert "singular rotation lies between" in status_html(compute(there))
+    assert not compute(motions.scrub(state, 0.0)).barriers
+    text = crossing_html(compute(state))
+    assert "singular rotation at 0.1794 s" in text
+    assert "without the condition: 631" in text
+    longer = motions.change(state, timing=Timing.GIVEN, duration=1.0)
+    assert trajectory(longer).duration == pytest.approx(1.0, rel=1e-6)
+    heavier = actions.vary(state, {"links.b4": 0.9})
+    assert trajectory(heavier).duration != trajectory(state).duration
+
+
+def test_refusal_to_pass_a_singularity_is_the_problem(turning: State) -> None:
+    state = motions.limit(motions.change(turning, cross=True), "torque", 5.0)
+    assert "times as large" in motions.planned(state).problem
+    assert crossing_html(compute(state)) == ""
+    ok, line = status_line(state, analyze(state.document.design, trajectory(state)))
+    assert not ok
+    assert "times as large" in line
+
+
+def test_a_motion_that_may_pass_singularities_is_saved(turning: State) -> None:
+    motion = motions.change(turning, cross=True, deviation=0.01).document.motion
+    assert motion_from_data(motion_data(motion)) == motion
+    with pytest.raises(InvalidInput):
+        motions.change(turning, deviation=1.0)
