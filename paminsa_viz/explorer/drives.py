@@ -13,6 +13,9 @@ from paminsa_viz.actuation.sizing import Order
 from paminsa_viz.model import NO_DRIVES, Design, PaminsaError
 from paminsa_viz.trajectory import Trajectory
 
+MOST_MOTIONS = 12
+"""Most motions of a cycle."""
+
 LISTED = 6
 """Drives that are listed for an actuator."""
 
@@ -26,6 +29,8 @@ class DriveSettings:
         same: Whether M1..M3 have the same drive.
         inertia_ratio: Largest inertia of the robot over that of the motor; 0 for any.
         dwell: How long the robot waits after the motion [s].
+        count: How often the motion is made in a cycle of several.
+        cycle: Motions that were added to a cycle; without any, the current motion is the cycle.
         catalog: A catalog that was opened; None for the generic sizes.
     """
 
@@ -33,6 +38,8 @@ class DriveSettings:
     same: bool = True
     inertia_ratio: float = 0.0
     dwell: float = 0.0
+    count: float = 1.0
+    cycle: tuple[Duty, ...] = ()
     catalog: Catalog | None = field(default=None, compare=False)
 
     @property
@@ -46,12 +53,13 @@ class DriveJob:
     """A search with all it depends on; drives that the design has play no part."""
 
     design: Design
-    trajectory: Trajectory
+    duties: tuple[Duty, ...]
     settings: DriveSettings
 
     def serves(self, design: Design, trajectory: Trajectory | None) -> bool:
-        """Whether its result is that of a design on a motion."""
-        return trajectory is self.trajectory and self.design == replace(design, drives=NO_DRIVES)
+        """Whether its result is that of a design while a motion is the current one."""
+        current = bool(self.settings.cycle) or trajectory is self.duties[0].trajectory
+        return current and self.design == replace(design, drives=NO_DRIVES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +120,7 @@ def find_drives(job: DriveJob) -> DriveOutcome:
     """Search; raises nothing that is the robot's or the catalog's fault."""
     settings = job.settings
     try:
-        cycle = duty_cycle(job.design, [Duty(job.trajectory, 1.0, settings.dwell)])
+        cycle = duty_cycle(job.design, job.duties)
         found = select_drives(
             cycle, settings.parts, order=settings.order, same=settings.same,
             inertia_ratio=settings.inertia_ratio or np.inf,

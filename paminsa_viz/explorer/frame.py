@@ -111,8 +111,10 @@ class Frame:
     @cached_property
     def barriers(self) -> tuple[Locus, ...]:
         """Type-2 loci between the last reachable pose and home: no way there avoids them."""
-        geometry, pose = self.state.last_reachable.geometry, self.state.last_reachable.pose
-        here, home = locus_distances(geometry, np.array([pose, home_pose(geometry)]))
+        last_reachable = self.state.last_reachable
+        geometry, pose = last_reachable.geometry, last_reachable.pose
+        poses = np.array([pose, home_pose(geometry)])
+        here, home = locus_distances(geometry, poses)
         return tuple(locus for locus in Locus if here[locus.value] * home[locus.value] < 0)
 
 

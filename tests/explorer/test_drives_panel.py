@@ -133,3 +133,23 @@ def test_the_comparison_names_the_actuators_whose_drives_differ(found: State) ->
     assert "4 numbers differ" in text
     assert text.count("no drive") == 4
     assert "No number differs" in differences_html(design, design, "same")
+
+
+def test_a_cycle_of_several_motions_is_searched_as_a_whole(found: State) -> None:
+    state = panel.change_settings(found, count=3.0, dwell=0.5)
+    state = panel.add_motion(state)
+    state = panel.add_motion(panel.change_settings(state, count=1.0, dwell=10.0))
+    assert "3 ×, dwell 0.5 s" in panel.intro_html(compute(state))
+    assert "have changed" in panel.list_html(compute(state))
+    searched_again = searched(state)
+    outcome = searched_again.driving.outcome
+    assert outcome is not None
+    assert outcome.selection is not None
+    load = outcome.selection.cycle.loads[0]
+    duration = outcome.job.duties[0].trajectory.duration
+    assert load.period == pytest.approx(4 * duration + 3 * 0.5 + 10.0)
+    assert "have changed" not in panel.list_html(compute(searched_again))
+    assert "Clear" in panel._cycle_choices(state)
+    full = panel.change_settings(state, cycle=state.driving.settings.cycle * 6)
+    with pytest.raises(InvalidInput, match="at most 12"):
+        panel.add_motion(full)

@@ -10,10 +10,11 @@ from typing import Any
 from viser import Icon
 
 from paminsa_viz.actuation.catalog import CatalogError, read_catalog
+from paminsa_viz.actuation.duty import Duty
 from paminsa_viz.actuation.selection import DriveFigures, size_design
 from paminsa_viz.explorer.actions import renamed_if_changed, with_document
 from paminsa_viz.explorer.background import BackgroundJob
-from paminsa_viz.explorer.drives import DriveJob, DriveOutcome, find_drives
+from paminsa_viz.explorer.drives import MOST_MOTIONS, DriveJob, DriveOutcome, find_drives
 from paminsa_viz.explorer.entries import Button, ButtonGroup, Custom, Effect, Folder, Html, Upload
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, attribute
@@ -40,12 +41,30 @@ def find(state: State) -> State:
     Raises:
         InvalidInput: If there is no motion.
     """
-    found = motions.planned(state)
+    settings = state.driving.settings
+    duties = settings.cycle or (_current(state)._replace(repeats=1.0),)
+    bare = replace(state.document.design, drives=NO_DRIVES)
+    return state.updated("driving", running=DriveJob(bare, duties, settings))
+
+
+def _current(state: State) -> Duty:
+    """Return the current motion as it would be added to the cycle."""
+    found, settings = motions.planned(state), state.driving.settings
     if found.trajectory is None:
         raise InvalidInput("motion", found.problem or "there is none yet; see the tab “Motion”")
-    bare = replace(state.document.design, drives=NO_DRIVES)
-    job = DriveJob(bare, found.trajectory, state.driving.settings)
-    return state.updated("driving", running=job)
+    return Duty(found.trajectory, settings.count, settings.dwell)
+
+
+def add_motion(state: State) -> State:
+    """Add the current motion to the cycle.
+
+    Raises:
+        InvalidInput: If there is no motion, or the cycle is full.
+    """
+    cycle = state.driving.settings.cycle
+    if len(cycle) == MOST_MOTIONS:
+        raise InvalidInput("cycle", f"at most {MOST_MOTIONS} motions are possible here")
+    return change_settings(state, cycle=(*cycle, _current(state)))
 
 
 def receive(state: State, outcome: DriveOutcome) -> State:
@@ -111,7 +130,9 @@ def intro_html(frame: Frame) -> str:
     """Return what is searched: the motion and the catalog."""
     settings = frame.state.driving.settings
     found = motions.planned(frame.state)
-    return render("drives_intro.j2", motion=found.trajectory, catalog=settings.catalog)
+    return render(
+        "drives_intro.j2", motion=found.trajectory, catalog=settings.catalog, cycle=settings.cycle
+    )
 
 
 def list_html(frame: Frame) -> str:
@@ -222,6 +243,13 @@ def _choices(state: State) -> dict[str, Effect]:
     return found
 
 
+def _cycle_choices(state: State) -> dict[str, Effect]:
+    found: dict[str, Effect] = {"Add this motion": add_motion}
+    if state.driving.settings.cycle:
+        found["Clear"] = partial(change_settings, cycle=())
+    return found
+
+
 def _setting(name: str) -> dict[str, Any]:
     return attribute(f"driving.settings.{name}", change_settings)
 
@@ -247,6 +275,11 @@ DRIVES = (
         hint="How long the robot waits after the motion; a brake or a self-locking screw holds it",
         **_setting("dwell"),
     ),
+    Number(
+        "drives.count", "Times", range=(1.0, 1e6), step=1.0,
+        hint="How often the motion is made in a cycle of several motions", **_setting("count"),
+    ),
+    ButtonGroup("drives.cycle", "Cycle", choices=_cycle_choices),
     Upload(
         "drives.upload", "Open a catalog…", receive=_open, icon=Icon.UPLOAD, mime_type=".csv",
         color="gray", hint="A CSV file of motors, gears, screws and belts; see docs/drives.md",

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -23,7 +24,9 @@ from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model import center_wrench
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.load import WRENCH, LoadCase
 from paminsa_viz.palette import LEG_COLORS
+from paminsa_viz.trajectory import Trajectory
 from paminsa_viz.units import number
 
 Array = NDArray[np.float64]
@@ -72,22 +75,39 @@ def scale_text(scale: float) -> str:
     return f"{1e3 * BAR:.0f} mm = {number(scale, 3)} N"
 
 
-def load_arrow(design: Design, pose: Array) -> tuple[Array, float]:
-    """Return the arrow of a design's force, from its point (1, 2, 3) [m], and its scale [N]."""
+def load_arrow(design: Design, pose: Array, largest: float = 0.0) -> tuple[Array, float]:
+    """Return the arrow of a design's force, from its point (1, 2, 3) [m], and its scale [N].
+
+    The scale suits a larger force as well, if one is given [N].
+    """
     x, y, theta, z = pose
     c, s = math.cos(theta), math.sin(theta)
     px, py, pz = design.load.point
     start = np.array([x + c * px - s * py, y + s * px + c * py, z + pz])
     force = center_wrench(design.load, theta)[:3]
-    scale = force_scale(float(np.linalg.norm(force)), LONGEST)
+    scale = force_scale(max(float(np.linalg.norm(force)), largest), LONGEST)
     return np.stack([start, start + force * BAR / scale])[None], scale
 
 
+def played_load(load: LoadCase, trajectory: Trajectory, t: float) -> tuple[LoadCase, float]:
+    """Return a load with the motion's own at a time [s], and the largest force on the way [N]."""
+    found = trajectory.load_at(np.array([t]))
+    if found is None or trajectory.load is None:
+        return load, 0.0
+    forces = trajectory.load[:, :3] + np.array(load.wrench[:3])
+    wrench = dict(zip(WRENCH, (found[0] + load.wrench).tolist(), strict=True))
+    return replace(load, **wrench), float(np.linalg.norm(forces, axis=1).max())
+
+
 class LoadView:
-    """The layer ``load``: the force as an arrow at its point, the moment as an arc; with labels."""
+    """The layer ``load``: the force as an arrow at its point, the moment as an arc; with labels.
+
+    While a motion with a load of its own is played, it is the load at that time.
+    """
 
     def __init__(self, context: SceneContext) -> None:
         self._scene = context.scene
+        self._motions = context.motions
         self._drawn: tuple[object, ...] = ()
         self._arrow: ArrowsHandle | None = None
         self._arc: MeshHandle | None = None
@@ -96,21 +116,27 @@ class LoadView:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Follow the load and the platform; nothing is sent while hidden."""
         del dragging
-        design, pose = frame.shown_design, frame.configuration.pose
+        design, pose, largest = frame.shown_design, frame.configuration.pose, 0.0
+        state = frame.state
+        if "load" in state.layers and state.playback.following and self._motions is not None:
+            analysis = self._motions.analysis(state)
+            if analysis is not None:
+                load, largest = played_load(design.load, analysis.trajectory, state.playback.time)
+                design = replace(design, load=load)
         load = design.load
         shown = "load" in frame.state.layers and load.acts and bool(np.isfinite(pose).all())
-        key = (load, tuple(pose.tolist()))
+        key = (load, largest, tuple(pose.tolist()))
         if shown and key != self._drawn:
             self._drawn = key
-            self._draw(design, pose)
+            self._draw(design, pose, largest)
         pushed = any(load.wrench[:3])
         for node, wanted in ((self._arrow, pushed), (self._arc, load.moment_z), (self._label, 1)):
             if node is not None:
                 node.visible = shown and bool(wanted)
 
-    def _draw(self, design: Design, pose: Array) -> None:
+    def _draw(self, design: Design, pose: Array, largest: float) -> None:
         load = design.load
-        arrow, scale = load_arrow(design, pose)
+        arrow, scale = load_arrow(design, pose, largest)
         if any(load.wrench[:3]):
             points = arrow.astype(np.float32)
             if self._arrow is None:

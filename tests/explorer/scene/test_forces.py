@@ -3,16 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
+import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.actuation.wrench_capability import capability, wrench_polytope
-from paminsa_viz.explorer.scene.forces import BAR, FARTHEST, force_scale, load_arrow, scale_text
+from paminsa_viz.explorer.scene.forces import (
+    BAR,
+    FARTHEST,
+    LoadView,
+    force_scale,
+    load_arrow,
+    played_load,
+    scale_text,
+)
+from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model import APPENDIX_4, LoadCase, LoadFrame
-from tests.support.scene import POSE, Scene
+from paminsa_viz.trajectory import PRESET, analyze
+from tests.support.scene import POSE, Scene, frame_at
 
 LOADED = replace(APPENDIX_4, load=LoadCase(30.0, 0.0, -40.0, moment_z=5.0, point_x=0.05))
 
@@ -67,3 +80,31 @@ def test_polygon_and_solid_are_the_polytopes(scene: Scene) -> None:
     assert found.faces[found.limiting_face] in scene.nodes["/forces/solid label"].text
     scene.draw(pose, LOADED, [])
     assert not [name for name in scene.nodes if name.startswith("/forces/")]
+
+
+def test_arrow_of_a_played_motion_is_its_load_at_the_time() -> None:
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(50)
+    swing = np.zeros((motion.size, 6))
+    swing[:, 1] = np.linspace(0.0, 120.0, motion.size)
+    motion = replace(motion, load=swing)
+    load, largest = played_load(LOADED.load, motion, motion.duration / 2)
+    assert load.wrench == pytest.approx((30.0, 60.0, -40.0, 0.0, 0.0, 5.0))
+    assert largest == pytest.approx(130.0)
+    assert load_arrow(replace(LOADED, load=load), np.array(POSE), largest)[1] == 50.0
+    assert played_load(LOADED.load, replace(motion, load=None), 0.1) == (LOADED.load, 0.0)
+
+
+def test_a_played_motion_moves_the_arrow(server: viser.ViserServer) -> None:
+    motion = PRESET["arch"].build(APPENDIX_4.geometry).sample(50)
+    pushed = np.tile([0.0, 80.0, 0.0, 0.0, 0.0, 0.0], (motion.size, 1))
+    analysis = analyze(APPENDIX_4, replace(motion, load=pushed))
+    motions: Any = SimpleNamespace(analysis=lambda state: analysis)
+    view = LoadView(SceneContext(server.scene, motions=motions))
+    frame = frame_at(layers=["load"])
+    view.draw(frame, False)
+    nodes = server.scene._handle_from_node_name
+    assert "/load/force" not in nodes
+    playing = frame.state.updated("playback", following=True, time=0.1)
+    view.draw(replace(frame, state=playing), False)
+    assert nodes["/load/force"].visible
+    assert nodes["/load/label"].text.startswith("80 N")
