@@ -63,19 +63,24 @@ def escape_twist(geometry: Geometry, pose: ArrayLike) -> Array:
         `NEAR_LOCUS` from both loci; a turn counts as the path of the joints 5.
     """
     x, y, theta, _ = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
-    rb, rp = geometry.base_radius, geometry.platform_radius
-    radius = singular_radius(geometry, theta)
-    turn = rp * (singular_rotation(geometry) - np.abs(wrap(theta)))
-    with np.errstate(all="ignore"):
-        scale = rp / radius**2
-        cos, sin = np.cos(theta), np.sin(theta)
-        along_x = rb * (cos * x + sin * y) - rp * x
-        along_y = rb * (cos * y - sin * x) - rp * y
+    with np.errstate(invalid="ignore"):
+        radius = singular_radius(geometry, theta)
+        turn = geometry.platform_radius * (singular_rotation(geometry) - np.abs(wrap(theta)))
         near = (np.abs(radius - np.hypot(x, y)) <= NEAR_LOCUS) | (np.abs(turn) <= NEAR_LOCUS)
-        twist = np.stack(
-            [-scale * along_y, scale * along_x, np.ones_like(x), np.zeros_like(x)], axis=-1
-        )
-    return np.where(near[..., None], twist, np.nan)
+    return np.where(near[..., None], twist_field(geometry, pose), np.nan)
+
+
+@np.errstate(all="ignore")
+def twist_field(geometry: Geometry, pose: ArrayLike) -> Array:
+    """Return the formula of `escape_twist` at any pose, (..., 4); t_s on the loci alone."""
+    x, y, theta, _ = np.moveaxis(as_vectors(pose, "pose"), -1, 0)
+    rb, rp = geometry.base_radius, geometry.platform_radius
+    scale = rp / singular_radius(geometry, theta) ** 2
+    cos, sin = np.cos(theta), np.sin(theta)
+    along_x = rb * (cos * x + sin * y) - rp * x
+    along_y = rb * (cos * y - sin * x) - rp * y
+    parts = [-scale * along_y, scale * along_x, np.ones_like(x), np.zeros_like(x)]
+    return np.stack(parts, axis=-1)
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ class PathCheck:
             cross, and closer to one than the clearance, it is ``SINGULAR``.
         leg: (n,) index of the leg that fails, -1 for none.
         first: The first failure, also between samples; None if the robot can run it all.
-        closest: The least distance to any limit, before the first failure.
+        closest: The least distance to any limit but planned loci, before the first failure.
         until: Number of samples before the first failure.
         side: (+1 or -1) for the position and for the turn: on which side of the type-2
             singularities the motion starts, as the signs of `measure_singularity`'s distances.
@@ -157,9 +157,10 @@ def check_path(
     status = np.where(failed, np.array(_LIMITS, np.uint8)[worst], np.uint8(Limit.OK))
     leg = np.where(failed, np.array(_LEGS, np.int8)[worst], np.int8(-1))
     first, until = _first_failure(trajectory, margins, bad, margins_at)
-    stop = max(until, 1)
-    row = int(np.argmin(margins[:stop].min(axis=1)))
-    closest = worst_event(trajectory.t[row], trajectory.pose[row], margins[row])
+    left = margins[: max(until, 1)].copy()
+    left[:, [len(_LIMITS) - 2 + passage.locus.value for passage in trajectory.passages]] = _FAR
+    row = int(np.argmin(left.min(axis=1)))
+    closest = worst_event(trajectory.t[row], trajectory.pose[row], left[row])
     start = (float(side[0]), float(side[1]))
     return PathCheck(status, leg, first, closest, until, start, windows)
 

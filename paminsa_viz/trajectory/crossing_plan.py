@@ -11,7 +11,7 @@ where there is none, another one tells by what factor the torque limits are too 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,6 +31,9 @@ from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
 from paminsa_viz.trajectory.sampled import Passage
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BSpline
 
 
 @dataclass(frozen=True)
@@ -72,15 +75,24 @@ class CrossingPlan:
 
     Attributes:
         plan: The motion.
-        path: Its path.
+        curve: Its path with the time law.
         crossings: What it crosses, in its order.
         durations: Shortest and longest duration that the planner can give it [s].
+        slowest, fastest: The least and the largest s'^2 by s that the limits allow [1/s^2]: every
+            motion that keeps them is between.
     """
 
     plan: Plan
-    path: Path
+    curve: TimedPath
     crossings: tuple[PlannedCrossing, ...]
     durations: tuple[float, float]
+    slowest: BSpline
+    fastest: BSpline
+
+    @property
+    def path(self) -> Path:
+        """The motion's path."""
+        return self.curve.path
 
 
 def plan_crossing(
@@ -135,7 +147,9 @@ def plan_crossing(
     kind = "through singularities" if passages else "minimum time"
     notes = tuple(item.explanation for item in planned)
     plan = Plan(curve, curve.duration, name, kind, notes, passages)
-    return CrossingPlan(plan, path, planned, (shortest, longest))
+    return CrossingPlan(
+        plan, curve, planned, (shortest, longest), program.spline(slow), program.spline(fast)
+    )
 
 
 def _check_path(

@@ -196,12 +196,13 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
             "motion.status",
             content=lambda frame: status_html(frame.state, store.analysis(frame.state)),
         ),
-        Html(
-            "motion.crossing", content=crossing_html, idle=True,
-            visible=lambda state: state.document.motion.crosses,
-        ),
         *PLAYBACK,
         *DESCRIPTION,
+        Folder(
+            "motion.crossing", "Singularities passed",
+            visible=lambda state: state.document.motion.crosses,
+            entries=(Html("motion.crossing.text", content=crossing_html, idle=True),),
+        ),
         Folder(
             "motion.path", "Path in the scene", open=False,
             entries=(

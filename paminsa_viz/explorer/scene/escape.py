@@ -20,6 +20,9 @@ Array = NDArray[np.float64]
 LONGEST: Final = 0.12
 """Longest arrow [m]."""
 
+BELOW: Final = 0.06
+"""Distance of a label below the platform [m]."""
+
 
 def twist_arrows(geometry: Geometry, found: CrossingPlan) -> Array:
     """Return the motions of the platform's center and joints 5 along t_s, (4 k, 2, 3) [m].
