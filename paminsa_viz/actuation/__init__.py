@@ -5,15 +5,14 @@
 
 from __future__ import annotations
 
+from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
 from paminsa_viz.actuation.wrench_capability import (
     DEFAULT_LIMITS,
     ActuatorLimits,
     Capability,
-    WrenchPolytope,
     actuator_limits,
     capability,
     field_capability,
-    wrench_polytope,
 )
 
 __all__ = [

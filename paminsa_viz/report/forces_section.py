@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.actuation.wrench_capability import actuator_limits, capability, wrench_polytope
+from paminsa_viz.actuation.polytope import wrench_polytope
+from paminsa_viz.actuation.wrench_capability import actuator_limits, capability
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.grids import Grid, solve_field

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from viser import ArrowsHandle, LabelHandle, LineSegmentsHandle, MeshHandle
 
 from paminsa_viz import palette
-from paminsa_viz.actuation.wrench_capability import WrenchPolytope, wrench_polytope
+from paminsa_viz.actuation.polytope import WrenchPolytope, wrench_polytope
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.actuators import FACES, arc_arrow

@@ -12,7 +12,8 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.actuation.wrench_capability import capability, wrench_polytope
+from paminsa_viz.actuation.polytope import wrench_polytope
+from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.explorer.scene.forces import (
     BAR,
     FARTHEST,
