@@ -69,7 +69,7 @@ def draw_crossing(design: Design, found: CrossingPlan) -> Figure:
         s, residual_along(design, found, s, rate, 0.5 * z(s, 1)), color=INK, lw=1.2,
         label="planned",
     )  # fmt: skip
-    residual.set_ylabel(r"$t_s^{\mathsf{T}}F$ [N·m]")
+    residual.set_ylabel("residual [N·m]")
     residual.axhline(0.0, color=MUTED, lw=0.6)
     _draw_torques(torque, design, found, s)
     for item in found.crossings:

@@ -282,6 +282,9 @@ def measure_motion(design: Design, trajectory: Trajectory) -> tuple[str, float, 
     if first is not None:
         word = str(status_words(first.limit, first.leg))
         return word, first.t, (np.nan,) * len(MOTION_METRICS)
+    if analysis.unbounded:  # the motion crosses a singularity, planned for another design
+        word = str(status_words(Limit.SINGULAR))
+        return word, analysis.unbounded[0].t, (np.nan,) * len(MOTION_METRICS)
     return RUNS, np.nan, tuple(metric.value(analysis) for metric in MOTION_METRICS)
 
 
@@ -293,4 +296,6 @@ def samples_hash(trajectory: Trajectory) -> str:
         found.update(array.astype("<f8").tobytes())
     if trajectory.load is not None:
         found.update(trajectory.load.astype("<f8").tobytes())
+    if trajectory.passages:
+        found.update(repr([(t, locus.name) for t, locus in trajectory.passages]).encode())
     return found.hexdigest()[:32]

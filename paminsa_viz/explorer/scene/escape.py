@@ -17,10 +17,10 @@ from paminsa_viz.trajectory import CrossingPlan
 
 Array = NDArray[np.float64]
 
-LONGEST: Final = 0.12
+LONGEST: Final = 0.2
 """Longest arrow [m]."""
 
-BELOW: Final = 0.06
+BELOW: Final = 0.12
 """Distance of a label below the platform [m]."""
 
 
@@ -72,9 +72,9 @@ class EscapeTwist:
                 "/escape/arrows",
                 arrows.astype(np.float32),
                 linear_colors(BAD)[0],
-                shaft_radius=0.004,
-                head_radius=0.010,
-                head_length=0.025,
+                shaft_radius=0.006,
+                head_radius=0.014,
+                head_length=0.035,
             )
         )
         for index, item in enumerate(found.crossings):
