@@ -22,6 +22,9 @@ from paminsa_viz.trajectory.crossing_plan import CrossingPlan, PlannedCrossing
 from paminsa_viz.trajectory.sampled import RATE, Locus, Trajectory
 from paminsa_viz.trajectory.time_laws import Profile, TimeLaw
 
+UNPLANNED_LAW = TimeLaw(Profile.QUINTIC)
+"""What a motion is compared with that does not meet the condition."""
+
 
 def escape_inertia(design: Design, pose: ArrayLike) -> Array:
     """Return t_s^T M t_s at type-2 singular poses (..., 4), (...) [kg m^2].
@@ -98,7 +101,7 @@ def unplanned_torque(item: PlannedCrossing, duration: float, rate: float = RATE)
     """
     from scipy.optimize import brentq  # slow to load
 
-    law = TimeLaw(Profile.QUINTIC)
+    law = UNPLANNED_LAW
     u = brentq(lambda at: float(law(np.array([at]))[0]) - item.crossing.s, 0.0, 1.0)
     speed, growth = (float(law(np.array([u]), order)[0]) / duration**order for order in (1, 2))
     residual = item.condition.residual(speed, growth)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from markupsafe import Markup
 
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion import actions as motions
@@ -15,6 +16,22 @@ from paminsa_viz.units import number
 
 PAYLOAD_ERROR = 0.1
 """Payload that the model does not know of, whose drift is shown [kg]."""
+
+
+def chart_html(frame: Frame) -> str:
+    """Return the chart of the motion over its path; empty if it crosses nothing."""
+    found = motions.planned(frame.state).crossing
+    if found is None or not found.crossings:
+        return ""
+    return _chart(frame.state.document.design, found)
+
+
+@lru_cache(maxsize=4)
+def _chart(design: Design, found: CrossingPlan) -> str:
+    from paminsa_viz.plots.crossing_figure import crossing_svg  # matplotlib is slow to load
+
+    svg = crossing_svg(design, found).decode()
+    return render("crossing_chart.j2", svg=Markup(svg[svg.index("<svg") :]))
 
 
 def crossing_html(frame: Frame) -> str:
@@ -47,7 +64,8 @@ def crossing_lines(design: Design, found: CrossingPlan) -> tuple[str, ...]:
         lines += [
             f"{item.crossing.locus.label} at {number(item.t, 4)} s (s = {item.crossing.s:.4f}): "
             f"in the limit M1–M3 {torques} N·m, M4 {number(item.torque[3], 3)} N",
-            f"residual t_sᵀF {item.residual:.0e} N·m; without the condition: {naive} N·m at 1 kHz",
+            f"residual t_sᵀF {number(item.residual, 1)} N·m; "
+            f"without the condition: {naive} N·m at 1 kHz",
             f"ṡ = {speeds[0]} /s, of {speeds[1]} to {speeds[2]} /s within the limits",
             drift_text(drift),
         ]

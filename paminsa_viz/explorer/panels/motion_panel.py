@@ -35,7 +35,7 @@ from paminsa_viz.explorer.motion.jobs import (
 )
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.crossing_text import crossing_html
+from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
 from paminsa_viz.explorer.session import Session
@@ -201,7 +201,10 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
         Folder(
             "motion.crossing", "Singularities passed",
             visible=lambda state: state.document.motion.crosses,
-            entries=(Html("motion.crossing.text", content=crossing_html, idle=True),),
+            entries=(
+                Html("motion.crossing.text", content=crossing_html, idle=True),
+                Html("motion.crossing.chart", content=chart_html, idle=True),
+            ),
         ),
         Folder(
             "motion.path", "Path in the scene", open=False,
