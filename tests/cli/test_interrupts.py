@@ -34,13 +34,16 @@ PATIENCE = 2.0
 
 
 def begin(words: str, folder: Path) -> subprocess.Popen[bytes]:
-    """Start the program, and return when its first line is about to run."""
+    """Start the program, and return when its first line, which starts a thread, has run."""
     process = subprocess.Popen(
         [sys.executable, "-c", BEGIN, *words.split()],
         cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
     )  # fmt: skip
     assert process.stdout
     assert process.stdout.read(1) == b"."
+    status = Path(f"/proc/{process.pid}/status")  # not on every system
+    while status.exists() and "Threads:\t1\n" in status.read_text() and process.poll() is None:
+        time.sleep(0.001)  # on a busy machine even the first line may take long
     return process
 
 
