@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.reach import Limit, reach_status
 from paminsa_viz.model.statics import static_torques
@@ -26,7 +27,7 @@ from paminsa_viz.trajectory.crossing import (
     CrossingRefused,
     crossings,
 )
-from paminsa_viz.trajectory.crossing_program import CrossingProgram
+from paminsa_viz.trajectory.crossing_program import REFINEMENTS, CrossingProgram
 from paminsa_viz.trajectory.limits import MotionLimits
 from paminsa_viz.trajectory.paths import Path, TimedPath
 from paminsa_viz.trajectory.plan import Plan
@@ -34,6 +35,9 @@ from paminsa_viz.trajectory.sampled import Passage
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
+
+STANDSTILL = 1e-9
+"""Share of the largest s'^2 below which a motion counts as standing still on its way."""
 
 
 @dataclass(frozen=True)
@@ -123,8 +127,7 @@ def plan_crossing(
         )
     found = crossings(design.geometry, path)
     _check_path(design, path, found, limits)
-    program = CrossingProgram(design, path, found, limits)
-    fast = program.fastest()
+    program, fast = _program(design, path, found, limits)
     slow = program.slowest()
 
     def blend(share: float) -> TimedPath:
@@ -185,6 +188,35 @@ def _check_path(
                 f"{limits.actuators[worst]:.4g} {'N' if worst == 3 else 'N m'}"
             )
             raise CrossingRefused("hold", problem, float(s[at]))
+
+
+def _program(
+    design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
+) -> tuple[CrossingProgram, Array]:
+    """Return the coarsest program with a shortest motion that does not stop, and this motion.
+
+    Raises:
+        CrossingRefused: If there is none.
+    """
+    refusal = CrossingRefused("infeasible", "")
+    for refinement in REFINEMENTS if found else REFINEMENTS[:1]:
+        program = CrossingProgram(design, path, found, limits, refinement)
+        try:
+            fast = program.fastest()
+        except CrossingRefused as infeasible:
+            refusal = infeasible
+            continue
+        s = np.linspace(0.0, 1.0, 2001)[1:-1]
+        z = program.spline(fast)(s)
+        if z.min() > STANDSTILL * z.max():
+            return program, fast
+        stop = float(s[np.argmin(z)])
+        problem = (
+            "the conditions at the crossings can be met only by a motion that stops at "
+            f"s = {stop:.4g}; change the path"
+        )
+        refusal = CrossingRefused("weak", problem, stop)
+    raise refusal
 
 
 def _planned(

@@ -31,7 +31,10 @@ if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
 INTERVALS = 80
-"""Pieces of the spline."""
+"""Pieces of the spline, where it is not refined."""
+
+REFINEMENTS = (0, 3, 6)
+"""How often the pieces next to crossings are halved, until a law is found that does not stop."""
 
 POINTS = 4
 """Points in each of them where limits are kept."""
@@ -50,10 +53,16 @@ class CrossingProgram:
     """The constraints on the coefficients of z, (rows) c + constant <= limit, and their optima."""
 
     def __init__(
-        self, design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
+        self,
+        design: Design,
+        path: Path,
+        found: tuple[Crossing, ...],
+        limits: MotionLimits,
+        refinement: int = 0,
     ) -> None:
         self._design, self._path, self._found = design, path, found
-        self._knots = np.concatenate([[0.0] * 3, np.linspace(0.0, 1.0, INTERVALS + 1), [1.0] * 3])
+        self._pieces = _pieces(found, refinement)
+        self._knots = np.concatenate([[0.0] * 3, self._pieces, [1.0] * 3])
         self.conditions = [crossing_condition(design, path, item.s) for item in found]
         self.limit_torques = [limit_torque_rows(design, path, item.s) for item in found]
         for item, condition in zip(found, self.conditions, strict=True):
@@ -83,13 +92,17 @@ class CrossingProgram:
             for item, condition in zip(self._found, self.conditions, strict=True)
         ]
         right = [-condition.c for condition in self.conditions]
-        return np.reshape(rows, (-1, INTERVALS + 1)), np.array(right)
+        return np.reshape(rows, (-1, len(self._pieces))), np.array(right)
 
     def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
         """Return rows, constants and limits, and which of these are torques."""
         share = (np.arange(POINTS) + 0.5) / POINTS
         s = np.concatenate(
-            [[0.0], ((np.arange(INTERVALS)[:, None] + share) / INTERVALS).ravel(), [1.0]]
+            [
+                [0.0],
+                (self._pieces[:-1, None] + np.diff(self._pieces)[:, None] * share).ravel(),
+                [1.0],
+            ]
         )
         for item in self._found:
             s = s[np.abs(s - item.s) > _NEAR]
@@ -133,11 +146,11 @@ class CrossingProgram:
         Raises:
             CrossingRefused: If no time law keeps the limits.
         """
-        return self._optimum(-np.ones(INTERVALS + 1))
+        return self._optimum(-np.ones(len(self._pieces)))
 
     def slowest(self) -> Array:
         """Return the coefficients of the slowest motion that satisfies the conditions."""
-        return self._optimum(np.ones(INTERVALS + 1))
+        return self._optimum(np.ones(len(self._pieces)))
 
     def speed_range(self, index: int) -> tuple[float, float]:
         """Return the smallest and largest s' that the limits allow at a crossing [1/s]."""
@@ -178,6 +191,21 @@ class CrossingProgram:
                 f"{result.x[-1]:.4g} times as large"
             )
         raise CrossingRefused("infeasible", problem)
+
+
+def _pieces(found: tuple[Crossing, ...], refinement: int) -> Array:
+    """Return the ends of the spline's pieces, from 0 to 1, halved so often next to crossings."""
+    ends = np.linspace(0.0, 1.0, INTERVALS + 1)
+    halves = 0.5 ** np.arange(1, refinement + 1) / INTERVALS
+    for item in found:
+        room = min(1.0, INTERVALS * item.s, INTERVALS * (1.0 - item.s))
+        near = item.s + room * np.concatenate([-halves, halves])
+        ends = np.concatenate([ends, near])
+    ends = np.unique(ends)
+    least = 0.1 * 0.5**refinement / INTERVALS
+    kept = np.concatenate([[True], np.diff(ends) > least])
+    kept[-1] = True
+    return ends[kept]
 
 
 def _require_influence(

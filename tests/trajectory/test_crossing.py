@@ -403,3 +403,23 @@ def test_a_sweep_takes_a_planned_crossing_for_its_own_design_alone() -> None:
     assert word == "singular"
     assert t == samples.passages[0].t
     assert np.isnan(values).all()
+
+
+@pytest.mark.parametrize(
+    "poses",
+    [
+        [[0.0487, -0.3169, 1.1063, -0.4585], [0.171, -0.0979, 0.7206, -0.4999],
+         [-0.0254, 0.0019, -1.0912, -0.5588]],
+        [[0.1631, -0.0825, -1.8922, -0.554], [-0.1871, 0.1465, -0.8063, -0.4259],
+         [-0.0196, -0.0849, 1.7641, -0.458]],
+    ],
+    ids=["crossing next to the start", "little influence"],
+)  # fmt: skip
+def test_the_spline_is_refined_where_it_would_have_to_stop(poses: list[list[float]]) -> None:
+    found = plan_crossing(BALANCED, spline_path(poses), TEN)
+    t = np.linspace(0.0, found.plan.duration, 20 * program.INTERVALS * program.POINTS)
+    for crossing in found.crossings:
+        near = _torque(BALANCED, found, crossing.t + np.array([-1e-6, 1e-6]))
+        assert np.abs(near - crossing.torque).max() < 2e-2
+        t = t[np.abs(t - crossing.t) > 1e-6]
+    assert np.abs(_torque(BALANCED, found, t)[:, :3]).max() < 10.1

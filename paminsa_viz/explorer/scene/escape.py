@@ -83,7 +83,7 @@ class EscapeTwist:
                 self._scene.add_label(
                     f"/escape/label{index}",
                     f"t_s at the {item.crossing.locus.label}",
-                    position=(x, y, z),
+                    position=(x, y, z - BELOW),
                     font_screen_scale=0.9,
                     anchor="top-center",
                 )
