@@ -36,6 +36,9 @@ from paminsa_viz.trajectory.sampled import Passage
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
 
+TIGHTENED = 4
+"""How often limits that are exceeded between the points are added at most."""
+
 STANDSTILL = 1e-9
 """Share of the largest s'^2 below which a motion counts as standing still on its way."""
 
@@ -127,8 +130,7 @@ def plan_crossing(
         )
     found = crossings(design.geometry, path)
     _check_path(design, path, found, limits)
-    program, fast = _program(design, path, found, limits)
-    slow = program.slowest()
+    program, fast, slow = _program(design, path, found, limits)
 
     def blend(share: float) -> TimedPath:
         return TimedPath(path, program.spline(share * fast + (1.0 - share) * slow))
@@ -192,8 +194,8 @@ def _check_path(
 
 def _program(
     design: Design, path: Path, found: tuple[Crossing, ...], limits: MotionLimits
-) -> tuple[CrossingProgram, Array]:
-    """Return the coarsest program with a shortest motion that does not stop, and this motion.
+) -> tuple[CrossingProgram, Array, Array]:
+    """Return the coarsest program with motions that do not stop, its fastest and its slowest.
 
     Raises:
         CrossingRefused: If there is none.
@@ -202,14 +204,18 @@ def _program(
     for refinement in REFINEMENTS if found else REFINEMENTS[:1]:
         program = CrossingProgram(design, path, found, limits, refinement)
         try:
-            fast = program.fastest()
+            fast, slow = program.fastest(), program.slowest()
+            for _ in range(TIGHTENED):
+                if not program.tighten(fast, slow):
+                    break
+                fast, slow = program.fastest(), program.slowest()
         except CrossingRefused as infeasible:
             refusal = infeasible
             continue
         s = np.linspace(0.0, 1.0, 2001)[1:-1]
         z = program.spline(fast)(s)
         if z.min() > STANDSTILL * z.max():
-            return program, fast
+            return program, fast, slow
         stop = float(s[np.argmin(z)])
         problem = (
             "the conditions at the crossings can be met only by a motion that stops at "

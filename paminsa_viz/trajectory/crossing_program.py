@@ -6,7 +6,9 @@ condition of `crossing` is an equation, and the limits are inequalities at point
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NoReturn
+from collections.abc import Iterator
+from functools import cached_property
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +41,12 @@ REFINEMENTS = (0, 3, 6)
 POINTS = 4
 """Points in each of them where limits are kept."""
 
+FINE = 20
+"""How many times finer the points are at which the limits are looked at afterwards."""
+
+TOLERANCE = 2e-3
+"""Share by which torques may exceed their limits there."""
+
 _NEAR = 1e-4
 """Around a crossing the torque's limit stands for the limits of torques [1]."""
 
@@ -47,6 +55,31 @@ _SCALE = 0.02
 
 _WEAK = 1e-9
 """Least cosine between path and escape twist (by M) with which a time law can do something [1]."""
+
+
+class Rows(NamedTuple):
+    """Inequalities factors c + constant <= limit for the coefficients c of z.
+
+    Attributes:
+        factors: (n, coefficients).
+        constant, limit: (n,).
+        of_torque: (n,) whether it is a limit of a torque or force.
+    """
+
+    factors: Array
+    constant: Array
+    limit: Array
+    of_torque: NDArray[np.bool_]
+
+
+def _stacked(parts: list[Rows]) -> Rows:
+    return Rows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+
+def _both_sides(factors: Array, constant: Array, limit: Array) -> Rows:
+    """Return the rows that keep a torque above and below its limits."""
+    rows = Rows(factors, constant, limit, np.ones(len(limit), dtype=bool))
+    return _stacked([rows, rows._replace(factors=-factors, constant=-constant)])
 
 
 class CrossingProgram:
@@ -60,7 +93,7 @@ class CrossingProgram:
         limits: MotionLimits,
         refinement: int = 0,
     ) -> None:
-        self._design, self._path, self._found = design, path, found
+        self._design, self._path, self._found, self._limits = design, path, found, limits
         self._pieces = _pieces(found, refinement)
         self._knots = np.concatenate([[0.0] * 3, self._pieces, [1.0] * 3])
         self.conditions = [crossing_condition(design, path, item.s) for item in found]
@@ -68,7 +101,11 @@ class CrossingProgram:
         for item, condition in zip(found, self.conditions, strict=True):
             _require_influence(design, path, item, condition)
         self._equal, self._right = self._condition_rows()
-        self._rows, self._constant, self._limit, self._scaled = self._limit_rows(limits)
+        points = self._points(POINTS)
+        self._regular = _SCALE * self._determinant(points).max()
+        self._rows = _stacked(
+            [self._torque_rows(points), *self._speed_rows(points), *map(self._crossing_rows, found)]
+        )
 
     def spline(self, inner: Array) -> BSpline:
         """Return z from its coefficients but the first and the last, which are zero."""
@@ -94,51 +131,81 @@ class CrossingProgram:
         right = [-condition.c for condition in self.conditions]
         return np.reshape(rows, (-1, len(self._pieces))), np.array(right)
 
-    def _limit_rows(self, limits: MotionLimits) -> tuple[Array, Array, Array, NDArray[np.bool_]]:
-        """Return rows, constants and limits, and which of these are torques."""
-        share = (np.arange(POINTS) + 0.5) / POINTS
-        s = np.concatenate(
-            [
-                [0.0],
-                (self._pieces[:-1, None] + np.diff(self._pieces)[:, None] * share).ravel(),
-                [1.0],
-            ]
-        )
+    def _points(self, count: int) -> Array:
+        """Return points along the path, so many in each piece and both ends, off the crossings."""
+        share = (np.arange(count) + 0.5) / count
+        inner = self._pieces[:-1, None] + np.diff(self._pieces)[:, None] * share
+        s = np.concatenate([[0.0], inner.ravel(), [1.0]])
         for item in self._found:
             s = s[np.abs(s - item.s) > _NEAR]
-        geometry, pose = self._design.geometry, self._path(s)
-        g = inverse_jacobian(geometry, pose)
-        det = np.abs(np.linalg.det(g[:, :3, :3]))
-        weight = np.minimum(1.0, det / (_SCALE * det.max()))[:, None, None]
-        solve = np.linalg.inv(np.swapaxes(g, 1, 2)) * weight / limits.actuators[:, None]
+        return s
+
+    def _determinant(self, s: Array) -> Array:
+        g = inverse_jacobian(self._design.geometry, self._path(s))
+        return np.abs(np.linalg.det(g[:, :3, :3]))
+
+    def _torque_parts(self, s: Array) -> tuple[Array, Array, Array, Array]:
+        """Return factors of s'' and z, and constants, of torques over their limits, (n, 4) each.
+
+        They are multiplied by the last result (n, 4), which is small near singularities.
+        """
+        g = inverse_jacobian(self._design.geometry, self._path(s))
+        weight = np.minimum(1.0, self._determinant(s) / self._regular)[:, None]
+        solve = np.linalg.inv(np.swapaxes(g, 1, 2)) * weight[..., None]
+        solve /= self._limits.actuators[:, None]
         a, b, c = (
             np.einsum("nij,nj->ni", solve, part)
             for part in path_coefficients(self._design, self._path, s)
         )
+        return a, b, c, np.broadcast_to(weight, a.shape)
+
+    def _torque_rows(self, s: Array) -> Rows:
+        a, b, c, weight = self._torque_parts(s)
         z, dz = self._basis(s), self._basis(s, 1)
-        torque = (b[..., None] * z[:, None] + 0.5 * a[..., None] * dz[:, None]).reshape(
-            -1, z.shape[1]
-        )
-        constant, most = c.ravel(), np.repeat(weight.ravel(), 4)
-        for item, found in zip(self._found, self.limit_torques, strict=True):
-            scaled = found / limits.actuators[:, None]
-            torque = np.concatenate([torque, scaled[:, :3] @ self._at(item.s)])
-            constant = np.concatenate([constant, scaled[:, 3]])
-            most = np.concatenate([most, np.ones(4)])
-        limited = np.tile(np.isfinite(limits.actuators), len(most) // 4)
-        torque, constant, most = torque[limited], constant[limited], most[limited]
-        along = self._path(s, 1)
-        sizes = np.stack([np.linalg.norm(along[:, PLACE], axis=1), np.abs(along[:, 2])], axis=1)
-        speeds = [
-            (size[:, None] / limit) ** 2 * z
-            for size, limit in zip(sizes.T, limits.rates[0], strict=True)
-            if np.isfinite(limit)
-        ]
-        fast = np.concatenate([np.zeros((0, z.shape[1])), *speeds])
-        rows = np.concatenate([torque, -torque, fast])
-        constants = np.concatenate([constant, -constant, np.zeros(len(fast))])
-        ends = np.concatenate([most, most, np.ones(len(fast))])
-        return rows, constants, ends, np.arange(len(rows)) < 2 * len(torque)
+        rows = b[..., None] * z[:, None] + 0.5 * a[..., None] * dz[:, None]
+        limited = np.isfinite(self._limits.actuators)
+        rows = rows[:, limited].reshape(-1, z.shape[1])
+        constant, most = c[:, limited].ravel(), weight[:, limited].ravel()
+        return _both_sides(rows, constant, most)
+
+    def _crossing_rows(self, item: Crossing) -> Rows:
+        """Return the limits of the torques in the limit at a crossing."""
+        limited = np.isfinite(self._limits.actuators)
+        torque = self.limit_torques[self._found.index(item)]
+        scaled = (torque / self._limits.actuators[:, None])[limited]
+        return _both_sides(scaled[:, :3] @ self._at(item.s), scaled[:, 3], np.ones(len(scaled)))
+
+    def _speed_rows(self, s: Array) -> Iterator[Rows]:
+        along, z = self._path(s, 1), self._basis(s)
+        for size, limit in zip(
+            (np.linalg.norm(along[:, PLACE], axis=1), np.abs(along[:, 2])),
+            self._limits.rates[0],
+            strict=True,
+        ):
+            if np.isfinite(limit):
+                rows = (size[:, None] / limit) ** 2 * z
+                none = np.zeros(len(s))
+                yield Rows(rows, none, none + 1.0, np.zeros(len(s), dtype=bool))
+
+    def tighten(self, *laws: Array) -> bool:
+        """Add limits where laws exceed those of torques by `TOLERANCE`; whether there are any."""
+        s = self._points(FINE * POINTS)
+        a, b, c, weight = self._fine
+        excess = np.zeros(len(s))
+        for law in laws:
+            z = self.spline(law)
+            torque = b * z(s)[:, None] + 0.5 * a * z(s, 1)[:, None] + c
+            excess = np.maximum(excess, (np.abs(torque) / weight).max(axis=1) - 1.0)
+        padded = np.concatenate([[0.0], excess, [0.0]])
+        peak = (excess > TOLERANCE) & (excess >= padded[:-2]) & (excess >= padded[2:])
+        if not peak.any():
+            return False
+        self._rows = _stacked([self._rows, self._torque_rows(s[peak])])
+        return True
+
+    @cached_property
+    def _fine(self) -> tuple[Array, Array, Array, Array]:
+        return self._torque_parts(self._points(FINE * POINTS))
 
     def fastest(self) -> Array:
         """Return the coefficients of the shortest motion: the largest z wherever it can be.
@@ -162,7 +229,7 @@ class CrossingProgram:
         from scipy.optimize import linprog
 
         result = linprog(
-            cost, self._rows, self._limit - self._constant,
+            cost, self._rows.factors, self._rows.limit - self._rows.constant,
             self._equal if len(self._equal) else None, self._right if len(self._right) else None,
             bounds=(0.0, None), method="highs",
         )  # fmt: skip
@@ -174,10 +241,10 @@ class CrossingProgram:
         """Raise with the least factor of the torque limits that would be enough."""
         from scipy.optimize import linprog
 
-        n = self._rows.shape[1]
-        factor = np.where(self._scaled, self._limit, 0.0)
-        rows = np.hstack([self._rows, -factor[:, None]])
-        fixed = np.where(self._scaled, 0.0, self._limit) - self._constant
+        factors, constant, limit, of_torque = self._rows
+        n = factors.shape[1]
+        rows = np.hstack([factors, -np.where(of_torque, limit, 0.0)[:, None]])
+        fixed = np.where(of_torque, 0.0, limit) - constant
         equal = np.hstack([self._equal, np.zeros((len(self._equal), 1))])
         result = linprog(
             np.eye(n + 1)[-1], rows, fixed, equal if len(equal) else None,

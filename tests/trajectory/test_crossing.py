@@ -423,3 +423,24 @@ def test_the_spline_is_refined_where_it_would_have_to_stop(poses: list[list[floa
         assert np.abs(near - crossing.torque).max() < 2e-2
         t = t[np.abs(t - crossing.t) > 1e-6]
     assert np.abs(_torque(BALANCED, found, t)[:, :3]).max() < 10.1
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_limits_are_kept_on_paths_at_random(seed: int) -> None:
+    """Many of these are steep near an end or a crossing; about half of them cross a singularity."""
+    rng = np.random.default_rng(100 + seed)
+    tried = 0
+    while tried < 4:
+        design, limit = ((BALANCED, 10.0), (APPENDIX_4, 100.0))[int(rng.integers(2))]
+        poses = rng.uniform([-0.2, -0.2, -1.9, -0.58], [0.2, 0.2, 1.9, -0.42], (2, 4))
+        try:
+            found = plan_crossing(design, spline_path(poses), MotionLimits(torque=limit))
+        except CrossingRefused:
+            continue
+        tried += 1
+        t = np.linspace(0.0, found.plan.duration, 20 * program.INTERVALS * program.POINTS)
+        for crossing in found.crossings:
+            near = _torque(design, found, crossing.t + np.array([-1e-6, 1e-6]))
+            assert np.abs(near - crossing.torque).max() < 2e-3 * limit
+            t = t[np.abs(t - crossing.t) > 1e-6]
+        assert np.abs(_torque(design, found, t)[:, :3]).max() < 1.005 * limit
