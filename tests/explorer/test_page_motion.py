@@ -196,3 +196,19 @@ def test_motion_is_found_again_after_a_reload(motion: Tab) -> None:
     motion.wait_saved()
     motion.reload()
     until(lambda: motion.state.document.motion == wanted, "the motion is back")
+
+
+def test_motion_passes_a_singularity_when_the_box_is_checked(tab: Tab) -> None:
+    tab.open_tab("Motion")
+    ends = {"start": (0.03, 0.02, 0.8, -0.5), "goal": (0.03, 0.02, 1.75, -0.5)}
+    tab.dispatch(lambda s: motions.change(motions.choose_kind(s, Kind.MOVE), **ends))
+    until(lambda: "Not possible" in tab.text("motion-status"), "the refusal")
+    tab.dispatch(lambda s: motions.limit(motions.change(s, timing=Timing.SHORTEST), "torque", 10.0))
+    tab.element("Pass singularities").check()
+    until(lambda: "Reachable" in tab.text("motion-status"), "a possible motion")
+    until(lambda: "singular rotation at 0.179" in tab.text("motion-crossing"), "the crossing")
+    assert "without the condition" in tab.text("motion-crossing")
+    tab.page.get_by_test_id("crossing-chart").locator("svg").wait_for()
+    tab.dispatch(lambda s: motions.scrub(s, 0.37))
+    tab.open_tab("Pose")
+    until(lambda: "lies between this pose and home" in tab.text("status"), "the status")
