@@ -10,11 +10,11 @@ from typing import Annotated
 
 import tyro
 
-from paminsa_viz.cli.arguments import command_line
+from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_ending
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import open_atomically
-from paminsa_viz.trajectory import home
+from paminsa_viz.trajectory import MotionLimits, home, plan_crossing, spline_path
 
 DESCRIPTION = """\
 Write a design report: one HTML file with everything inside, to attach to a design review.
@@ -34,6 +34,11 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
 
     out: Annotated[Path, tyro.conf.arg(metavar="FILE.html")]
     """File to write; one that exists is replaced. Maps are at the angle and height of the pose."""
+    cross: bool = False
+    """The rows of --file are waypoints of a motion that may pass type-2 singularities, in the
+    shortest time within --max-torque."""
+    max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
+    """Limit of the torque of M1, M2 and M3 for --cross [N m]."""
     verify: bool = True
     """Check the formulas against the physics engines that are installed."""
     seed: int = 0
@@ -42,9 +47,17 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
     def run(self) -> int:
         """Write the report."""
         check_ending("--out", self.out, [".html", ".htm"])
+        if self.cross and (self.file is None or self.max_torque is None):
+            raise UsageError("--cross needs --file and --max-torque")
+        if self.max_torque is not None and not self.cross:
+            raise UsageError("--max-torque belongs to --cross")
         design = self.given_design()
         pose = self.given_pose or tuple(home(design.geometry).tolist())
         trajectory = self.given_motion(design.geometry)
+        if self.cross:
+            limits = MotionLimits(torque=self.max_torque)
+            path = spline_path(trajectory.pose)
+            trajectory = plan_crossing(design, path, limits, name=trajectory.name).plan.sample()
 
         from paminsa_viz.report import ReportRequest, report_html  # figures take a second to load
 

@@ -60,6 +60,8 @@ export --glb r.glb --pose x 0 0 0                   | FLOAT FLOAT FLOAT FLOAT is
 export --glb r.glb --mjcf r.xml --pose 0 0 73.39845 -600 | pose: it is singular
 report                                              | --out
 report --out r.html --pose 0 0 0 -3000              | be taken: the pantograph is over-stretched
+report --out r.html --cross                          | --cross needs --file and --max-torque
+report --out r.html --max-torque 3                  | --max-torque belongs to --cross
 report --out no/r.html                              | cannot be written: its folder does not exist
 sweep --out a.csv                                   | --vary is needed
 sweep --out a.csv --vary links.b33=1:2:3            | did you mean links.b3?

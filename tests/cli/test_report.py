@@ -22,3 +22,16 @@ def test_one_command_makes_it(folder, capsys) -> None:
     assert "Upper knee, pose x 30 mm" in text
     assert "pick-and-place arch" in text
     assert [path.name for path in folder.iterdir()] == ["r.html"]
+
+
+def test_the_motion_may_cross_a_singularity(folder, capsys) -> None:
+    Path("poses.csv").write_text(
+        "t_s,x_m,y_m,theta_rad,z_m\n0,0.03,0.02,0.8,-0.5\n1,0.03,0.02,1.75,-0.5\n"
+    )
+    words = "report --out r.html --no-verify --file poses.csv --cross --max-torque"
+    assert main([*words.split(), "10"]) == 0
+    text = Path("r.html").read_text(encoding="utf-8")
+    assert "singular rotation" in text
+    assert "Crossings of singularities and the torques in the limit" in text
+    assert main([*words.split(), "5"]) != 0
+    assert "times as large" in capsys.readouterr().err
