@@ -10,6 +10,8 @@ import pytest
 from paminsa_viz import app
 from tests.support.commands import check_refused
 
+pytestmark = pytest.mark.slow
+
 WRONG_WORDS = """
 start --port x                                      | Error parsing --port
 start --port 65536                                  | --port: 65536 is not from 0 to 65535

@@ -301,6 +301,7 @@ def test_a_planned_crossing_passes_the_check_and_another_one_does_not(
     assert len(back.passages) == 2
 
 
+@pytest.mark.slow
 def test_a_sample_at_the_crossing_moves_off_it() -> None:
     plan = plan_crossing(BALANCED, TURN, TEN).plan
     (passage,) = plan.passages
@@ -338,6 +339,7 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     assert drift[:, 2].max() < 3e-4  # MuJoCo's integrator is of first order
 
 
+@pytest.mark.slow
 def test_the_drift_is_that_of_a_robot_with_another_payload() -> None:
     """Left alone, the heavier robot accelerates along the escape twist as the drift says."""
     found = plan_crossing(BALANCED, LINE, TEN)

@@ -25,6 +25,8 @@ from paminsa_viz.trajectory import (
 from paminsa_viz.trajectory.crossing_deform import DeformedPlan
 from paminsa_viz.trajectory.paths import StraightPath
 
+pytestmark = pytest.mark.slow
+
 BALANCED = balance(APPENDIX_4).after
 TEN = MotionLimits(torque=10.0)
 GRID = np.linspace(0.0, 1.0, 4001)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
-import numpy as np
 from markupsafe import Markup
 
 from paminsa_viz.explorer.frame import Frame
@@ -74,7 +74,7 @@ def crossing_lines(design: Design, found: CrossingPlan) -> tuple[str, ...]:
 
 def drift_text(drift: CrossingDrift) -> str:
     """Return what the actuators have no authority over."""
-    moved, turned = float(np.hypot(*drift.shift[:2])), float(np.degrees(abs(drift.shift[2])))
+    moved, turned = math.hypot(*drift.shift[:2]), math.degrees(abs(drift.shift[2]))
     far = f"{number(1e6 * moved, 2)} µm" if moved > 1e-8 else "less than 0.01 µm"
     wide = f"{number(1e3 * turned, 2)} m°" if turned > 1e-5 else "less than 0.01 m°"
     return (
