@@ -93,7 +93,7 @@ class PathCheck:
     closest: PathEvent
     until: int
     side: tuple[float, float]
-    windows: tuple[Window, ...] = ()
+    windows: tuple[PassageWindow, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -191,7 +191,7 @@ def limit_margins(geometry: Geometry, pose: Array, side: Array, clearance: float
     return np.concatenate([reach, side * _singular_distances(geometry, pose) - clearance], axis=1)
 
 
-class Window(NamedTuple):
+class PassageWindow(NamedTuple):
     """A planned crossing, and the time around it that is spent nearer than the clearance [s]."""
 
     passage: Passage
@@ -199,13 +199,15 @@ class Window(NamedTuple):
     end: float
 
 
-def _window(trajectory: Trajectory, passage: Passage, distances: Array, clearance: float) -> Window:
+def _window(
+    trajectory: Trajectory, passage: Passage, distances: Array, clearance: float
+) -> PassageWindow:
     """Return the samples around a crossing between which the motion is near its locus."""
     far = np.abs(distances[:, passage.locus.value]) >= clearance
     after = int(np.searchsorted(trajectory.t, passage.t))
     begin = np.flatnonzero(far[:after])
     end = np.flatnonzero(far[after:])
-    return Window(
+    return PassageWindow(
         passage,
         float(trajectory.t[begin[-1]]) if begin.size else -np.inf,
         float(trajectory.t[after + end[0]]) if end.size else np.inf,
@@ -213,7 +215,7 @@ def _window(trajectory: Trajectory, passage: Passage, distances: Array, clearanc
 
 
 def allowed(
-    t: Array, side: Array, clearance: float, windows: tuple[Window, ...]
+    t: Array, side: Array, clearance: float, windows: tuple[PassageWindow, ...]
 ) -> tuple[Array, Array]:
     """Return the sides of the loci that are allowed at times (n,), and clearances, (n, 2) each.
 

@@ -30,7 +30,7 @@ _EVEN = np.polynomial.Polynomial([0.0, 0.0, 0.5]) * _BELL
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
+class DeformationWindow:
     """A displacement of a path near one of its points.
 
     Attributes:
@@ -51,7 +51,7 @@ class DeformedPath:
     """A path with displacements near some of its points."""
 
     path: Path
-    windows: tuple[Window, ...]
+    windows: tuple[DeformationWindow, ...]
 
     def __call__(self, s: Array, order: int = 0) -> Array:
         s = np.asarray(s, dtype=np.float64)
@@ -143,5 +143,5 @@ def _deformed(
         twist = escape_twist(design.geometry, item.pose)
         size = float(np.hypot(*twist[:2])) + design.geometry.platform_radius
         shift = twist * deviation / (size * peak)
-        windows.append(Window(item.s, min(before, after), shift, shape))
+        windows.append(DeformationWindow(item.s, min(before, after), shift, shape))
     return DeformedPath(path, tuple(windows))

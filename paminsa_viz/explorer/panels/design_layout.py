@@ -31,7 +31,7 @@ DIGITS = 6
 
 
 @dataclass(frozen=True)
-class Group:
+class SliderGroup:
     """A folder of sliders.
 
     Attributes:
@@ -58,31 +58,33 @@ class Group:
 
 
 GROUPS = (
-    Group("Masses", "Platform and payload [kg]", ("platform.mass", "payload.mass")),
-    Group("Masses", "Links of each leg [kg]", ("links.",)),
-    Group("Masses", "Joints of each leg [kg]", ("joints.",)),
-    Group(
+    SliderGroup("Masses", "Platform and payload [kg]", ("platform.mass", "payload.mass")),
+    SliderGroup("Masses", "Links of each leg [kg]", ("links.",)),
+    SliderGroup("Masses", "Joints of each leg [kg]", ("joints.",)),
+    SliderGroup(
         "Geometry", "Pantograph [mm]",
         ("geometry.magnification", "geometry.crank", "geometry.coupler"),
     ),
-    Group(
+    SliderGroup(
         "Geometry", "Base and platform [mm]",
         ("geometry.base_radius", "geometry.platform_radius", "geometry.platform_joint_height"),
     ),
-    Group(
+    SliderGroup(
         "Geometry", "Arms, shafts and guides [mm]",
         ("geometry.arm", "geometry.shaft", "geometry.guide", "geometry.axis"),
     ),
-    Group(
+    SliderGroup(
         "Inertia, friction, g", "Platform and payload [kg·m²]",
         ("platform.inertia", "payload.inertia"),
     ),
-    Group("Inertia, friction, g", "Inertias of the links [kg·m²]", ("inertias.",), open=False),
-    Group("Inertia, friction, g", "Gravity", ("gravity",)),
-    Group("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
-    Group("Load", "External force [N]", ("load.force",)),
-    Group("Load", "External moment [N·m]", ("load.moment",)),
-    Group("Load", "Point of the force, from the center [mm]", ("load.point",)),
+    SliderGroup(
+        "Inertia, friction, g", "Inertias of the links [kg·m²]", ("inertias.",), open=False
+    ),
+    SliderGroup("Inertia, friction, g", "Gravity", ("gravity",)),
+    SliderGroup("Inertia, friction, g", "Friction of the actuators", ("friction.",), open=False),
+    SliderGroup("Load", "External force [N]", ("load.force",)),
+    SliderGroup("Load", "External moment [N·m]", ("load.moment",)),
+    SliderGroup("Load", "Point of the force, from the center [mm]", ("load.point",)),
 )  # fmt: skip
 """Every number of a design, once."""
 

@@ -11,7 +11,7 @@ from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Folder, Htm
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Slider
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, Group, is_changed, slider
+from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, SliderGroup, is_changed, slider
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -76,7 +76,7 @@ def _hinted(parameter: Parameter) -> Slider:
     return replace(entry, hint=hint)
 
 
-def resets(group: Group, state: State) -> Mapping[str, Effect]:
+def resets(group: SliderGroup, state: State) -> Mapping[str, Effect]:
     """Return a button for each number of a group that is not Appendix 4's, and one for all."""
     design = state.document.design
     found: dict[str, Effect] = {
@@ -90,7 +90,7 @@ def resets(group: Group, state: State) -> Mapping[str, Effect]:
     return found
 
 
-def _folder(group: Group) -> Folder:
+def _folder(group: SliderGroup) -> Folder:
     reset = ButtonGroup(
         f"reset.{group.prefixes[0]}", "Reset to App. 4", choices=partial(resets, group),
         hint="Set one value, or all of this group, back to Appendix 4's",
