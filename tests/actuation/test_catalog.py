@@ -50,7 +50,7 @@ def test_the_shipped_catalog_is_generic_and_drives_every_preset() -> None:
         ("", None, None, "first line names the columns"),
         (HEAD.replace("rated_torque_mNm", "rated_torque"), 1, "rated_torque", "rated_torque_Nm"),
         (HEAD.replace("_g_cm2", "_oz_in2"), 1, "rotor_inertia_oz_in2", "rotor_inertia_kg_cm2"),
-        (HEAD.replace("efficiency", "efficency"), 1, "efficency", "did you mean efficiency"),
+        (HEAD.replace("efficiency", "eficiencia"), 1, "eficiencia", "did you mean efficiency"),
         (HEAD.replace("envelope_rpm_Nm", "envelope"), 1, "envelope", "envelope_rpm_Nm"),
         (f"{HEAD},peak_torque_mNm", 1, "peak_torque_Nm", "two columns"),
         (HEAD.replace(",source", ""), 1, "source", "missing"),
