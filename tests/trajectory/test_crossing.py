@@ -329,14 +329,13 @@ def test_mujoco_follows_the_feed_forward_through_the_crossing(design: Design) ->
     pytest.importorskip("mujoco")
     from paminsa_viz.engines.mujoco_model import play
 
-    samples = plan_crossing(design, TURN, TEN).plan.sample(10_000.0)
+    samples = plan_crossing(design, TURN, TEN).plan.sample(10_010.0)
     torque = analyze(design, samples).torque
     played = play(design, samples.t, samples.pose, samples.velocity, torque, step=1e-4)
     assert played.until == samples.size
-    drift = np.abs(played.drift)
-    assert drift[-1].max() < 5e-6
-    assert drift[:, [0, 1, 3]].max() < 5e-6
-    assert drift[:, 2].max() < 3e-4  # MuJoCo's integrator is of first order
+    # MuJoCo's integrator takes the speed at the end of a step: the pose is half a step ahead.
+    ahead = 0.5 * np.diff(samples.t).mean() * samples.velocity
+    assert np.abs(played.drift - ahead).max() < 5e-6
 
 
 @pytest.mark.slow
