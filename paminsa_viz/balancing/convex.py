@@ -6,6 +6,7 @@ where a trial solution breaks them; a norm may go to the solver whole, as a seco
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -27,7 +28,7 @@ class Cuts(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class ConvexTerm:
+class ConvexTerm(ABC):
     """A convex function of matrix . s + offset that a program can minimize or hold below a limit.
 
     It is the sum of ``parts`` functions, none of which is ever negative if ``nonnegative``.
@@ -48,9 +49,9 @@ class ConvexTerm:
         """Return matrix . s + offset, (m,)."""
         return self.matrix @ state + self.offset
 
+    @abstractmethod
     def value(self, state: Array) -> float:
         """Return the function at a state (d,)."""
-        raise NotImplementedError
 
     def cuts(self, state: Array, known: Array, slack: float) -> Cuts:
         """Return cuts that exceed ``known`` (parts,) by more than ``slack`` at a state.
