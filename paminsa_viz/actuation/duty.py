@@ -291,6 +291,20 @@ def _solved(design: Design, motion: Trajectory) -> _Solved:
     )
 
 
+def load_signals(torque: Array, growth: Array, speed: Array) -> Array:
+    """Return the signals of a load, (6, ...), see `Signal`: its torque by the power's direction.
+
+    Args:
+        torque: Of the load (...) [N m, N].
+        growth: Acceleration of the actuator (...) [rad/s^2, m/s^2].
+        speed: Of the actuator (...) [rad/s, m/s].
+    """
+    power = torque * speed
+    driving = np.where((power >= 0) & (speed != 0), torque, 0.0)
+    braking, resting = np.where(power < 0, torque, 0.0), np.where(speed == 0, torque, 0.0)
+    return np.stack([driving, braking, resting, growth, speed, np.sign(speed)])
+
+
 def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> list[DutyMotion]:
     """Return a motion as the four actuators see it."""
     speed, growth = solved.speed / slower, solved.growth / slower**2
@@ -299,17 +313,7 @@ def _passages(design: Design, duty: Duty, solved: _Solved, slower: float) -> lis
         friction = design.actuator_friction
         dynamic = torque - friction_torque(friction, solved.speed) - solved.static
         torque = solved.static + dynamic / slower**2 + friction_torque(friction, speed)
-    power = torque * speed
-    signals = np.stack(
-        [
-            np.where((power >= 0) & (speed != 0), torque, 0.0),
-            np.where(power < 0, torque, 0.0),
-            np.where(speed == 0, torque, 0.0),
-            growth,
-            speed,
-            np.sign(speed),
-        ]
-    )
+    signals = load_signals(torque, growth, speed)
     times = duty.trajectory.t
     t, count, dwell = slower * (times - times[0]), float(duty.repeats), float(duty.dwell)
     return [DutyMotion(t, signals[:, :, j], count, dwell, float(solved.held[j])) for j in range(4)]

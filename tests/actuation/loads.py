@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from paminsa_viz.actuation.drive_table import DriveTable, drive_table
-from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion
+from paminsa_viz.actuation.duty import ActuatorLoad, DutyMotion, load_signals
 from paminsa_viz.model.drive import Drive
 
 
@@ -23,17 +23,7 @@ def random_load(
         torque += rng.normal() * 3 * np.cos(np.pi * k * shares + rng.uniform(0, 6))
     torque += rng.normal() * growth
     speed[[0, -1]] = 0.0
-    power = torque * speed
-    signals = np.stack(
-        [
-            np.where((power >= 0) & (speed != 0), torque, 0.0),
-            np.where(power < 0, torque, 0.0),
-            np.where(speed == 0, torque, 0.0),
-            growth,
-            speed,
-            np.sign(speed),
-        ]
-    )
+    signals = load_signals(torque, growth, speed)
     passage = DutyMotion(t, signals, 1.0, dwell, float(torque[-1]))
     return ActuatorLoad("M1", (passage,), rng.uniform(0.01, 1.0))
 

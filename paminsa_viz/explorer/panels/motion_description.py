@@ -264,7 +264,10 @@ DESCRIPTION: tuple[Entry, ...] = (
         visible=lambda state: _planned(state)
         and (_crosses(state) or state.document.motion.timing is Timing.SHORTEST),
         entries=(
-            Html("motion.limits.note", content=render("motion_limits.j2")),
+            Html(
+                "motion.limits.note",
+                content=lambda frame: render("motion_limits.j2", crosses=_crosses(frame.state)),
+            ),
             _limit("speed", "m/s", "m/s", 0.1),
             _limit("turn_speed", "°/s", "rad/s", 10.0),
             _limit("acceleration", "m/s²", "m/s^2", 0.5, _not_crossing),
