@@ -22,7 +22,7 @@ from paminsa_viz.trajectory import PRESET
 
 pytest.importorskip("mujoco")
 
-from paminsa_viz.engines.simulated_log import (  # noqa: E402
+from paminsa_viz.engines.simulated_log import (
     Defects,
     HeavierBar,
     LogNoise,
