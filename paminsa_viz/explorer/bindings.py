@@ -1,7 +1,7 @@
 """Builds a panel's entries on the page and keeps them and the state in step.
 
-Callbacks of the page only dispatch; the value is read when the worker gets to it, since callbacks
-may overtake each other and the input's own value does not.
+Callbacks of the page only dispatch. The value is read as it arrives, on the server's event loop:
+callbacks on threads may overtake each other, and the worker may write over the input's own value.
 """
 
 from __future__ import annotations
@@ -193,9 +193,11 @@ class Binding:
         # What the input held when it was last read or written here. If it holds something else,
         # the page has just set it, and the callback that says so is on its way.
         self._known: Any = handle.value
+        self._written: Any = handle.value
+        self._received: Any = handle.value
         self._refused = False
         self._timer: threading.Timer | None = None
-        handle.on_update(self._on_update)
+        handle.on_update(self._receive)
 
     def draw(self, state: State) -> bool:
         """Show the state's value, unless the person has set a newer one that was not read yet.
@@ -209,13 +211,13 @@ class Binding:
         if same(self._known, value):
             return False
         self._handle.value = value
-        self._known = value  # and not what the page may have set in this very moment
+        self._known = self._written = value  # and not what the page may have set in this moment
         return True
 
-    def _on_update(self, event: Any) -> None:
+    async def _receive(self, event: Any) -> None:
         if event.client is None:  # set by this program
-            self._known = self._handle.value
             return
+        self._received = self._handle.value
         self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
 
     def _set(self, state: State) -> State:
@@ -242,7 +244,9 @@ class Binding:
         return self._apply(state)  # raises again, and now the session notifies
 
     def _apply(self, state: State) -> State:
-        value = self._known = self._handle.value
+        value, held = self._received, self._handle.value
+        # A worker that wrote over the value as it arrived has left its own in the input.
+        self._known = held if same(held, self._written) else value
         return self._entry.apply(state, self._entry.parse(state, value))
 
 

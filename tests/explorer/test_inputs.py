@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
+import threading
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -251,12 +253,12 @@ class FakeInput:
         view: Any = SimpleNamespace(draw=draw)
         session.immediate.append(view)
 
-    def on_update(self, callback: Callable[[Any], None]) -> None:
+    def on_update(self, callback: Callable[[Any], Coroutine[Any, Any, None]]) -> None:
         self.callback = callback
 
     def report(self) -> None:
         """Run the callback of a value that the page has set."""
-        self.callback(SimpleNamespace(client=self))
+        asyncio.run(self.callback(SimpleNamespace(client=self)))
 
 
 def test_value_set_while_another_frame_is_drawn_is_kept(session: Session) -> None:
@@ -269,6 +271,25 @@ def test_value_set_while_another_frame_is_drawn_is_kept(session: Session) -> Non
     eventually(lambda: session.state.document.pose[0] == 0.07)
     session.undo()
     eventually(lambda: handle.value == 0.01)
+
+
+def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(session: Session) -> None:
+    handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
+    drawing, arrived = threading.Event(), threading.Event()
+
+    def write_over(state: State) -> State:
+        drawing.set()
+        assert arrived.wait(10)
+        handle.value = 0.0  # the write of a frame that was drawn before
+        return state
+
+    session.dispatch("worker", write_over)
+    assert drawing.wait(10)
+    handle.value = 0.07
+    handle.report()
+    arrived.set()
+    eventually(lambda: session.state.document.pose[0] == 0.07)
+    eventually(lambda: handle.value == 0.07)
 
 
 @pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])
