@@ -77,8 +77,8 @@ def _rigid(symbol: str, unit: str, text: str) -> float | None:
 class Elastic(Group, path="elastic"):
     """What bends and by how much: not in the paper, documented defaults.
 
-    A stiffness that is None is infinite; a drive's cannot be, but 1e18 is as good. A section's values
-    are the tube's until they are given.
+    A stiffness that is None is infinite; a drive's is a number, and 1e18 as good as infinite. The
+    values of a section are the tube's until they are given.
 
     Raises:
         InvalidDesign: If a value is not possible, or an inner diameter not below the outer one.

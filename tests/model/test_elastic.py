@@ -50,7 +50,7 @@ def test_tube_is_a_disc_less_a_disc(outer: float, share: float) -> None:
 @pytest.mark.parametrize("bar", BARS)
 @pytest.mark.parametrize("inner", [0.02, 0.021, 1.0])
 def test_tube_without_a_wall_is_refused(bar: str, inner: float) -> None:
-    with pytest.raises(InvalidDesign, match="below its outer one, here 0.02 m") as caught:
+    with pytest.raises(InvalidDesign, match="below its outer one, here") as caught:
         APPENDIX_4.vary({f"elastic.{bar}_outer": 0.02, f"elastic.{bar}_inner": inner})
     assert (caught.value.field, caught.value.value) == (f"elastic.{bar}_inner", inner)
 
