@@ -321,7 +321,7 @@ def _regular(geometry: Geometry, pose: Array, half: Array) -> NDArray[np.bool_]:
         value = np.abs(b + sign * weight * a)
         change = np.abs(slope_b + sign * weight * slope_a) @ half + (1 + weight) * rest
         apart &= value > change
-    return apart & (np.abs(b) > weight * np.abs(a))
+    return apart
 
 
 def _beyond_reach(

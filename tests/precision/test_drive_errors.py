@@ -15,6 +15,7 @@ from paminsa_viz.model import (
     check_reach,
     forward_kinematics,
     inverse_kinematics,
+    jacobian,
     measure_singularity,
     nearest_solution,
     singular_radius,
@@ -134,23 +135,38 @@ def test_a_bounded_box_holds_no_singularity(geometry: Any) -> None:
     assert (side(inside) == side(kept)[:, None]).all()
 
 
-def test_the_box_is_refused_as_soon_as_it_reaches_the_fold() -> None:
-    """Toward the singular angle: as far as all its points have a platform, to a percent."""
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.06, -0.03), (-0.02, 0.09)])
+def test_the_box_is_refused_as_soon_as_it_reaches_the_fold(place: tuple[float, float]) -> None:
+    """Toward the singular angle: as far as all its points have a platform, to two percent."""
     half = DEFAULT.half_widths[0]
     gaps = np.geomspace(1e-4, 0.5, 4000)
     poses = np.zeros((4000, 4))
-    poses[:, 2], poses[:, 3] = singular_rotation(GEOMETRY) - gaps, -0.5
+    poses[:, :2], poses[:, 3] = place, -0.3
+    poses[:, 2] = singular_rotation(GEOMETRY) - gaps
     found = drive_errors(GEOMETRY, DEFAULT, poses)
     actuators = inverse_kinematics(GEOMETRY, poses).actuators[:, None].repeat(8, axis=1)
     actuators[..., :3] += half * CORNERS
     assembled = np.isfinite(forward_kinematics(GEOMETRY, actuators).pose).all(axis=(-1, -2, -3))
     np.testing.assert_array_equal(found.bound == Bound.NOT_ASSEMBLED, ~assembled)
     first_assembled, first_bounded = gaps[np.argmax(assembled)], gaps[np.argmax(found.ok)]
-    assert first_assembled <= first_bounded < 1.01 * first_assembled
-    # The linear estimate is a finite number there, and a small one: a thirtieth of the gap.
+    assert first_assembled <= first_bounded < 1.02 * first_assembled
+    # The linear estimate is a finite number there, and less than what is left to the singularity.
     last = np.argmax(assembled) - 1
     assert found.linear[last, 2] < gaps[last]
     assert np.isnan(found.worst[last]).all()
+
+
+@each_robot(range(1))
+def test_the_linear_estimate_is_the_jacobian_times_the_half_widths(design: Design) -> None:
+    accuracy = DriveAccuracy(2e-4, 3e-5, 4e-4, 1e-5, 1e-4, 2e-5)
+    poses = random_poses(np.random.default_rng(8), design, 30)
+    found = drive_errors(design.geometry, accuracy, poses)
+    j, half = jacobian(design.geometry, poses), np.array(accuracy.half_widths)
+    np.testing.assert_allclose(found.linear, np.abs(j) @ half, rtol=1e-9)
+    corners = CORNERS * half[:3] @ np.swapaxes(j[:, :2, :3], 1, 2)
+    np.testing.assert_allclose(
+        found.linear_horizontal, np.linalg.norm(corners, axis=-1).max(axis=-1), rtol=1e-9
+    )
 
 
 def test_rms_is_that_of_independent_uniform_errors() -> None:
@@ -198,6 +214,8 @@ def test_limits_of_reach_within_the_errors_are_named() -> None:
     assert np.isfinite(found.linear).all()
     assert np.isnan(found.worst).all()
     assert drive_errors(GEOMETRY, wide(0.05), pose).ok
+    lift_alone = replace(DEFAULT, resolution_rotary=0.0)
+    assert drive_errors(GEOMETRY, lift_alone, pose).bound == Bound.LIMIT
 
 
 def test_poses_out_of_reach_and_singular_ones_have_no_numbers() -> None:
