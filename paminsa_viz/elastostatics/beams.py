@@ -21,7 +21,7 @@ def beam_stiffness(
 
     Args:
         length: Its length (...) [m].
-        section: Its section; ``inertia_in`` bends it in the plane (e, n), ``inertia_out`` in (e, b).
+        section: Its section; ``inertia_in`` bends it in plane (e, n), ``inertia_out`` in (e, b).
         elastic: E and G.
         shear: Whether it deforms by shear as well (Timoshenko).
 

@@ -11,6 +11,7 @@ height Z and at the three displacements of `joint5`.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -131,7 +132,7 @@ def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
     for bar, joints in SPANS:
         index = len(nodes)
         nodes.append(Node(bar, joints[0], joints[0], 0.0, at[bar, joints[0]]))
-        for first, second in zip(joints, joints[1:], strict=False):
+        for first, second in itertools.pairwise(joints):
             for part in range(1, divisions + 1):
                 if part == divisions:
                     nodes.append(Node(bar, second, second, 0.0, at[bar, second]))
