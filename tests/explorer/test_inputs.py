@@ -17,7 +17,6 @@ from paminsa_viz.explorer import actions, bindings
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import Binding, same
 from paminsa_viz.explorer.entries import Entry, given
-from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
     Checkbox,
     Dropdown,
