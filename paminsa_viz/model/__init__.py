@@ -23,6 +23,7 @@ from paminsa_viz.model.dynamics import (
     platform_wrench,
     torque_breakdown,
 )
+from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.grids import (
     Field,
     Grid,
@@ -100,6 +101,7 @@ __all__ = [
     "Counterweight",
     "Design",
     "Drive",
+    "Elastic",
     "Field",
     "Friction",
     "Geometry",
