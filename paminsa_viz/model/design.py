@@ -23,6 +23,12 @@ from paminsa_viz.model.drive import (
 )
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.geometry import Geometry, KneeBranch
+from paminsa_viz.model.leg_deviations import (
+    Deviations,
+    Leg1Deviations,
+    Leg2Deviations,
+    Leg3Deviations,
+)
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
@@ -38,6 +44,11 @@ from paminsa_viz.model.parameters import (
     Platform,
     parameter,
 )
+from paminsa_viz.model.tolerances import Tolerances
+
+OPTIONAL_GROUPS = ("elastic", "leg1", "leg2", "leg3", "tolerances")
+"""Groups that the rigid robot with equal legs does not have; each has a page or table of its own.
+"""
 
 
 @dataclass(frozen=True)
@@ -51,6 +62,9 @@ class Design(Group, path="design"):
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
         elastic: Material, sections and stiffnesses; none in the paper.
+        leg1, leg2, leg3: Deviations of each leg's lengths from the geometry, which `precision`
+            knows of alone; none in the paper.
+        tolerances: Of the lengths, and clearances; none in the paper.
         name: What a person calls it.
 
     Raises:
@@ -69,6 +83,10 @@ class Design(Group, path="design"):
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
     elastic: Elastic = Elastic()
+    leg1: Leg1Deviations = Leg1Deviations()
+    leg2: Leg2Deviations = Leg2Deviations()
+    leg3: Leg3Deviations = Leg3Deviations()
+    tolerances: Tolerances = Tolerances()
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:
@@ -123,6 +141,11 @@ class Design(Group, path="design"):
         if head == "drives":
             return self.drives[ACTUATORS.index(number)] if number in ACTUATORS else None
         return getattr(self, name, None) if name else self
+
+    @property
+    def deviations(self) -> Deviations:
+        """Deviations of the three legs' lengths."""
+        return self.leg1, self.leg2, self.leg3
 
     @property
     def actuator_friction(self) -> ActuatorFriction:
@@ -210,7 +233,7 @@ _ALL = _parameters()
 ELASTIC_PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group == "elastic")
 """Every number of a design's elastic data; the rigid robot has none of them."""
 
-PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group != "elastic")
+PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTIONAL_GROUPS)
 """Every number of the rigid robot, in the order of the paper's Appendix 4."""
 
 PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
