@@ -114,6 +114,9 @@ def test_a_bounded_box_holds_no_singularity(geometry: Any) -> None:
     """Of wide boxes many are refused; in none of the others does a determinant change its sign."""
     rng = np.random.default_rng(4)
     poses = rng.uniform([-0.25, -0.25, -1.3, -0.6], [0.25, 0.25, 1.3, -0.2], (4000, 4))
+    near, angle = poses[:3000], rng.uniform(0, 2 * np.pi, 3000)  # many at the singular circle
+    radius = singular_radius(geometry, near[:, 2]) + rng.uniform(-0.06, 0.06, 3000)
+    near[:, 0], near[:, 1] = radius * np.cos(angle), radius * np.sin(angle)
     poses = poses[check_reach(geometry, poses).ok]
     design = replace(APPENDIX_4, geometry=geometry)
     accuracy = DriveAccuracy(resolution_rotary=np.radians(6.0))
@@ -122,8 +125,8 @@ def test_a_bounded_box_holds_no_singularity(geometry: Any) -> None:
     assert counts[Bound.OK] > 100
     assert counts[Bound.SINGULARITY] > 5
     assert counts[Bound.NOT_ASSEMBLED] > 20
-    kept = poses[found.ok][:300]
-    steps = samples(rng, np.array(accuracy.half_widths), 400)
+    kept = poses[found.ok][:1200]
+    steps = samples(rng, np.array(accuracy.half_widths), 300)
     inside = moved(design, kept, steps) + kept[:, None]
     assert np.isfinite(inside).all()
 
