@@ -1,7 +1,6 @@
-"""Stiffness and natural frequencies: what elastic drives and bars let the platform do.
+"""What the elasticity of bars, drives and joints does: stiffness, deflection, shares of the parts.
 
-`stiffness.drive_stiffness(design, pose)`, (..., 4, 4) in (x, y, theta, z), is the stiffness of the
-drives alone with locked motors; its mass matrix is the model's without the inertia of the motors,
-which stand still. `modes` solves the vibration of both. For the whole robot the coordinates of a
-pose are (x, y, z, and turns about x, y, z) of the platform at P.
+`leg_frame` says where a leg is; `beams` and `leg_model` are its elements and joints; `structure`
+assembles them. `leg_compliance` finds the same by the force method, fast enough for maps, and
+`stiffness` puts three legs together at the platform; `drive_stiffness` has rigid bars.
 """
