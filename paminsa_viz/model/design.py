@@ -1,4 +1,4 @@
-"""The robot's numbers: geometry, masses, inertias, payload, friction, load, elastic data.
+"""The robot's numbers: geometry, masses, inertias, payload, friction, load, accuracy, elastic data.
 
 Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
 its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.drive import (
     ACTUATORS,
     NO_DRIVES,
@@ -46,10 +47,6 @@ from paminsa_viz.model.parameters import (
 )
 from paminsa_viz.model.tolerances import Tolerances
 
-OPTIONAL_GROUPS = ("elastic", "leg1", "leg2", "leg3", "tolerances")
-"""Groups that the rigid robot with equal legs does not have; each has a page or table of its own.
-"""
-
 
 @dataclass(frozen=True)
 class Design(Group, path="design"):
@@ -61,10 +58,11 @@ class Design(Group, path="design"):
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
-        elastic: Material, sections and stiffnesses; none in the paper.
+        accuracy: By how much the drives may be off; a default, none in the paper.
         leg1, leg2, leg3: Deviations of each leg's lengths from the geometry, which `precision`
             knows of alone; none in the paper.
         tolerances: Of the lengths, and clearances; none in the paper.
+        elastic: Material, sections and stiffnesses; none in the paper.
         name: What a person calls it.
 
     Raises:
@@ -82,11 +80,12 @@ class Design(Group, path="design"):
     gravity: float = parameter(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
-    elastic: Elastic = Elastic()
+    accuracy: DriveAccuracy = DriveAccuracy()
     leg1: Leg1Deviations = Leg1Deviations()
     leg2: Leg2Deviations = Leg2Deviations()
     leg3: Leg3Deviations = Leg3Deviations()
     tolerances: Tolerances = Tolerances()
+    elastic: Elastic = Elastic()
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:
@@ -230,11 +229,14 @@ def _parameters() -> tuple[Parameter, ...]:
 
 _ALL = _parameters()
 
+OPTIONAL_GROUPS = ("accuracy", "leg1", "leg2", "leg3", "tolerances", "elastic")
+"""Groups that are no part of the rigid, exact robot: files name what is not the default."""
+
 ELASTIC_PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group == "elastic")
 """Every number of a design's elastic data; the rigid robot has none of them."""
 
 PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTIONAL_GROUPS)
-"""Every number of the rigid robot, in the order of the paper's Appendix 4."""
+"""Every number of the rigid, exact robot, in the order of the paper's Appendix 4."""
 
 PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 """Every number of a design by path."""
