@@ -17,6 +17,7 @@ from paminsa_viz.quantities.capability import CAPABILITY
 from paminsa_viz.quantities.kinematics import KINEMATICS
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.statics import STATICS
+from paminsa_viz.quantities.stiffness import STIFFNESS
 
 __all__ = [
     "MAP_BUDGET",
@@ -34,7 +35,7 @@ MAP_BUDGET = 1.0
 """Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
 
 QUANTITIES: dict[str, Quantity] = {
-    quantity.key: quantity for quantity in (*STATICS, *KINEMATICS, *CAPABILITY)
+    quantity.key: quantity for quantity in (*STATICS, *KINEMATICS, *CAPABILITY, *STIFFNESS)
 }
 """Every quantity by its key, in the order of choices."""
 
