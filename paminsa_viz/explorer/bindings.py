@@ -1,7 +1,7 @@
 """Builds a panel's entries on the page and keeps them and the state in step.
 
-Callbacks of the page only dispatch; the value is read when the worker gets to it, since callbacks
-may overtake each other and the input's own value does not.
+Callbacks of the page only dispatch. The value is read as it arrives, on the server's event loop:
+callbacks on threads may overtake each other, and the worker may write over the input's own value.
 """
 
 from __future__ import annotations
@@ -190,12 +190,11 @@ class Binding:
 
     def __init__(self, session: Session, entry: Input, handle: Any) -> None:
         self._session, self._entry, self._handle = session, entry, handle
-        # What the input held when it was last read or written here. If it holds something else,
-        # the page has just set it, and the callback that says so is on its way.
-        self._known: Any = handle.value
+        self._received: Any = handle.value
+        self._pending = False  # whether the state has yet to take what was received
         self._refused = False
         self._timer: threading.Timer | None = None
-        handle.on_update(self._on_update)
+        handle.on_update(self._receive)
 
     def draw(self, state: State) -> bool:
         """Show the state's value, unless the person has set a newer one that was not read yet.
@@ -203,20 +202,18 @@ class Binding:
         Returns:
             Whether the input was written.
         """
-        if self._refused or not same(self._handle.value, self._known):
+        if self._refused or self._pending:
             return False
         value = self._entry.shown(state)
-        if same(self._known, value):
+        if same(self._handle.value, value):
             return False
         self._handle.value = value
-        self._known = value  # and not what the page may have set in this very moment
         return True
 
-    def _on_update(self, event: Any) -> None:
-        if event.client is None:  # set by this program
-            self._known = self._handle.value
-            return
-        self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
+    async def _receive(self, event: Any) -> None:
+        if event.client is not None:  # else this program has set it
+            self._received, self._pending = self._handle.value, True
+            self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
 
     def _set(self, state: State) -> State:
         if self._timer is not None:
@@ -242,8 +239,8 @@ class Binding:
         return self._apply(state)  # raises again, and now the session notifies
 
     def _apply(self, state: State) -> State:
-        value = self._known = self._handle.value
-        return self._entry.apply(state, self._entry.parse(state, value))
+        self._pending = False
+        return self._entry.apply(state, self._entry.parse(state, self._received))
 
 
 class SliderBinding(Binding):

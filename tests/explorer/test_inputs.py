@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
+import threading
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Coroutine, Iterator, Sequence
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,7 +17,6 @@ from paminsa_viz.explorer import actions, bindings
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import Binding, same
 from paminsa_viz.explorer.entries import Entry, given
-from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
     Checkbox,
     Dropdown,
@@ -242,33 +243,36 @@ class FakeInput:
             "x", range=(-1.0, 1.0), step=0.001, read=lambda s: s.document.pose[0], apply=apply
         )
         binding = Binding(session, entry, self)
-        self.drawn: list[State] = []
-
-        def draw(frame: Frame, dragging: bool) -> None:
-            binding.draw(frame.state)
-            self.drawn.append(frame.state)
-
-        view: Any = SimpleNamespace(draw=draw)
+        view: Any = SimpleNamespace(draw=lambda frame, dragging: binding.draw(frame.state))
         session.immediate.append(view)
 
-    def on_update(self, callback: Callable[[Any], None]) -> None:
+    def on_update(self, callback: Callable[[Any], Coroutine[Any, Any, None]]) -> None:
         self.callback = callback
 
     def report(self) -> None:
         """Run the callback of a value that the page has set."""
-        self.callback(SimpleNamespace(client=self))
+        asyncio.run(self.callback(SimpleNamespace(client=self)))
 
 
-def test_value_set_while_another_frame_is_drawn_is_kept(session: Session) -> None:
+def test_value_that_the_worker_writes_over_as_it_arrives_is_kept(session: Session) -> None:
     handle = FakeInput(session, lambda state, value: actions.move(state, x=value))
-    handle.value = 0.07  # the callback is still on its way
-    session.dispatch("elsewhere", lambda state: actions.move(state, x=0.01, y=0.02))
-    eventually(lambda: handle.drawn and handle.drawn[-1].document.pose[1] == 0.02)
-    assert handle.value == 0.07
+    drawing, arrived = threading.Event(), threading.Event()
+
+    def write_over(state: State) -> State:
+        drawing.set()
+        assert arrived.wait(10)
+        handle.value = 0.0  # the write of a frame that was drawn before
+        return state
+
+    session.dispatch("worker", write_over)
+    assert drawing.wait(10)
+    handle.value = 0.07
     handle.report()
+    arrived.set()
     eventually(lambda: session.state.document.pose[0] == 0.07)
+    eventually(lambda: handle.value == 0.07)
     session.undo()
-    eventually(lambda: handle.value == 0.01)
+    eventually(lambda: handle.value == 0.0)
 
 
 @pytest.mark.parametrize("wrong", [0.07, math.nan, math.inf])

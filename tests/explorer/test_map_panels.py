@@ -17,12 +17,14 @@ from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.map_picture import caption
 from paminsa_viz.explorer.panels.maps_panel import (
     MapsPanel,
+    choose_family,
     choose_quantity,
     clicked_place,
     show_figure_3,
 )
 from paminsa_viz.explorer.session import Session, start_width
 from paminsa_viz.explorer.state import RangeMode, initial_state
+from paminsa_viz.quantities import QUANTITIES, families
 from tests.support.desk import Desk
 
 
@@ -186,3 +188,17 @@ def test_only_the_map_in_sight_is_drawn_and_finely_when_idle(desk: Desk) -> None
     desk.dispatch(lambda s: actions.move(s, theta=0.2))
     desk.until(lambda: single.data.theta == 0.2)
     assert torques.data is before
+
+
+def test_a_family_of_quantities_is_chosen_first(desk: Desk) -> None:
+    """Only those of the family are offered, and its first is shown; choosing it again keeps."""
+    kept = choose_family(choose_quantity(desk.state, "rms_torque"), "static torques")
+    assert kept.map_view.quantity == "rms_torque"
+    desk.set("family", "kinematics")
+    desk.until(lambda: desk.state.map_view.quantity == "condition")
+    offered = [quantity.label for quantity in families()["kinematics"]]
+    desk.until(lambda: list(desk.handle("show").options) == offered)
+    desk.until(lambda: desk.handle("show").value == offered[0])
+    desk.dispatch(lambda s: choose_quantity(s, "f_4"))
+    desk.until(lambda: desk.handle("family").value == "static torques")
+    desk.until(lambda: desk.handle("show").value == QUANTITIES["f_4"].label)

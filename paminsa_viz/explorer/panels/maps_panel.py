@@ -26,7 +26,7 @@ from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots import ticks
 from paminsa_viz.plots.ranges import LARGEST_END
-from paminsa_viz.quantities import QUANTITIES, TORQUES
+from paminsa_viz.quantities import QUANTITIES, TORQUES, families
 from paminsa_viz.units import display_unit
 
 FIG_3_ANGLE = np.pi / 3
@@ -68,13 +68,32 @@ def set_difference(state: State, value: bool) -> State:
     return state.updated("map_view", difference=value)
 
 
-def quantity_entry(name: str) -> Entry:
-    """Return the choice of what the single map and the floor show."""
-    return Dropdown(
-        f"{name}.quantity", "show",
-        options={quantity.label: key for key, quantity in QUANTITIES.items()},
-        hint="What this map and the floor map below the robot show",
-        read=lambda state: state.map_view.quantity, apply=choose_quantity,
+def _family(state: State) -> str:
+    return QUANTITIES[state.map_view.quantity].family
+
+
+def choose_family(state: State, family: str) -> State:
+    """Show the first quantity of a family, unless one of it is shown."""
+    if family == _family(state):
+        return state
+    return choose_quantity(state, families()[family][0].key)
+
+
+def quantity_entries(name: str) -> tuple[Entry, Entry]:
+    """Return the choice of what the single map and the floor show: its family, then itself."""
+    return (
+        Dropdown(
+            f"{name}.family", "family",
+            options={family: family for family in families()},
+            hint="Which quantities are offered below",
+            read=_family, apply=choose_family,
+        ),
+        Dropdown(
+            f"{name}.quantity", "show",
+            options=lambda state: {q.label: q.key for q in families()[_family(state)]},
+            hint="What this map and the floor map below the robot show",
+            read=lambda state: state.map_view.quantity, apply=choose_quantity,
+        ),
     )  # fmt: skip
 
 
@@ -191,7 +210,7 @@ def torque_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
 def single_entries(name: str, picture: MapPicture) -> tuple[Entry, ...]:
     """Return the entries next to the map of one quantity."""
     return (
-        quantity_entry(name),
+        *quantity_entries(name),
         *range_entries(
             name, picture, lambda state: QUANTITIES[state.map_view.quantity].unit, brief=False
         ),

@@ -1,0 +1,70 @@
+"""What a quantity of a pose is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import Formula
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.grids import Field
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.palette import INK
+from paminsa_viz.units import DisplayUnit, display_unit
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number of every pose.
+
+    Attributes:
+        key: Name in Python and in state; the command line writes ``-`` for ``_``.
+        symbol: Short name, for headings and table columns.
+        label: Name in choices.
+        title: What it is, for captions and help texts.
+        unit: SI unit.
+        formula: Solved over a grid, once for a geometry.
+        value: ``value(field, design)`` of a solved grid and a design (...) [SI]; by default the
+            first result of the formula, for what the geometry alone decides. What it solves stays
+            in the field, so that masses, loads and limits rescale it.
+        signed: Whether zero is its natural center: diverging colors.
+        color: ``#rrggbb`` of its heading.
+        cost: Time that the formula takes [s] a pose, on NumPy arrays.
+        family: What it belongs to, in choices.
+    """
+
+    key: str
+    symbol: str
+    label: str
+    title: str
+    unit: str
+    formula: Formula
+    value: Callable[[Field, Design], Array] | None = None
+    signed: bool = False
+    color: str = INK
+    cost: float = 1e-7
+    family: str = "other"
+
+    @property
+    def display(self) -> DisplayUnit:
+        """The unit for display."""
+        return display_unit(self.unit)
+
+    def over(self, field: Field, design: Design) -> Array:
+        """Return the values over a solved grid (...) for a design; NaN where there are none."""
+        if self.value is None:
+            return field.solve(self.formula)[0]
+        return self.value(field, design)
+
+
+def reached(field: Field, formula: Formula) -> Array:
+    """Return the results of a formula (results, ...), NaN where a pose cannot be taken."""
+    return np.where(field.status == Limit.OK, field.solve(formula), np.nan)
+
+
+def in_family(family: str, *quantities: Quantity) -> tuple[Quantity, ...]:
+    """Return quantities as those of a family."""
+    return tuple(replace(quantity, family=family) for quantity in quantities)
