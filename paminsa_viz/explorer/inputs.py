@@ -140,7 +140,7 @@ class Slider(Input):
         step: In the unit shown; any number of decimals can be typed.
         unit: The unit shown.
         fit: Grows the range to a number beyond it, which can then be typed; without it, numbers
-            are limited to the range.
+            more than a step beyond the range are refused.
         marks: Values with a tick.
     """
 
@@ -158,6 +158,9 @@ class Slider(Input):
         number = self.number(state, value, (None, None), PLAIN)
         if self.fit is None:
             low, high = given(self.range, state)
+            # The page may round the ends, and a number at an end that has just moved is near it.
+            if not low - self.step <= number <= high + self.step:
+                raise self.refusal(state, f"{low:g} to {high:g} is possible, not {number:g}")
             number = min(max(number, low), high)
         return self.unit.to_si(number)
 
