@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.quantities.capability import CAPABILITY
+from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
 from paminsa_viz.quantities.quantity import Quantity
 from paminsa_viz.quantities.statics import STATICS
@@ -34,7 +35,7 @@ MAP_BUDGET = 1.0
 """Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
 
 QUANTITIES: dict[str, Quantity] = {
-    quantity.key: quantity for quantity in (*STATICS, *KINEMATICS, *CAPABILITY)
+    quantity.key: quantity for quantity in (*STATICS, *KINEMATICS, *CAPABILITY, *JOINT_FORCES)
 }
 """Every quantity by its key, in the order of choices."""
 
