@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from paminsa_viz.model.drive import Drives
 from paminsa_viz.model.parameters import Group, parameter
 
 
@@ -43,6 +44,17 @@ class DriveAccuracy(Group, path="accuracy", limits=(1e-12, 1.0)):
         rotary = _deviation(self.resolution_rotary, self.backlash_rotary, 2 * self.control_rotary)
         linear = _deviation(self.resolution_linear, self.backlash_linear, 2 * self.control_linear)
         return rotary, rotary, rotary, linear
+
+    def with_encoders(self, drives: Drives) -> DriveAccuracy:
+        """Return the accuracy with the resolution of the drives' encoders, where they have one.
+
+        M1..M3 take the coarsest of their three. See `Drive.resolution`.
+        """
+        found = [None if drive is None else drive.resolution for drive in drives]
+        rotary = [value for value in found[:3] if value is not None]
+        changes = {"resolution_rotary": max(rotary)} if rotary else {}
+        changes |= {"resolution_linear": found[3]} if found[3] is not None else {}
+        return replace(self, **changes)
 
 
 def _deviation(*widths: float) -> float:
