@@ -1,0 +1,1 @@
+"""From logs of the built robot to its parameters, and the motions that show them."""
