@@ -125,7 +125,8 @@ class DisplayUnit(NamedTuple):
 
     def to_si(self, number: float) -> float:
         """Return a displayed number as an SI value, without the rounding error of the factor."""
-        return number if self.factor == 1 else round(number / self.factor, 12)
+        decimals = 12 if self.factor <= MM else 24
+        return number if self.factor == 1 else round(number / self.factor, decimals)
 
     def format(self, value: float, digits: int = 4, *, ascii_only: bool = False) -> str:
         """Return an SI value with its unit: ``363.5 mm``, ``30°``; a dash for NaN.
@@ -138,14 +139,25 @@ class DisplayUnit(NamedTuple):
         return NONE if math.isnan(value) else f"{text}{space}{self.text}".rstrip()
 
 
+_SCALED = {
+    "m^2": DisplayUnit(MM**2, "mm²"),
+    "m^4": DisplayUnit(MM**4, "mm⁴"),
+    "Pa": DisplayUnit(1 / MM**2, "MPa"),
+    "N/m": DisplayUnit(1 / MM, "N/mm"),
+}
+"""Units of elastic data."""
+
+
 def display_unit(unit: str) -> DisplayUnit:
-    """Return the unit that shows an SI unit: mm for m, degrees for rad.
+    """Return the unit that shows an SI unit: mm for m, mm² for m², degrees for rad, MPa for Pa.
 
     Angular rates are in degrees as well; speeds and accelerations stay in meters, as drives and
     limits are rated.
     """
     if unit == "m":
         return DisplayUnit(MM, "mm")
+    if unit in _SCALED:
+        return _SCALED[unit]
     if unit == "rad" or re.fullmatch(r"rad/s(\^?[2²])?", unit):
         return DisplayUnit(DEGREES, unit_text(unit).replace("rad", "°"))
     return DisplayUnit(1.0, unit_text(unit))

@@ -85,10 +85,7 @@ def renamed_if_changed(design: Design) -> Design:
 
 def reset_values(state: State, paths: tuple[str, ...]) -> State:
     """Set numbers of the design back to Appendix 4's."""
-    values: dict[str, float | None] = {path: APPENDIX_4.value(path) for path in paths}
-    if "geometry.guide_stroke" in values:
-        values["geometry.guide_stroke"] = APPENDIX_4.geometry.guide_stroke
-    return vary(state, values)
+    return vary(state, {path: APPENDIX_4.stored(path) for path in paths})
 
 
 def load_design(state: State, design: Design) -> State:

@@ -190,11 +190,8 @@ class Binding:
 
     def __init__(self, session: Session, entry: Input, handle: Any) -> None:
         self._session, self._entry, self._handle = session, entry, handle
-        # What the input held when it was last read or written here. If it holds something else,
-        # the page has just set it, and the callback that says so is on its way.
-        self._known: Any = handle.value
-        self._written: Any = handle.value
         self._received: Any = handle.value
+        self._pending = False  # whether the state has yet to take what was received
         self._refused = False
         self._timer: threading.Timer | None = None
         handle.on_update(self._receive)
@@ -205,20 +202,18 @@ class Binding:
         Returns:
             Whether the input was written.
         """
-        if self._refused or not same(self._handle.value, self._known):
+        if self._refused or self._pending:
             return False
         value = self._entry.shown(state)
-        if same(self._known, value):
+        if same(self._handle.value, value):
             return False
         self._handle.value = value
-        self._known = self._written = value  # and not what the page may have set in this moment
         return True
 
     async def _receive(self, event: Any) -> None:
-        if event.client is None:  # set by this program
-            return
-        self._received = self._handle.value
-        self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
+        if event.client is not None:  # else this program has set it
+            self._received, self._pending = self._handle.value, True
+            self._session.dispatch(self._entry.key, self._set, step=self._entry.undo)
 
     def _set(self, state: State) -> State:
         if self._timer is not None:
@@ -244,10 +239,8 @@ class Binding:
         return self._apply(state)  # raises again, and now the session notifies
 
     def _apply(self, state: State) -> State:
-        value, held = self._received, self._handle.value
-        # A worker that wrote over the value as it arrived has left its own in the input.
-        self._known = held if same(held, self._written) else value
-        return self._entry.apply(state, self._entry.parse(state, value))
+        self._pending = False
+        return self._entry.apply(state, self._entry.parse(state, self._received))
 
 
 class SliderBinding(Binding):

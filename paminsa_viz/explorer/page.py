@@ -15,7 +15,7 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import style_html
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.pose_panel import POSE, READOUT
+from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import initial_state
@@ -58,12 +58,13 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     gui.main_panel.dock_right()
     gui.main_panel.set_width(PANEL_WIDTH)
 
+    gui.add_html(style_html())
+    strip = Panel(session, STRIP)
     tabs = gui.add_tab_group()
     with tabs.add_tab("Pose"):
-        gui.add_html(style_html())
-        pose = Panel(session, (*READOUT, *POSE))
+        pose = Panel(session, POSE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
-    session.fast.append(pose)
+    session.fast += [strip, pose]
     context = SceneContext(client.scene, session.dispatch, MotionStore())
 
     def build_robot() -> None:

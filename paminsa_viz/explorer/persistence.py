@@ -23,7 +23,7 @@ from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
 from paminsa_viz.model import (
     APPENDIX_4,
-    PARAMETERS,
+    PARAMETER,
     Design,
     InvalidInput,
     KneeBranch,
@@ -35,7 +35,6 @@ from paminsa_viz.model.parameters import Counterweight
 
 VERSION = 1
 
-STROKE = "geometry.guide_stroke"
 
 FARTHEST = 1e6
 """Largest coordinate of a saved pose [m, rad]; it need not be in reach."""
@@ -52,14 +51,13 @@ LONGEST_TEXT = 20_000
 
 
 def _numbers(design: Design) -> dict[str, float]:
-    """Return the numbers that differ from Appendix 4.
-
-    A guide stroke that is set is always among them: it may be Appendix 4's only by chance.
-    """
-    values = {p.path: design.value(p.path) for p in PARAMETERS}
-    stroke = values.pop(STROKE)
-    changed = {path: v for path, v in values.items() if v != APPENDIX_4.value(path)}
-    return changed if design.geometry.guide_stroke is None else changed | {STROKE: stroke}
+    """Return the numbers that differ from Appendix 4, as they were given."""
+    values = {path: design.stored(path) for path in PARAMETER}
+    return {
+        path: value
+        for path, value in values.items()
+        if value is not None and value != APPENDIX_4.stored(path)
+    }
 
 
 def _described(design: Design) -> dict[str, Any]:

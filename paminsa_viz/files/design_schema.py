@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, fields
 from enum import Enum
 
-from paminsa_viz.model.design import PARAMETERS, Design, KneeBranch
+from paminsa_viz.model.design import OPTIONAL_GROUPS, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.parameters import Parameter
@@ -92,11 +92,14 @@ DRIVE_KEYS: dict[str, str] = {
 }
 """Keys of a drive by the names of its fields; all may be left out but the lead of M4's."""
 
-KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETERS)
+KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETER.values())
 """Every number that a design file can hold, in the design's order."""
 
 KEY_OF: dict[str, DesignKey] = {key.parameter.path: key for key in KEYS}
 """Keys by the dotted path of the design's number."""
+
+OPTIONAL_TABLES = OPTIONAL_GROUPS
+"""Tables of which only the values are written that are not the default."""
 
 TABLES: dict[str, dict[str, DesignKey]] = {
     table: {key.name: key for key in KEYS if key.table == table}

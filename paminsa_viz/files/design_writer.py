@@ -12,6 +12,7 @@ from paminsa_viz.files.design_schema import (
     DRIVE_KEYS,
     DRIVES,
     KEY_OF,
+    OPTIONAL_TABLES,
     SCHEMA_VERSION,
     TABLES,
     DesignKey,
@@ -60,6 +61,9 @@ def write_design(design: Design, *, comment: str = "") -> str:
     lines = [f"# {printable(line)}".rstrip() for line in head]
     body: list[str] = []
     for table, keys in TABLES.items():
+        if table in OPTIONAL_TABLES:
+            body += _optional_table(design, table)
+            continue
         body += ["", f"[{table}]  {_table_comment(table)}".rstrip()] if table else []
         body += _aligned(
             [(_assignment(design, key), _comment(design, key)) for key in keys.values()]
@@ -82,6 +86,18 @@ def write_design(design: Design, *, comment: str = "") -> str:
     lines += [f"value_count = {count}  # so that a file that was cut short is noticed"]
     lines += [f"schema_version = {SCHEMA_VERSION}"]
     return "\n".join([*lines, *body]) + "\n"
+
+
+def _optional_table(design: Design, table: str) -> list[str]:
+    """Return a table with the values that are not the default, nothing if all are."""
+    rows = []
+    for key in TABLES[table].values():
+        value = design.stored(key.parameter.path)
+        if value != APPENDIX_4.stored(key.parameter.path):
+            rows.append(
+                (f"{key.name} = {value!r}", f"{key.parameter.symbol}, {key.parameter.label}")
+            )
+    return ["", f"[{table}]  {_table_comment(table)}", *_aligned(rows)] if rows else []
 
 
 def _drive_rows(drive: Drive) -> list[tuple[str, str]]:
@@ -126,8 +142,7 @@ def _aligned(rows: list[tuple[str, str]]) -> list[str]:
 def _assignment(design: Design, key: DesignKey) -> str:
     """Return a key with its value, commented out if the value follows from others (the stroke)."""
     text = f"{key.name} = {design.value(key.parameter.path)!r}"
-    owner = getattr(design, key.table) if key.table else design
-    unset = getattr(owner, key.parameter.path.rpartition(".")[2]) is None
+    unset = design.stored(key.parameter.path) is None
     return f"# {text}" if unset else text
 
 

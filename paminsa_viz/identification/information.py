@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from paminsa_viz.identification.base_parameters import SELECTION, base_regressor
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
@@ -24,11 +25,8 @@ from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.regressor import drive_regressor, torque_regressor
 from paminsa_viz.model.singularity import DEXTERITY
 
-BASE_STATES = 400
-"""Random states that the space of the base parameters is found from."""
-
-RANK_TOLERANCE = 1e-9
-"""Least singular value of a base parameter over the largest."""
+DRAWN_STATES = 400
+"""Random states that show how large the columns of the base parameters are."""
 
 STEP = 1e-6
 """Step of the differences, over the size of a coordinate or rate."""
@@ -126,21 +124,18 @@ class Information:
         self._coulomb_speed = COULOMB_SHARE * np.asarray(limits.speed)
         rate = 2.0 * np.pi / period
         self._sizes = np.concatenate([family.scale * rate**order for order in range(3)])
-        self._base = self._base_space()
+        self._base = self._base_columns()
         self.rank = self._base.shape[1] + 11
         self.noise = np.ones(4)
 
-    def _base_space(self) -> Array:
-        """Return columns (18, r) that span what torques depend on, scaled to unit columns."""
+    def _base_columns(self) -> Array:
+        """Return columns (18, 11) of the base parameters, scaled to be of one size."""
         rng = np.random.default_rng(0)
-        drawn = rng.uniform(-0.5, 0.5, (BASE_STATES, 3, 4)) * self._sizes.reshape(3, 4)
+        drawn = rng.uniform(-0.5, 0.5, (DRAWN_STATES, 3, 4)) * self._sizes.reshape(3, 4)
         drawn[:, 0] += self.family.center
-        y = torque_regressor(self._geometry, drawn[:, 0], drawn[:, 1], drawn[:, 2])
-        stacked = y[np.isfinite(y).all(axis=(1, 2))].reshape(-1, y.shape[-1])
-        scale = 1.0 / np.maximum(np.sqrt((stacked**2).mean(axis=0)), 1e-12)
-        values, rows = np.linalg.svd(stacked * scale, full_matrices=False)[1:]
-        kept = values > RANK_TOLERANCE * values[0]
-        return scale[:, None] * rows[kept].T
+        x = base_regressor(self._geometry, drawn[:, 0], drawn[:, 1], drawn[:, 2])
+        x = x[np.isfinite(x).all(axis=(1, 2))].reshape(-1, x.shape[-1])
+        return SELECTION / np.maximum(np.sqrt((x**2).mean(axis=0)), 1e-12)
 
     def states(self, variables: Array) -> Array:
         """Return poses and rates of a period for variables (..., size), (..., samples, 12)."""

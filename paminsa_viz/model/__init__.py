@@ -8,6 +8,7 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
+from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
@@ -23,6 +24,7 @@ from paminsa_viz.model.dynamics import (
     platform_wrench,
     torque_breakdown,
 )
+from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.grids import (
     Field,
     Grid,
@@ -100,6 +102,8 @@ __all__ = [
     "Counterweight",
     "Design",
     "Drive",
+    "DriveAccuracy",
+    "Elastic",
     "Field",
     "Friction",
     "Geometry",

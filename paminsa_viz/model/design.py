@@ -1,4 +1,4 @@
-"""The robot's numbers: geometry, masses, inertias, payload, friction, load.
+"""The robot's numbers: geometry, masses, inertias, payload, friction, load, accuracy, elastic data.
 
 Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
 its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, is_dataclass, replace
-from enum import Enum
 from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.drive import (
     ACTUATORS,
     NO_DRIVES,
@@ -22,10 +22,11 @@ from paminsa_viz.model.drive import (
     OutputLimits,
     check_drives,
 )
+from paminsa_viz.model.elastic import Elastic
+from paminsa_viz.model.geometry import Geometry, KneeBranch
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
-    SMALLEST,
     ActuatorFriction,
     Counterweight,
     Friction,
@@ -40,96 +41,6 @@ from paminsa_viz.model.parameters import (
 )
 
 
-class KneeBranch(Enum):
-    """Which of the two roots the knee 9 takes.
-
-    ``LOWER`` is the root that Appendix 1 prints for F; the platform then hangs below the guides,
-    z < 0. ``UPPER`` is the other one, its mirror image. A robot changes its branch only by being
-    put together again: on the way the pantographs would pass through the stretched configuration.
-    """
-
-    LOWER = "printed"
-    UPPER = "mirror"
-
-    @property
-    def sign(self) -> float:
-        """+1 for the published root, -1 for its mirror image."""
-        return 1.0 if self is KneeBranch.LOWER else -1.0
-
-    @property
-    def label(self) -> str:
-        """ "lower knee" or "upper knee", for captions."""
-        return f"{self.name.lower()} knee"
-
-
-@dataclass(frozen=True)
-class Geometry(Group, path="geometry"):
-    """Lengths of the mechanism (Appendix 4), and ``knee``, the branch of its knees.
-
-    Link B7 is as long as B4 divided by k, and B8 as long as B3; without that 8-9-4-7 would be no
-    parallelogram, so they are no parameters of their own.
-    """
-
-    magnification: float = parameter(3.0, "k", "", "pantograph magnification factor", positive=True)
-    base_radius: float = parameter(0.35, "R_b", "m", "radius of the leg axes", positive=True)
-    platform_radius: float = parameter(0.1, "R_pl", "m", "radius of platform joints", positive=True)
-    arm_length: float = parameter(0.308, "l_B1", "m", "length of arm B1")
-    shaft_length: float = parameter(0.442, "l_B2", "m", "length of shaft B2")
-    crank_length: float = parameter(0.42, "l_B3 = l_B8", "m", "length of B3 and B8", positive=True)
-    coupler_length: float = parameter(0.63, "l_B4 = k l_B7", "m", "length of B4", positive=True)
-    platform_joint_height: float = parameter(0.0275, "l_B5", "m", "joint 5 above the platform")
-    guide_link_length: float = parameter(
-        0.3635, "l_B10", "m", "length of guide link B10", positive=True
-    )
-    guide_stroke: float | None = parameter(
-        None, "|X_4| max", "m", "stroke of joint 8 (default: l_B10)", positive=True
-    )
-    axis_clearance: float = parameter(0.0, "X_1 min", "m", "least distance of 5 from its leg axis")
-    knee: KneeBranch = KneeBranch.LOWER
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        if not isinstance(self.knee, KneeBranch):
-            raise InvalidDesign("geometry.knee", self.knee, "a KneeBranch is needed")
-        if self.magnification < 1 + SMALLEST:
-            raise InvalidDesign(
-                "geometry.magnification",
-                self.magnification,
-                f"k has to be greater than 1, by {SMALLEST:g} or more, or joint 4 would not lie "
-                f"between 9 and 5",
-            )
-        if self.home_span >= self.crank_length + self.coupler_length:
-            longest = self.crank_length + self.coupler_length
-            raise InvalidDesign(
-                "geometry.coupler_length",
-                self.coupler_length,
-                f"B4 and B8 cannot close the pantograph with the platform at the center: together "
-                f"they reach {longest:.6g} m, and joints 8 and 5 are at least "
-                f"{self.home_span:.6g} m apart there; lengthen B4 or B8, or bring R_b and R_pl "
-                f"closer together",
-            )
-
-    @property
-    def home_span(self) -> float:
-        """Horizontal distance from 8 to 5 at x = y = theta = 0 [m]."""
-        return self.span_ratio * abs(self.base_radius - self.platform_radius)
-
-    @property
-    def span_ratio(self) -> float:
-        """Horizontal distance from 8 to 5 divided by X_1, that is k/(k-1)."""
-        return self.magnification / (self.magnification - 1)
-
-    @property
-    def stroke(self) -> float:
-        """Largest distance of joint 8 from the leg axis, |X_4| [m]."""
-        return self.guide_link_length if self.guide_stroke is None else self.guide_stroke
-
-    @property
-    def short_coupler_length(self) -> float:
-        """Length of link B7, l_B4/k [m]."""
-        return self.coupler_length / self.magnification
-
-
 @dataclass(frozen=True)
 class Design(Group, path="design"):
     """Everything that defines one robot. Two designs are equal if their numbers are.
@@ -140,6 +51,8 @@ class Design(Group, path="design"):
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
+        accuracy: By how much the drives may be off; a default, none in the paper.
+        elastic: Material, sections and stiffnesses; none in the paper.
         name: What a person calls it.
 
     Raises:
@@ -157,6 +70,8 @@ class Design(Group, path="design"):
     gravity: float = parameter(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
+    accuracy: DriveAccuracy = DriveAccuracy()
+    elastic: Elastic = Elastic()
     name: str = field(default="PAMINSA", compare=False)
 
     def __post_init__(self) -> None:
@@ -180,19 +95,27 @@ class Design(Group, path="design"):
         """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
 
         ``"counterweights.0.mass"`` is that of the first counterweight, if there is one, and
-        ``"drives.M1.gear_ratio"`` that of M1's drive. The guide stroke is returned as the length
-        in force, also where it follows l_B10.
+        ``"drives.M1.gear_ratio"`` that of M1's drive. A number that is left open is returned as it
+        counts: the guide stroke as l_B10, a section's value as the tube's, a stiffness as infinity.
 
         Raises:
             InvalidInput: If there is no such number.
         """
-        if path == "geometry.guide_stroke":
-            return self.geometry.stroke
+        owner, name = self._owner(path)
+        return owner.in_force(name)
+
+    def stored(self, path: str) -> float | None:
+        """Return one number as it was given, None where it is left open; see `value`."""
+        owner, name = self._owner(path)
+        return getattr(owner, name)
+
+    def _owner(self, path: str) -> tuple[Any, str]:
+        """Return the group that holds a number, and the number's name in it."""
         group, _, name = path.rpartition(".")
         owner = self._group(group)
         if name not in _numbers_of(owner):
             raise InvalidInput("path", f"there is no design value {path!r}")
-        return float(getattr(owner, name))
+        return owner, name
 
     def _group(self, name: str) -> Any:
         """Return what holds the values under a path, None if there is no such thing."""
@@ -285,8 +208,16 @@ def _parameters() -> tuple[Parameter, ...]:
     return tuple(found)
 
 
-PARAMETERS: tuple[Parameter, ...] = _parameters()
-"""Every number of a design, in the order of the paper's Appendix 4."""
+_ALL = _parameters()
 
-PARAMETER: dict[str, Parameter] = {item.path: item for item in PARAMETERS}
-"""The same by path."""
+OPTIONAL_GROUPS = ("accuracy", "elastic")
+"""Groups that are no part of the rigid, exact robot: files name what is not the default."""
+
+ELASTIC_PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group == "elastic")
+"""Every number of a design's elastic data; the rigid robot has none of them."""
+
+PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTIONAL_GROUPS)
+"""Every number of the rigid, exact robot, in the order of the paper's Appendix 4."""
+
+PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
+"""Every number of a design by path."""

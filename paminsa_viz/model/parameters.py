@@ -16,8 +16,14 @@ import numpy as np
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.units import DisplayUnit, display_unit, format_ascii
 
-LARGEST = {"": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3}
+LARGEST = {
+    "": 100.0, "m": 100.0, "kg": 1e4, "kg m^2": 1e4, "m/s^2": 1e3,
+    "Pa": 1e18, "N/m": 1e18, "N m/rad": 1e18, "kg/m^3": 1e5, "m^2": 1.0, "m^4": 1.0,
+}  # fmt: skip
 """Largest number of each unit; any other unit has `LARGEST_OTHER`."""
+
+SMALLEST_OF = {"m^2": 1e-10, "m^4": 1e-18}
+"""Smallest number of a unit where zero is refused, if it is not `SMALLEST`."""
 
 LARGEST_OTHER = 1e4
 
@@ -116,10 +122,14 @@ class Group:
                 number = _checked(value, f"{self._path}.{item.name}", self._limits, **item.metadata)
                 object.__setattr__(self, item.name, number)
 
+    def in_force(self, name: str) -> float:
+        """Return a number as it counts, also where it is left to follow from others."""
+        return float(getattr(self, name))
+
 
 def possible_range(unit: str, positive: bool) -> tuple[float, float]:
     """Return the smallest number that is not zero, and the largest [SI]."""
-    least = SMALLEST if positive else 0.0
+    least = SMALLEST_OF.get(unit, SMALLEST) if positive else 0.0
     loads = ("kg", "kg m^2", "m/s^2")
     return (SMALLEST_LOAD if unit in loads else least), LARGEST.get(unit, LARGEST_OTHER)
 

@@ -76,28 +76,50 @@ def regressor_torques(y: Array, c: Array) -> Array:
     return np.einsum("...i,i->...", y, c)
 
 
-@np.errstate(all="ignore")
-def _unit_terms(geometry: Geometry, p: Array, v: Array, a: Array, gravity: float) -> Array:
-    """Return the torques of unit energy terms, (n, 4, 21), in the order of `EnergyTerms`."""
+def leg_unit_terms(
+    geometry: Geometry, pose: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
+) -> Array:
+    """Return the torques of unit energy terms of each leg, (..., 4 actuators, 3 legs, 19).
+
+    The last axis has the fields of `EnergyTerms` but the last two, which are the platform's. Not
+    finite where the pose cannot be taken. Arguments as in `torque_regressor`.
+    """
+    shape, (p, v, a) = together(pose=pose, velocity=velocity, acceleration=acceleration)
+    with np.errstate(all="ignore"):
+        terms = _leg_terms(geometry, p, v, a, jacobian(geometry, p))
+    return terms.reshape(*shape, 4, 3, terms.shape[-1])
+
+
+def _leg_terms(geometry: Geometry, p: Array, v: Array, a: Array, j: Array) -> Array:
+    """Return the torques of unit energy terms of each leg, (n, 4, 3, 19), for the Jacobian J."""
     g, q = leg_states(geometry, p, v, a)
     kinds = leg_regressor(mechanism(geometry), g, q)
     # each (19, n, 3)
     on_rho, on_zeta, on_beta, on_lift = (np.stack(np.broadcast_arrays(*kind)) for kind in kinds)
-    j = jacobian(geometry, p)[:, :3, :3]
     # rho_k' for theta_j' = 1
     turn = g.px * g.uy - g.py * g.ux
     radial = (
-        g.ux[:, :, None] * j[:, None, 0]
-        + g.uy[:, :, None] * j[:, None, 1]
-        + turn[:, :, None] * j[:, None, 2]
+        g.ux[:, :, None] * j[:, None, 0, :3]
+        + g.uy[:, :, None] * j[:, None, 1, :3]
+        + turn[:, :, None] * j[:, None, 2, :3]
     )  # (n, leg, actuator)
+    y = np.zeros((len(p), 4, 3, len(on_rho)))
+    y[:, :3] = np.einsum("tnk,nkj->njkt", on_rho, radial)
+    for leg in range(3):
+        y[:, leg, leg] += on_beta[:, :, leg].T
+    y[:, 3] = np.moveaxis(geometry.magnification * on_zeta + on_lift, 0, -1)
+    return y
+
+
+@np.errstate(all="ignore")
+def _unit_terms(geometry: Geometry, p: Array, v: Array, a: Array, gravity: float) -> Array:
+    """Return the torques of unit energy terms, (n, 4, 21), in the order of `EnergyTerms`."""
+    j = jacobian(geometry, p)
     y = np.zeros((len(p), 4, 21))
-    k = geometry.magnification
-    y[:, :3, :19] = np.einsum("tnk,nkj->njt", on_rho, radial) + np.moveaxis(on_beta, 0, -1)
-    y[:, 3, :19] = (k * on_zeta + on_lift).sum(axis=-1).T
+    y[:, :, :19] = _leg_terms(geometry, p, v, a, j).sum(axis=2)
     # platform: turn (printed Eq. 13 only), mass, inertia
-    y[:, :3, 18] = 6 * a[:, 2:3] * j[:, 2]
-    y[:, :3, 19] = a[:, 0:1] * j[:, 0] + a[:, 1:2] * j[:, 1]
-    y[:, 3, 19] = k * (a[:, 3] + gravity)
-    y[:, :3, 20] = a[:, 2:3] * j[:, 2]
+    y[:, :3, 18] += 6 * a[:, 2:3] * j[:, 2, :3]
+    y[:, :3, 19] = a[:, 0:1] * j[:, 0, :3] + a[:, 1:2] * j[:, 1, :3]
+    y[:, 3, 19] = geometry.magnification * (a[:, 3] + gravity)
+    y[:, :3, 20] = a[:, 2:3] * j[:, 2, :3]
     return y

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import random
 from dataclasses import replace
 from functools import partial
@@ -15,7 +16,7 @@ from paminsa_viz.cli import main
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import load_design, read_design, save_design
 from paminsa_viz.files.design_schema import KEYS
-from paminsa_viz.model import APPENDIX_4, PARAMETERS, KneeBranch, inverse_dynamics
+from paminsa_viz.model import APPENDIX_4, PARAMETER, PARAMETERS, KneeBranch, inverse_dynamics
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.reach import home_pose
 from tests.support import commands
@@ -79,9 +80,13 @@ def test_show_prints_every_number(capsys) -> None:
     for words in (*wanted, "geometry knee printed ", "load frame world "):
         assert sum(line.startswith(words) for line in lines) == 1, words
     shown = run_json(capsys, "show", "d.toml")
-    assert shown["values"] == values
+    assert shown["values"] == {
+        key: value if value < math.inf else None for key, value in values.items()
+    }
     assert (shown["name"], shown["knee"], shown["load_frame"]) == ("Appendix 4", "printed", "world")
-    assert list(run_json(capsys, "show")["values"].values()) == [p.default for p in PARAMETERS]
+    assert list(run_json(capsys, "show")["values"].values()) == [
+        p.default if p.default < math.inf else None for p in PARAMETER.values()
+    ]
     assert "200 mm beyond joint 7" in run(capsys, "show", "w.toml")[1]
 
 

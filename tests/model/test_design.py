@@ -26,6 +26,7 @@ from paminsa_viz.model import (
     PaminsaError,
     Parameter,
 )
+from paminsa_viz.model.design import ELASTIC_PARAMETERS, OPTIONAL_GROUPS
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, SMALLEST, possible_range
 from tests.support import samples
 from tests.support.samples import possible_values
@@ -68,11 +69,15 @@ def test_every_number_of_a_design_is_listed_once_with_symbol_label_and_unit() ->
         found += [f"{item.name}.{part.name}" for part in inner] or [item.name]
     for choice in ("geometry.knee", "load.frame", "counterweights", "drives", "name"):
         found.remove(choice)
-    assert [p.path for p in PARAMETERS] == list(PARAMETER) == found
-    assert all(PARAMETER[p.path] is p for p in PARAMETERS)
+    assert list(PARAMETER) == found
+    rigid = [path for path in found if not path.startswith(("accuracy.", "elastic."))]
+    assert [p.path for p in PARAMETERS] == rigid
+    assert [p.path for p in ELASTIC_PARAMETERS] == found[-len(ELASTIC_PARAMETERS) :]
+    assert all(PARAMETER[p.path] is p for p in (*PARAMETERS, *ELASTIC_PARAMETERS))
+    assert {p.group for p in PARAMETER.values() if p not in PARAMETERS} == set(OPTIONAL_GROUPS)
     assert PARAMETER["gravity"].group == "design"
     for name in ("symbol", "label"):
-        assert len({getattr(p, name) for p in PARAMETERS} - {""}) == len(PARAMETERS)
+        assert len({getattr(p, name) for p in PARAMETER.values()}) == len(PARAMETER)
     units = {"joints": {"kg"}, "links": {"kg"}, "inertias": {"kg m^2"}, "geometry": {"", "m"}}
     units |= {"platform": {"kg", "kg m^2"}, "payload": {"kg", "kg m^2"}, "design": {"m/s^2"}}
     for p in PARAMETERS:

@@ -16,7 +16,7 @@ from paminsa_viz.explorer.panels.design_layout import DIGITS, STROKE, is_changed
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
-    PARAMETERS,
+    PARAMETER,
     Design,
     Parameter,
     static_imbalance,
@@ -65,7 +65,7 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
     weights = weights_by_place(reference, design).items()
     return render(
         "differences.j2", design=design, reference=reference, title=title, value=_value,
-        parameters=[p for p in PARAMETERS if is_changed(design, p.path, reference)],
+        parameters=[p for p in PARAMETER.values() if is_changed(design, p.path, reference)],
         weights=[(place, masses) for place, masses in weights if masses[0] != masses[1]],
         drives=[
             (name, *("no drive" if drive is None else f"{drive.gear_ratio:g}:1" for drive in pair))

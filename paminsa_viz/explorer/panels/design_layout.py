@@ -230,8 +230,7 @@ def _set(path: str, state: State, value: float) -> State:
 def is_changed(design: Design, path: str, reference: Design = APPENDIX_4) -> bool:
     """Whether two designs differ in the number at ``path``.
 
-    The guide stroke differs as well where it is set in one and follows l_B10 in the other.
+    A number that is set in one and left open in the other differs as well, as the guide stroke that
+    follows l_B10 until it is set.
     """
-    if path == STROKE:
-        return design.geometry.guide_stroke != reference.geometry.guide_stroke
-    return design.value(path) != reference.value(path)
+    return design.stored(path) != reference.stored(path)

@@ -50,11 +50,20 @@ def quality_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
-READOUT = (
-    Html("readout.status", content=status_html),
-    Html("readout.actuators", content=actuators_html),
-    Html("readout.quality", content=quality_html),
-)
+def summary_html(frame: Frame) -> str:
+    """Return condition, least margin and static imbalance in a line."""
+    return render(
+        "summary.j2", frame=frame, margin=frame.configuration.reach.margins.min(),
+    )  # fmt: skip
+
+
+def strip_html(frame: Frame) -> str:
+    """Return what is seen above all tabs."""
+    parts = (status_html(frame), actuators_html(frame), summary_html(frame))
+    return f'<div class="pv-strip">{"".join(parts)}</div>'
+
+
+STRIP = (Html("readout.strip", content=strip_html),)
 
 
 GRAIN = 10
@@ -132,4 +141,5 @@ POSE = (
             "Redo": Run(lambda session: session.redo()),
         },
     ),
+    Html("readout.quality", content=quality_html),
 )  # fmt: skip

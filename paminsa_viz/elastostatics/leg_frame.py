@@ -1,0 +1,90 @@
+"""Where the legs are, in the axes of their own planes.
+
+Leg frame: origin on the leg axis at the height of the guides, axes u (radial, toward the platform),
+w = z x u (across the plane) and z (up), in this order in all arrays. With the platform's center P
+at (x, y, z), joint 5 is at p_k from it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import LEG_AXES
+from paminsa_viz.model.leg import leg_position, mechanism
+from paminsa_viz.model.leg_points import point_weights
+from paminsa_viz.model.reach import Limit, check_reach
+
+
+@dataclass(frozen=True, eq=False)
+class LegFrame:
+    """The three legs at poses of batch shape (...); NaN where a pose cannot be reached.
+
+    Attributes:
+        geometry: Lengths of the mechanism.
+        pose: (..., 4) [m, m, rad, m].
+        status: (...) values of `Limit`; a singular pose counts as reached here.
+        leg: (...) index of the leg that is the reason, -1 for none.
+        axes: (..., 3 legs, 3, 3) rows u, w, z in base axes.
+        arm: (..., 3 legs, 2) direction of B1, outward from the base center, along u and w.
+        psi, phi: (..., 3 legs, 2) cosine and sine of the elevations of B4 and B7 (from 9 to 5), and
+            of B8 and B3 (from 8 to 9).
+        rho: (..., 3 legs) X_1, distance of joint 5 from its leg axis [m].
+        points: (..., 3 legs, 2) r and z of the joints by the paper's number [m].
+        platform: (..., 3 legs, 3) p_k, from P to joint 5, in base axes [m].
+    """
+
+    geometry: Geometry
+    pose: Array
+    status: Array
+    leg: Array
+    axes: Array
+    arm: Array
+    psi: Array
+    phi: Array
+    rho: Array
+    points: dict[int, Array]
+    platform: Array
+
+
+@np.errstate(all="ignore")
+def leg_frame(geometry: Geometry, pose: ArrayLike) -> LegFrame:
+    """Return where the legs are at poses (..., 4) [m, m, rad, m]."""
+    pose = as_vectors(pose, "pose")
+    reach = check_reach(geometry, pose)
+    usable = np.where((reach.status == Limit.OK)[..., None], pose, np.nan)
+    x, y, theta, z = np.moveaxis(usable, -1, 0)[..., None]
+    ax, ay = LEG_AXES.T
+    g = leg_position(mechanism(geometry), ax, ay, x, y, np.cos(theta), np.sin(theta), z)
+    axes = np.zeros((*pose.shape[:-1], 3, 3, 3))
+    axes[..., 0, 0] = axes[..., 1, 1] = g.ux
+    axes[..., 0, 1] = g.uy
+    axes[..., 1, 0] = -g.uy
+    axes[..., 2, 2] = 1.0
+    points = {
+        joint: np.stack(
+            np.broadcast_arrays(
+                w.r5 * g.rho + w.r9 * g.r9, w.z5 * g.zeta + (w.r9 * g.z9 if w.r9 else 0.0) + w.z0
+            ),
+            axis=-1,
+        )
+        for joint, w in point_weights(geometry).items()
+    }
+    height = np.full_like(g.px, geometry.platform_joint_height)
+    return LegFrame(
+        geometry,
+        pose,
+        np.asarray(reach.status),
+        np.asarray(reach.leg),
+        axes,
+        np.stack([ax * g.ux + ay * g.uy, ay * g.ux - ax * g.uy], axis=-1),
+        np.stack([g.cos_psi, g.sin_psi], axis=-1),
+        np.stack([g.cos_phi, g.sin_phi], axis=-1),
+        g.rho,
+        points,
+        np.stack([g.px, g.py, height], axis=-1),
+    )

@@ -1,0 +1,1 @@
+"""Accuracy: errors of the drives, unequal legs, tolerances and clearances, calibration."""

@@ -1,0 +1,135 @@
+"""The nine equations that three legs and the platform fulfill, and all their derivatives.
+
+Joint 5 of leg k is at e_k + r_5 u(beta_k) + z_5 z, where r_5 and z_5 follow from the lift Z and the
+place s_k of the slider (`leg_plane`), beta_k from theta_k and the zero of M_k. The platform has it
+at P + R c_k with R = R_z(theta) exp(tilt), tilt = (t_x, t_y, 0) in the platform's axes; P lies l_B5
+below the joints 5.
+
+A state is (x, y, theta, z, t_x, t_y, s_1..s_3, theta_1..theta_3, Z).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.kinematics import HEADINGS
+from paminsa_viz.precision.leg_lengths import INDEX
+from paminsa_viz.precision.leg_plane import PLANE_INPUTS, joint_5_derivatives, solve_leg
+
+STATE = 13
+"""Numbers of a state."""
+
+SLIDES = slice(6, 9)
+ACTUATORS = slice(9, 13)
+"""Places of sliders and actuators in a state."""
+
+
+class ClosureEquations(NamedTuple):
+    """Gaps and derivatives at n states."""
+
+    gap: Array  # (n, 9) joint 5 of the legs minus that of the platform [m]
+    by_state: Array  # (n, 9, 13)
+    by_length: Array  # (n, 3 legs, 3 axes, 14): each leg's own three equations
+
+
+@np.errstate(all="ignore")
+def closure_equations(lengths: Array, state: Array, root: float) -> ClosureEquations:
+    """Return the nine equations at states (n, 13) of legs (n, 3, 14); NaN where bars cannot close.
+
+    ``root`` is the branch of the knee, `KneeBranch.sign`.
+    """
+    n = len(state)
+    length = {name: lengths[..., index, None] for name, index in INDEX.items()}
+    plane = solve_leg(lengths, state[:, SLIDES], state[:, 12:13], root)
+    radial = _horizontal(state[:, 9:12] + HEADINGS + lengths[..., INDEX["actuator_zero"]])
+    outward = _horizontal(lengths[..., INDEX["axis_angle"]])
+    inner = _horizontal(lengths[..., INDEX["joint_angle"]])  # c_k's direction in the platform
+    joint = length["joint_radius"] * inner + length["joint_height"] * _UP
+    turn = _rotation(state)
+    back = np.swapaxes(turn, -1, -2)
+    held = joint @ back  # R c_k
+    own = length["axis_radius"] * outward
+    own = own + plane.joint_5[..., :1] * radial + plane.joint_5[..., 1:] * _UP
+    center = state[:, None, [0, 1, 3]]
+
+    in_plane = joint_5_derivatives(lengths, plane)
+    moved = radial[..., None] * in_plane[..., :1, :] + _UP[:, None] * in_plane[..., 1:, :]
+    around = plane.joint_5[..., :1] * _left(radial)
+    by_state = np.zeros((n, 3, 3, STATE))
+    by_state[..., 0, 0] = by_state[..., 1, 1] = by_state[..., 2, 3] = -1.0
+    by_state[..., 2] = -_left(held)
+    # d(R c) = R (J_r dt x c) = -R [c]x J_r dt
+    tilted = turn[:, None] @ _cross_matrix(joint) @ _right_jacobian(state[:, 4:6])[:, None]
+    by_state[..., 4:6] = tilted[..., :2]
+    for leg in range(3):
+        by_state[:, leg, :, 6 + leg] = moved[:, leg, :, _PLANE["slide"]]
+        by_state[:, leg, :, 9 + leg] = around[:, leg]
+    by_state[..., 12] = moved[..., _PLANE["lift"]]
+
+    by_length = np.zeros((n, 3, 3, len(INDEX)))
+    for name in _OF_PLANE:
+        by_length[..., INDEX[name]] = moved[..., _PLANE[name]]
+    by_length[..., INDEX["joint_height"]] = -turn[:, None, :, 2]
+    by_length[..., INDEX["axis_radius"]] = outward
+    by_length[..., INDEX["axis_angle"]] = length["axis_radius"] * _left(outward)
+    by_length[..., INDEX["joint_radius"]] = -(inner @ back)
+    by_length[..., INDEX["joint_angle"]] = -length["joint_radius"] * (_left(inner) @ back)
+    by_length[..., INDEX["actuator_zero"]] = around
+    gap = (own - center - held).reshape(n, 9)
+    return ClosureEquations(gap, by_state.reshape(n, 9, STATE), by_length)
+
+
+_UP = np.array([0.0, 0.0, 1.0])
+_PLANE = {name: index for index, name in enumerate(PLANE_INPUTS)}
+_OF_PLANE = tuple(name for name in PLANE_INPUTS if name in INDEX)
+
+
+def _horizontal(angle: Array) -> Array:
+    return np.stack([np.cos(angle), np.sin(angle), np.zeros_like(angle)], axis=-1)
+
+
+def _left(vector: Array) -> Array:
+    """Return z x v for vectors (..., 3)."""
+    zero = np.zeros_like(vector[..., 0])
+    return np.stack([-vector[..., 1], vector[..., 0], zero], axis=-1)
+
+
+def _cross_matrix(vector: Array) -> Array:
+    x, y, z = np.moveaxis(vector, -1, 0)
+    zero = np.zeros_like(x)
+    rows = ((zero, -z, y), (z, zero, -x), (-y, x, zero))
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
+def _rotation(state: Array) -> Array:
+    """Return R = R_z(theta) exp(tilt), (n, 3, 3)."""
+    c, s = np.cos(state[:, 2]), np.sin(state[:, 2])
+    zero, one = np.zeros_like(c), np.ones_like(c)
+    rows = ((c, -s, zero), (s, c, zero), (zero, zero, one))
+    about_z = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    tilt = _tilt_matrix(state[:, 4:6])
+    size = np.hypot(state[:, 4], state[:, 5])[:, None, None]
+    half = np.sinc(0.5 * size / np.pi)
+    return about_z @ (np.eye(3) + np.sinc(size / np.pi) * tilt + 0.5 * half**2 * tilt @ tilt)
+
+
+def _right_jacobian(tilt: Array) -> Array:
+    """Return J_r with exp(t + dt) = exp(t) exp(J_r dt), (n, 3, 3)."""
+    matrix = _tilt_matrix(tilt)
+    size = np.hypot(tilt[:, 0], tilt[:, 1])[:, None, None]
+    square = size**2
+    series = 1 / 6 - square / 120 + square**2 / 5040
+    exact = (size - np.sin(size)) / np.where(size > 0, size**3, 1.0)
+    half = np.sinc(0.5 * size / np.pi)
+    return (
+        np.eye(3)
+        - 0.5 * half**2 * matrix
+        + np.where(size < 0.01, series, exact) * (matrix @ matrix)
+    )
+
+
+def _tilt_matrix(tilt: Array) -> Array:
+    return _cross_matrix(np.concatenate([tilt, np.zeros_like(tilt[:, :1])], axis=-1))

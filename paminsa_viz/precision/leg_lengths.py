@@ -1,0 +1,100 @@
+"""The lengths of each leg as arrays (..., 3 legs, 14): nominal ones, and those of a design.
+
+Their names, symbols and units are those of `LegDeviations`, in its order.
+"""
+
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass, fields
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array, as_numbers
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import AXIS_ANGLES
+from paminsa_viz.model.leg_deviations import LENGTH_NAMES, Deviations, LegDeviations
+
+
+@dataclass(frozen=True)
+class LegLength:
+    """One length of a leg.
+
+    Attributes:
+        name: Field of `LegDeviations`.
+        symbol: Symbol in plain text, see `units.symbol_text`.
+        unit: SI unit, m or rad.
+        label: Plain name.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    label: str
+
+
+LENGTHS: tuple[LegLength, ...] = tuple(
+    LegLength(item.name, item.metadata["symbol"], item.metadata["unit"], item.metadata["label"])
+    for item in fields(LegDeviations)
+)
+"""The lengths of a leg, in the order of the last axis."""
+
+INDEX: dict[str, int] = {name: index for index, name in enumerate(LENGTH_NAMES)}
+"""Place of a length on the last axis, by its name."""
+
+
+def nominal_lengths(geometry: Geometry) -> Array:
+    """Return the lengths of a robot as it was drawn, (3, 14) [m, rad]."""
+    g, share = geometry, 1 / geometry.magnification
+    same = {
+        "bar_94": g.short_coupler_length,
+        "bar_45": g.coupler_length * (1 - share),
+        "bar_43": g.crank_length * (1 - share),
+        "bar_37": g.crank_length * share,
+        "bar_87": g.short_coupler_length,
+        "bar_89": g.crank_length,
+        "shaft": g.shaft_length,
+        "joint_height": g.platform_joint_height,
+        "axis_radius": g.base_radius,
+        "joint_radius": g.platform_radius,
+    }
+    lengths = np.zeros((3, len(LENGTHS)))
+    for name, value in same.items():
+        lengths[:, INDEX[name]] = value
+    for name in ("axis_angle", "joint_angle"):
+        lengths[:, INDEX[name]] = AXIS_ANGLES
+    return lengths
+
+
+def deviation_array(deviations: Deviations) -> Array:
+    """Return deviations as an array (3, 14) [m, rad]; zeros for none."""
+    if not deviations:
+        return np.zeros((3, len(LENGTHS)))
+    return np.array([astuple(leg) for leg in deviations])
+
+
+def leg_deviations(values: ArrayLike) -> Deviations:
+    """Return an array (3, 14) as deviations.
+
+    Raises:
+        InvalidInput: If the shape is another one.
+        InvalidDesign: If a number is not finite or too large.
+    """
+    array = as_lengths(values, "deviations")
+    if array.ndim != 2:
+        raise InvalidInput("deviations", f"the shape has to be (3, 14), not {array.shape}")
+    return tuple(LegDeviations(*row) for row in array.tolist())
+
+
+def as_lengths(values: ArrayLike, argument: str = "lengths") -> Array:
+    """Return values as float64 (..., 3, 14).
+
+    Raises:
+        InvalidInput: If they are no real numbers, or the last two axes are others.
+    """
+    array = as_numbers(values, argument)
+    if array.shape[-2:] != (3, len(LENGTHS)):
+        problem = f"the last axes have to be 3 legs and {len(LENGTHS)} lengths"
+        raise InvalidInput(argument, f"{problem}; the shape is {array.shape}")
+    return array

@@ -1,0 +1,273 @@
+"""Position and tilt of a platform on three legs with lengths of their own.
+
+With locked actuators the nine closure equations have nine unknowns: x, y, theta, z, the tilt
+(t_x, t_y) and the sliders' places s_1..s_3. Ball joints assemble without strain. For a wanted
+(x, y, theta, z) the tilt, the sliders and the actuators are unknown. Both are solved by Newton's
+method from the nominal robot; derivatives by all lengths and actuators follow from the same matrix.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import LEG_AXES, inverse_kinematics
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.robot import platform_determinant
+from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
+from paminsa_viz.precision.leg_lengths import INDEX, as_lengths, nominal_lengths
+
+COORDINATES = ("x", "y", "theta", "z", "tilt_x", "tilt_y")
+"""Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
+
+_FORWARD = np.arange(9)
+_INVERSE = np.arange(4, 13)
+
+_MOST_STEPS = 40
+_LAST_STEP = 1e-9
+"""Step [m, rad] after which Newton's method is done: the next one would be its square."""
+
+_LARGEST_STEP = 0.1
+"""Largest step [m, rad]: farther away than that the equations are other ones."""
+
+_MOST_CONDITION = 1e13
+"""Condition number of a pose that counts as singular: rounding decides over what is found."""
+
+
+class Closure(IntEnum):
+    """Whether the loops of the three legs close."""
+
+    OK = 0
+    NOT_FINITE = 1
+    OPEN = 2
+    SINGULAR = 3
+    DIVERGED = 4
+
+    @property
+    def reason(self) -> str:
+        """Why there is no solution, as a clause."""
+        return (
+            "the loops close",
+            "an input is not a finite number",
+            "the bars of a leg cannot close with these lengths",
+            "a singular pose lies in between, so no assembly can be told from the other",
+            "no solution was found near the nominal pose",
+        )[self]
+
+
+@dataclass(frozen=True)
+class UnequalPose:
+    """Solutions of batch shape (...); NaN where there is none.
+
+    Attributes:
+        pose: (..., 4) = (x, y, theta, z) [m, m, rad, m].
+        tilt: (..., 2) = (t_x, t_y) in the platform's axes [rad].
+        slides: (..., 3) places of the sliders, negative beyond the leg axis [m].
+        actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
+        closure: (...) values of `Closure`: whether there is a solution, or why not.
+    """
+
+    pose: Array
+    tilt: Array
+    slides: Array
+    actuators: Array
+    closure: NDArray[np.uint8]
+
+    @property
+    def ok(self) -> NDArray[np.bool_]:
+        """Where there is a solution, (...)."""
+        return self.closure == Closure.OK
+
+    @property
+    def coordinates(self) -> Array:
+        """The platform's six coordinates (..., 6), see `COORDINATES`."""
+        return np.concatenate([self.pose, self.tilt], axis=-1)
+
+
+def solve_pose(
+    geometry: Geometry, lengths: ArrayLike, actuators: ArrayLike, near: ArrayLike
+) -> UnequalPose:
+    """Solve the forward kinematics with unequal legs.
+
+    Args:
+        geometry: Nominal lengths and the branch of the knee.
+        lengths: (..., 3, 14) lengths of the legs, see `leg_lengths`.
+        actuators: (..., 4) = (theta_1, theta_2, theta_3, Z) [rad, rad, rad, m].
+        near: (..., 4) pose that Newton's method starts from, the nominal one.
+
+    Raises:
+        InvalidInput: If a shape is unusable.
+    """
+    lengths, actuators, near = _together(lengths, actuators=actuators, near=near)
+    state = _start(geometry, near)
+    state[..., ACTUATORS] = actuators
+    x, y, theta, _ = np.moveaxis(near, -1, 0)
+    # The determinant of the nine equations has the sign of the platform's own.
+    side = np.sign(platform_determinant(mechanism(geometry), x, y, np.cos(theta)))
+    return _solve(geometry, lengths, state, _FORWARD, side)
+
+
+def solve_actuators(geometry: Geometry, lengths: ArrayLike, pose: ArrayLike) -> UnequalPose:
+    """Solve the inverse kinematics with unequal legs: actuators and tilt for wanted poses (..., 4).
+
+    Other arguments as in `solve_pose`.
+    """
+    lengths, pose = _together(lengths, pose=pose)
+    # It is positive wherever no leg is stretched or on its axis.
+    return _solve(geometry, lengths, _start(geometry, pose), _INVERSE, np.ones(pose.shape[:-1]))
+
+
+class Sensitivities(NamedTuple):
+    """First-order errors of the platform at poses (...), with locked actuators.
+
+    Attributes:
+        lengths: (..., 6, 3 legs, 14) derivatives of `COORDINATES` by the lengths.
+        actuators: (..., 6, 4) derivatives by theta_1..3 and Z; with equal legs the first four rows
+            are the robot's Jacobian.
+    """
+
+    lengths: Array
+    actuators: Array
+
+
+def sensitivities(geometry: Geometry, pose: ArrayLike) -> Sensitivities:
+    """Return the first-order errors of a robot with nominal lengths at poses (..., 4).
+
+    NaN where the bars cannot close or the pose is singular.
+    """
+    state = _start(geometry, as_vectors(pose, "pose"))
+    lengths = np.broadcast_to(nominal_lengths(geometry), (*state.shape[:-1], 3, len(INDEX)))
+    return _sensitivities(geometry, lengths, state)
+
+
+def sensitivities_at(
+    geometry: Geometry, lengths: ArrayLike, solution: UnequalPose
+) -> Sensitivities:
+    """Return the first-order errors at solved poses of legs (..., 3, 14)."""
+    state = np.concatenate([solution.coordinates, solution.slides, solution.actuators], axis=-1)
+    lengths = np.broadcast_to(as_lengths(lengths), (*state.shape[:-1], 3, len(INDEX)))
+    return _sensitivities(geometry, lengths, state)
+
+
+def _together(lengths: ArrayLike, **vectors: ArrayLike) -> list[Array]:
+    """Broadcast lengths (..., 3, 14) and vectors (..., 4) against each other, as copies."""
+    given = {name: as_vectors(values, name) for name, values in vectors.items()}
+    table = as_lengths(lengths)
+    try:
+        shape = np.broadcast_shapes(
+            table.shape[:-2], *(values.shape[:-1] for values in given.values())
+        )
+    except ValueError:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in given.items())
+        problem = f"the batch shapes do not fit each other: lengths {table.shape}, {shapes}"
+        raise InvalidInput("lengths", problem) from None
+    full = [np.broadcast_to(table, (*shape, *table.shape[-2:]))]
+    return full + [np.broadcast_to(values, (*shape, 4)) for values in given.values()]
+
+
+def _start(geometry: Geometry, pose: Array) -> Array:
+    """Return the state (..., 13) of the nominal robot: coordinates, sliders, actuators."""
+    found = inverse_kinematics(geometry, pose)
+    state = np.zeros((*pose.shape[:-1], STATE))
+    state[..., :4] = pose
+    axes = geometry.base_radius * LEG_AXES
+    place = found.points[8][..., :2] - axes
+    heading = np.stack([np.cos(found.beta), np.sin(found.beta)], axis=-1)
+    state[..., SLIDES] = np.sum(place * heading, axis=-1)
+    state[..., ACTUATORS] = found.actuators
+    return state
+
+
+def _solve(
+    geometry: Geometry, lengths: Array, start: Array, unknown: Array, side: Array
+) -> UnequalPose:
+    """Solve for some entries of the state by Newton's method, all of a batch at once.
+
+    ``side`` (...) is the sign of the determinant on the nominal robot's side of the singularities.
+    """
+    shape = start.shape[:-1]
+    lengths = lengths.reshape(-1, *lengths.shape[-2:])
+    state = start.reshape(-1, STATE).copy()
+    closure = np.full(len(state), Closure.DIVERGED, np.uint8)
+    given = np.setdiff1d(np.arange(STATE), unknown)
+    usable = np.isfinite(state[:, given]).all(axis=-1) & np.isfinite(lengths).all(axis=(-1, -2))
+    closure[~usable] = Closure.NOT_FINITE
+    closure[usable & ~np.isfinite(state).all(axis=-1)] = Closure.OPEN
+    live = np.flatnonzero(closure == Closure.DIVERGED)
+    side = side.reshape(-1)
+    behind = np.sign(state[:, SLIDES])
+    step = np.zeros((len(state), len(unknown)))
+    for _ in range(_MOST_STEPS):
+        if not live.size:
+            break
+        trial = state[live]
+        trial[:, unknown] += step[live]
+        found = closure_equations(lengths[live], trial, geometry.knee.sign)
+        closed = np.isfinite(found.gap).all(axis=-1)
+        good, stuck = live[closed], live[~closed]
+        state[good] = trial[closed]
+        sign, change = _newton_step(found.by_state[closed][:, :, unknown], found.gap[closed])
+        largest = np.abs(change).max(axis=-1)
+        passed = (trial[closed][:, SLIDES] * behind[good] <= 0).any(axis=-1)  # a leg axis
+        singular = ~np.isfinite(largest) | (sign != side[good]) | passed
+        done = ~singular & (largest < _LAST_STEP)
+        step[good] = (
+            change * np.minimum(1.0, _LARGEST_STEP / np.maximum(largest, _LAST_STEP))[:, None]
+        )
+        state[np.ix_(good[done], unknown)] += step[good[done]]
+        closure[good] = np.select(
+            [singular, done], [Closure.SINGULAR, Closure.OK], Closure.DIVERGED
+        )
+        # A leg that cannot close there may close nearer to where it did.
+        step[stuck] *= 0.5
+        open_ = stuck[np.abs(step[stuck]).max(axis=-1) < _LAST_STEP]
+        closure[open_] = Closure.OPEN
+        live = live[closure[live] == Closure.DIVERGED]
+    state[closure != Closure.OK] = np.nan
+    state = state.reshape(*shape, STATE)
+    return UnequalPose(
+        state[..., :4], state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS],
+        closure.reshape(shape),
+    )  # fmt: skip
+
+
+def _newton_step(matrix: Array, gap: Array) -> tuple[Array, Array]:
+    """Return the determinants' signs (n,), and the steps (n, 9), NaN where a matrix is singular."""
+    sign, regular = _signs(matrix)
+    step = np.full(gap.shape, np.nan)
+    step[regular] = -np.linalg.solve(matrix[regular], gap[regular][..., None])[..., 0]
+    return sign, step
+
+
+@np.errstate(all="ignore")
+def _signs(matrix: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the signs of determinants (n,), and where a matrix (n, 9, 9) can be inverted."""
+    sign = np.linalg.slogdet(matrix)[0]
+    return sign, np.isfinite(matrix).all(axis=(-1, -2)) & (sign != 0)
+
+
+@np.errstate(all="ignore")
+def _sensitivities(geometry: Geometry, lengths: Array, state: Array) -> Sensitivities:
+    shape = state.shape[:-1]
+    found = closure_equations(
+        lengths.reshape(-1, 3, len(INDEX)), state.reshape(-1, STATE), geometry.knee.sign
+    )
+    matrix = found.by_state[:, :, _FORWARD]
+    _, regular = _signs(matrix)
+    inverse = np.full(matrix.shape, np.nan)
+    inverse[regular] = np.linalg.inv(matrix[regular])
+    size = np.abs(matrix).sum(axis=-1).max(axis=-1) * np.abs(inverse).sum(axis=-1).max(axis=-1)
+    inverse[~(size < _MOST_CONDITION)] = np.nan
+    rows = -inverse[:, :6]
+    by_leg = np.einsum("nikj,nkjl->nikl", rows.reshape(-1, 6, 3, 3), found.by_length)
+    by_actuator = rows @ found.by_state[:, :, ACTUATORS]
+    return Sensitivities(
+        by_leg.reshape(*shape, 6, 3, len(INDEX)), by_actuator.reshape(*shape, 6, 4)
+    )

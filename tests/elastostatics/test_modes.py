@@ -1,0 +1,71 @@
+"""The eigenproblem of small vibrations, and its matrices against those of MuJoCo."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.linalg
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.elastostatics.modes import natural_modes
+from paminsa_viz.errors import InvalidInput
+
+seeds = st.integers(0, 2**32 - 1)
+
+
+def matrices(seed: int, size: int, count: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    """Draw positive definite stiffness and mass matrices (count, size, size)."""
+    rng = np.random.default_rng(seed)
+    roots = rng.normal(size=(2, count, size, size))
+    eye = 0.1 * np.eye(size)
+    return 1e5 * roots[0] @ np.swapaxes(roots[0], 1, 2) + eye, roots[1] @ np.swapaxes(
+        roots[1], 1, 2
+    ) + eye
+
+
+@given(seed=seeds, size=st.integers(1, 7))
+def test_modes_solve_the_generalized_eigenproblem(seed: int, size: int) -> None:
+    k, m = matrices(seed, size)
+    found = natural_modes(k, m)
+    assert found.stable.all()
+    for i in range(len(k)):
+        expected = scipy.linalg.eigh(k[i], m[i], eigvals_only=True)
+        assert (2 * np.pi * found.frequencies[i]) ** 2 == pytest.approx(expected, rel=1e-6)
+        shapes = found.shapes[i]
+        assert shapes.T @ m[i] @ shapes == pytest.approx(np.eye(size), abs=1e-7)
+        energy = np.diagonal(shapes.T @ k[i] @ shapes)
+        assert energy == pytest.approx((2 * np.pi * found.frequencies[i]) ** 2, rel=1e-6)
+
+
+def test_a_pose_without_stiffness_has_no_frequency() -> None:
+    """Singular, soft in one direction, or unknown: NaN, and the other poses are not touched."""
+    k, m = matrices(1, 4, 5)
+    k[1] = k[1] - np.linalg.eigvalsh(k[1])[0] * np.eye(4)  # singular
+    k[2, 0, 0] = -1.0
+    k[3, 1, 2] = np.nan
+    found = natural_modes(k, m)
+    assert found.stable.tolist() == [True, False, False, False, True]
+    assert np.isnan(found.frequencies[1:4]).all()
+    assert np.isnan(found.shapes[1:4]).all()
+    assert np.isfinite(found.frequencies[[0, 4]]).all()
+
+
+def test_the_lowest_modes_alone_are_those_of_all() -> None:
+    k, m = matrices(2, 6)
+    few, every = natural_modes(k, m, 2), natural_modes(k, m)
+    assert few.frequencies.tolist() == every.frequencies[:, :2].tolist()
+    assert few.shapes.shape == (3, 6, 2)
+
+
+def test_a_coordinate_without_mass_has_an_infinite_frequency() -> None:
+    found = natural_modes(np.diag([4.0, 9.0]), np.diag([1.0, 0.0]))
+    assert found.frequencies.tolist() == [pytest.approx(2 / (2 * np.pi)), np.inf]
+
+
+@pytest.mark.parametrize(
+    ("k", "m"), [(np.ones(3), np.eye(3)), (np.eye(3), np.eye(2)), (np.ones((2, 3)), np.eye(3))]
+)
+def test_matrices_that_do_not_fit_are_refused(k: np.ndarray, m: np.ndarray) -> None:
+    with pytest.raises(InvalidInput):
+        natural_modes(k, m)

@@ -1,0 +1,116 @@
+"""The base parameters: complete, minimal, and true to torques that no regressor made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.identification import (
+    BASE_PARAMETERS,
+    LEG_PARAMETERS,
+    base_matrix,
+    base_parameters,
+    base_regressor,
+    identity_row,
+    leg_base_regressor,
+)
+from paminsa_viz.identification.base_parameters import mass_columns
+from paminsa_viz.model import APPENDIX_4, Counterweight, actuator_acceleration, lumped_coefficients
+from paminsa_viz.model.drive import Drive
+from paminsa_viz.model.lumped import MASS_PATHS, mass_vector
+from paminsa_viz.model.regressor import torque_regressor
+from tests.support.cases import Case, assert_close, cases
+
+STATES = 60
+"""Random states of a robot: enough rows for 27 columns."""
+
+
+def rank(columns: Any) -> int:
+    """Rank of columns over all rows, each column scaled to length 1."""
+    flat = columns.reshape(-1, columns.shape[-1])
+    values = np.linalg.svd(flat / np.linalg.norm(flat, axis=0), compute_uv=False)
+    kept = int((values > 1e-9 * values[0]).sum())
+    assert kept == len(values) or values[kept] < 1e-12 * values[0]  # no doubt about the rank
+    return kept
+
+
+@given(cases())
+def test_eleven_base_parameters_carry_the_whole_regressor(case: Case) -> None:
+    design, states = case.design, case.states(STATES)
+    y = torque_regressor(case.geometry, *states, gravity=design.gravity)
+    x = base_regressor(case.geometry, *states)
+    assert rank(y) == rank(x) == len(BASE_PARAMETERS) == 11
+    b = base_matrix(case.geometry, design.gravity)
+    np.testing.assert_allclose(y, x @ b, rtol=0, atol=1e-12 * np.abs(y).max())
+    assert_close(x @ base_parameters(design), case.driving_torques(STATES), 1e-8)
+
+
+@given(cases())
+def test_legs_with_masses_of_their_own_have_27_base_parameters(case: Case) -> None:
+    states = case.states(STATES)
+    x, legs = base_regressor(case.geometry, *states), leg_base_regressor(case.geometry, *states)
+    size = np.abs(x).max()
+    np.testing.assert_allclose(legs.sum(axis=2), x[..., list(LEG_PARAMETERS)], atol=1e-12 * size)
+    common = np.delete(x, LEG_PARAMETERS, axis=-1)
+    assert rank(np.concatenate([legs.reshape(STATES, 4, 24), common], axis=-1)) == 27
+
+
+@given(cases(), st.integers(0, 2**32 - 1))
+def test_masses_moved_along_the_null_space_change_no_torque(case: Case, seed: int) -> None:
+    design = case.design
+    columns, fixed = mass_columns(design)
+    masses = mass_vector(design)
+    _, values, directions = np.linalg.svd(columns)
+    null = directions[int((values > 1e-12 * values[0]).sum()) :]
+    assert len(null) == len(MASS_PATHS) - 10
+    step = null.T @ np.random.default_rng(seed).standard_normal(len(null))
+    lengths = np.divide(masses, -step, out=np.full_like(step, np.inf), where=step < 0)
+    moved = masses + 0.9 * min(lengths.min(), 1.0 / np.abs(step).max()) * step
+    other = design.vary(dict(zip(MASS_PATHS, np.maximum(moved, 0.0).tolist(), strict=True)))
+    np.testing.assert_allclose(columns @ masses + fixed, base_parameters(design), rtol=1e-12)
+    states = case.states(STATES)
+    y = torque_regressor(case.geometry, *states, gravity=design.gravity)
+    before, after = (y @ lumped_coefficients(item) for item in (design, other))
+    np.testing.assert_allclose(after, before, rtol=0, atol=1e-10 * np.abs(before).max())
+    np.testing.assert_allclose(base_parameters(other), base_parameters(design), rtol=1e-9)
+
+
+@given(cases(), st.floats(-0.3, 0.3), st.sampled_from(["b3", "b4", "b7", "b8"]))
+def test_identity_holds_for_any_masses_and_counterweights(
+    case: Case, beyond: float, bar: str
+) -> None:
+    joint = {"b3": 4, "b4": 9, "b7": 8, "b8": 9}[bar]
+    design = replace(case.design, counterweights=(Counterweight(bar, joint, beyond, 1.3),))
+    row, b = identity_row(case.geometry, design.gravity), base_parameters(design)
+    assert abs(row @ b) <= 1e-12 * np.abs(row * b).sum()
+    assert abs(row @ (b - 0.3 * b[1] * np.eye(11)[1])) > 0.1 * abs(b[1])  # a spring breaks it
+
+
+def test_drives_add_their_inertia_to_two_base_parameters() -> None:
+    drive = Drive(rotor_inertia=2e-4, gear_ratio=20.0)
+    lift = Drive(rotor_inertia=1e-4, gear_ratio=1.0, transmission="belt", lead=0.1)
+    driven = replace(APPENDIX_4, drives=(drive, drive, drive, lift))
+    states = Case(0, APPENDIX_4.geometry.knee).states(STATES)
+    speeds = actuator_acceleration(APPENDIX_4.geometry, *states)
+    x = base_regressor(APPENDIX_4.geometry, *states)
+    extra = x @ (base_parameters(driven) - base_parameters(APPENDIX_4))
+    np.testing.assert_allclose(extra, speeds * np.array(driven.drive_inertia), rtol=1e-9, atol=1e-9)
+    assert rank(np.concatenate([x, speeds[..., None] * np.eye(4)], axis=-1)) == 13
+
+
+@pytest.mark.parametrize(("extra", "expected"), [("speed", 15), ("sign", 15), ("one", 14)])
+def test_ranks_with_friction_or_offsets(extra: str, expected: int) -> None:
+    from paminsa_viz.model import actuator_velocity
+
+    case = Case(0, APPENDIX_4.geometry.knee)
+    pose, velocity, acceleration = case.states(STATES)
+    speed = actuator_velocity(APPENDIX_4, pose, velocity)
+    signals = {"speed": speed, "sign": np.sign(speed), "one": np.ones_like(speed)}[extra]
+    x = base_regressor(case.geometry, pose, velocity, acceleration)
+    # an offset of F_4 repeats the weight, so that three of the four count
+    assert rank(np.concatenate([x, signals[..., None] * np.eye(4)], axis=-1)) == expected

@@ -1,0 +1,265 @@
+"""Errors of the pose from the drives: exact corners, dense sampling, what has no bound."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    check_reach,
+    forward_kinematics,
+    inverse_kinematics,
+    jacobian,
+    measure_singularity,
+    nearest_solution,
+    singular_radius,
+    singular_rotation,
+    solve_field,
+    xy_grid,
+)
+from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.precision.drive_errors import (
+    CORNERS,
+    Bound,
+    drive_errors,
+    field_drive_errors,
+)
+from tests.support.samples import each_robot, random_design, random_poses
+
+GEOMETRY = APPENDIX_4.geometry
+DEFAULT = DriveAccuracy()
+HOME = (0.02, -0.01, 0.1, -0.5)
+
+
+def wide(factor: float) -> DriveAccuracy:
+    """The default accuracy, times a factor."""
+    return DriveAccuracy(DEFAULT.resolution_rotary * factor, DEFAULT.resolution_linear * factor)
+
+
+def moved(design: Design, poses: Any, steps: Any) -> Any:
+    """Errors (n, m, 4) of poses (n, 4) for actuators off by (m, 4), by forward kinematics."""
+    actuators = inverse_kinematics(design.geometry, poses).actuators[:, None] + steps
+    return nearest_solution(design.geometry, actuators, poses[:, None]) - poses[:, None]
+
+
+def samples(rng: np.random.Generator, half: Any, count: int) -> Any:
+    """Points of the box (count, 4): a third inside, a third on its edges, a third on faces."""
+    drawn = rng.uniform(-1.0, 1.0, (count, 4))
+    pinned = rng.permuted(np.tile([True, True, False], (count, 1)), axis=1)
+    pinned[: count // 3] = False
+    pinned[: 2 * count // 3] &= rng.uniform(size=(2 * count // 3, 1)) < 0.5
+    drawn[:, :3] = np.where(pinned, np.sign(drawn[:, :3]), drawn[:, :3])
+    return drawn * half
+
+
+@each_robot(range(3))
+def test_corners_are_forward_kinematics_in_the_same_assembly_mode(design: Design) -> None:
+    rng = np.random.default_rng(1)
+    poses = random_poses(rng, design, 60, natural=False)
+    found = drive_errors(design.geometry, DEFAULT, poses)
+    assert found.ok.all()
+    half = np.array(DEFAULT.half_widths)
+    steps = np.concatenate([CORNERS, np.ones((8, 1))], axis=1) * half
+    exact = moved(design, poses, steps)
+    np.testing.assert_allclose(found.corners, exact[..., :3], atol=1e-12)
+    np.testing.assert_allclose(found.worst[:, :3], np.abs(exact[..., :3]).max(axis=1), atol=1e-12)
+    np.testing.assert_allclose(found.worst[:, 3], exact[:, 0, 3], atol=1e-12)
+    sideways = np.hypot(exact[..., 0], exact[..., 1]).max(axis=1)
+    np.testing.assert_allclose(found.horizontal, sideways, atol=1e-12)
+
+
+@each_robot(range(2))
+def test_no_point_of_the_box_is_worse_than_its_corners(design: Design) -> None:
+    """To second order: 1e-4 for the default box; for one of a degree half a percent."""
+    rng = np.random.default_rng(2)
+    poses = random_poses(rng, design, 40, natural=False)
+    for accuracy, tolerance in ((DEFAULT, 1e-4), (wide(100.0), 5e-3)):
+        found = drive_errors(design.geometry, accuracy, poses)
+        inside = moved(design, poses, samples(rng, np.array(accuracy.half_widths), 900))[found.ok]
+        assert np.isfinite(inside).all()  # a box with a bound has a platform everywhere
+        worst = found.worst[found.ok]
+        assert (np.abs(inside).max(axis=1) <= worst * (1 + tolerance)).all()
+        sideways = np.hypot(inside[..., 0], inside[..., 1]).max(axis=1)
+        assert (sideways <= found.horizontal[found.ok] * (1 + tolerance)).all()
+        assert (np.abs(inside).max(axis=1) >= 0.9 * worst).any()
+
+
+def test_theta_is_worst_in_a_corner_unless_two_legs_become_parallel() -> None:
+    """d theta / d q_j is zero where the other two legs are parallel, and there alone."""
+    rng = np.random.default_rng(3)
+    accuracy = wide(60.0)
+    poses = random_poses(rng, APPENDIX_4, 300)
+    found = drive_errors(GEOMETRY, accuracy, poses)
+    half = accuracy.half_widths[0]
+    beta = inverse_kinematics(GEOMETRY, poses).beta
+    apart = np.abs(np.sin(beta - np.roll(beta, 1, axis=1))).min(axis=1) > np.sin(2 * half)
+    chosen = found.ok & apart
+    assert chosen.sum() > 100
+    steps = samples(rng, np.array(accuracy.half_widths), 600)
+    inside = moved(APPENDIX_4, poses[chosen], steps)[..., 2]
+    assert (np.abs(inside).max(axis=1) <= found.worst[chosen, 2] * (1 + 1e-9)).all()
+
+
+PLATFORM_WIDER = replace(GEOMETRY, base_radius=0.2, platform_radius=0.3)
+
+
+@pytest.mark.parametrize("geometry", [GEOMETRY, PLATFORM_WIDER], ids=["appendix4", "R_pl>R_b"])
+def test_a_bounded_box_holds_no_singularity(geometry: Any) -> None:
+    """Of wide boxes many are refused; in none of the others does a determinant change its sign."""
+    rng = np.random.default_rng(4)
+    poses = rng.uniform([-0.25, -0.25, -1.3, -0.6], [0.25, 0.25, 1.3, -0.2], (4000, 4))
+    near, angle = poses[:3000], rng.uniform(0, 2 * np.pi, 3000)  # many at the singular circle
+    radius = singular_radius(geometry, near[:, 2]) + rng.uniform(-0.06, 0.06, 3000)
+    near[:, 0], near[:, 1] = radius * np.cos(angle), radius * np.sin(angle)
+    poses = poses[check_reach(geometry, poses).ok]
+    design = replace(APPENDIX_4, geometry=geometry)
+    accuracy = DriveAccuracy(resolution_rotary=np.radians(6.0))
+    found = drive_errors(geometry, accuracy, poses)
+    counts = np.bincount(found.bound, minlength=len(Bound))
+    assert counts[Bound.OK] > 100
+    assert counts[Bound.SINGULARITY] > 5
+    assert counts[Bound.NOT_ASSEMBLED] > 20
+    kept = poses[found.ok][:1200]
+    steps = samples(rng, np.array(accuracy.half_widths), 300)
+    inside = moved(design, kept, steps) + kept[:, None]
+    assert np.isfinite(inside).all()
+
+    def side(pose: Any) -> Any:
+        turn = geometry.base_radius * np.cos(pose[..., 2]) - geometry.platform_radius
+        place = singular_radius(geometry, pose[..., 2]) - np.hypot(pose[..., 0], pose[..., 1])
+        return np.sign(turn * place)
+
+    assert (side(inside) == side(kept)[:, None]).all()
+
+
+@pytest.mark.parametrize("place", [(0.0, 0.0), (0.06, -0.03), (-0.02, 0.09)])
+def test_the_box_is_refused_as_soon_as_it_reaches_the_fold(place: tuple[float, float]) -> None:
+    """Toward the singular angle: as far as all its points have a platform, to two percent."""
+    half = DEFAULT.half_widths[0]
+    gaps = np.geomspace(1e-4, 0.5, 4000)
+    poses = np.zeros((4000, 4))
+    poses[:, :2], poses[:, 3] = place, -0.3
+    poses[:, 2] = singular_rotation(GEOMETRY) - gaps
+    found = drive_errors(GEOMETRY, DEFAULT, poses)
+    actuators = inverse_kinematics(GEOMETRY, poses).actuators[:, None].repeat(8, axis=1)
+    actuators[..., :3] += half * CORNERS
+    assembled = np.isfinite(forward_kinematics(GEOMETRY, actuators).pose).all(axis=(-1, -2, -3))
+    np.testing.assert_array_equal(found.bound == Bound.NOT_ASSEMBLED, ~assembled)
+    first_assembled, first_bounded = gaps[np.argmax(assembled)], gaps[np.argmax(found.ok)]
+    assert first_assembled <= first_bounded < 1.02 * first_assembled
+    # The linear estimate is a finite number there, and less than what is left to the singularity.
+    last = np.argmax(assembled) - 1
+    assert found.linear[last, 2] < gaps[last]
+    assert np.isnan(found.worst[last]).all()
+
+
+@each_robot(range(1))
+def test_the_linear_estimate_is_the_jacobian_times_the_half_widths(design: Design) -> None:
+    accuracy = DriveAccuracy(2e-4, 3e-5, 4e-4, 1e-5, 1e-4, 2e-5)
+    poses = random_poses(np.random.default_rng(8), design, 30)
+    found = drive_errors(design.geometry, accuracy, poses)
+    j, half = jacobian(design.geometry, poses), np.array(accuracy.half_widths)
+    np.testing.assert_allclose(found.linear, np.abs(j) @ half, rtol=1e-9)
+    corners = CORNERS * half[:3] @ np.swapaxes(j[:, :2, :3], 1, 2)
+    np.testing.assert_allclose(
+        found.linear_horizontal, np.linalg.norm(corners, axis=-1).max(axis=-1), rtol=1e-9
+    )
+
+
+def test_rms_is_that_of_independent_uniform_errors() -> None:
+    accuracy = DriveAccuracy(2e-4, 3e-5, 4e-4, 1e-5, 1e-4, 2e-5)
+    rng = np.random.default_rng(5)
+    rotary = (rng.uniform(-0.5, 0.5, (2, 200_000, 3)) * [[[2e-4]], [[4e-4]]]).sum(axis=0)
+    linear = rng.uniform(-0.5, 0.5, (2, 200_000, 1)) * [[[3e-5]], [[1e-5]]]
+    rotary += rng.uniform(-1e-4, 1e-4, rotary.shape)
+    lift = linear.sum(axis=0) + rng.uniform(-2e-5, 2e-5, (200_000, 1))
+    steps = np.concatenate([rotary, lift], axis=1)
+    found = drive_errors(GEOMETRY, accuracy, HOME)
+    off = moved(APPENDIX_4, np.array([HOME]), steps)[0]
+    np.testing.assert_allclose(found.rms, off.std(axis=0), rtol=0.01)
+    distance = np.sqrt((off[:, :2] ** 2).sum(axis=1).mean())
+    assert found.rms_horizontal == pytest.approx(distance, rel=0.01)
+    assert (np.abs(steps).max(axis=0) <= accuracy.half_widths).all()
+    assert np.abs(steps).max(axis=0) == pytest.approx(accuracy.half_widths, rel=0.1)
+
+
+def test_the_median_over_usable_poses_is_some_70_um_and_115_arcsec() -> None:
+    """Half a count of 0.01 degrees and 10 um, away from limits and singularities.
+
+    Of the tests' own poses: |theta| up to 69 degrees, 5 percent off every limit.
+    """
+    poses = random_poses(np.random.default_rng(6), APPENDIX_4, 5000)
+    found = drive_errors(GEOMETRY, DEFAULT, poses)
+    both = np.hypot(found.linear[:, 0], found.linear[:, 1])
+    assert np.median(both) == pytest.approx(68e-6, rel=0.04)
+    assert np.median(found.linear[:, 2]) == pytest.approx(np.radians(113 / 3600), rel=0.04)
+    np.testing.assert_allclose(found.worst[:, 3], 15e-6, rtol=1e-12)
+
+
+def test_limits_of_reach_within_the_errors_are_named() -> None:
+    """A pose a micrometer from stretching a leg; at a tenth of the accuracy it has a bound."""
+    low, high = -1.2, -0.5
+    for _ in range(60):
+        z = (low + high) / 2
+        low, high = (low, z) if check_reach(GEOMETRY, (0.05, 0.02, 0.1, z)).ok else (z, high)
+    pose = (0.05, 0.02, 0.1, high + 5e-6)
+    reach = check_reach(GEOMETRY, (0.05, 0.02, 0.1, low))
+    found = drive_errors(GEOMETRY, DEFAULT, pose)
+    assert found.bound == Bound.LIMIT
+    assert found.leg == reach.leg
+    assert f"leg {reach.leg + 1} passes a limit" in Bound.LIMIT.reason(int(found.leg))
+    assert np.isfinite(found.linear).all()
+    assert np.isnan(found.worst).all()
+    assert drive_errors(GEOMETRY, wide(0.05), pose).ok
+    lift_alone = replace(DEFAULT, resolution_rotary=0.0)
+    assert drive_errors(GEOMETRY, lift_alone, pose).bound == Bound.LIMIT
+
+
+def test_poses_out_of_reach_and_singular_ones_have_no_numbers() -> None:
+    radius = float(singular_radius(GEOMETRY, 0.3))
+    poses = np.array([(0.0, 0.0, 0.0, -2.0), (radius, 0.0, 0.3, -0.3), HOME, [np.nan] * 4])
+    assert measure_singularity(GEOMETRY, poses[1]).condition > 1e9
+    found = drive_errors(GEOMETRY, DEFAULT, poses)
+    assert found.bound[[0, 2, 3]].tolist() == [Bound.UNREACHABLE, Bound.OK, Bound.UNREACHABLE]
+    assert found.bound[1] in (Bound.SINGULAR, Bound.SINGULARITY, Bound.NOT_ASSEMBLED)
+    assert np.isnan(found.linear[[0, 3]]).all()
+    assert np.isnan(found.worst[[0, 1, 3]]).all()
+    assert np.isfinite(found.horizontal).tolist() == [False, False, True, False]
+    fold = (0.01, 0.0, singular_rotation(GEOMETRY), -0.3)
+    at = drive_errors(GEOMETRY, DEFAULT, fold)
+    assert at.bound == Bound.SINGULAR
+    assert np.isnan(at.linear).all()
+    assert np.isnan(at.rms).all()
+
+
+def test_perfect_drives_make_no_error() -> None:
+    perfect = DriveAccuracy(0.0, 0.0)
+    found = drive_errors(GEOMETRY, perfect, HOME)
+    assert found.ok
+    assert not found.linear.any()
+    assert not found.rms.any()
+    assert np.abs(found.worst).max() < 1e-14
+
+
+def test_grids_and_batches_are_the_poses_one_by_one() -> None:
+    design = random_design(np.random.default_rng(7))
+    grid = xy_grid(np.linspace(-0.4, 0.4, 15), np.linspace(-0.3, 0.4, 13), 0.2, -0.4)
+    over = field_drive_errors(solve_field(design.geometry, grid), DEFAULT)
+    listed = drive_errors(design.geometry, DEFAULT, grid.poses())
+    for name in ("linear", "worst", "rms", "linear_horizontal", "horizontal", "corners", "bound"):
+        np.testing.assert_allclose(getattr(over, name), getattr(listed, name), rtol=1e-9)
+    one = drive_errors(design.geometry, DEFAULT, grid.poses()[3, 4])
+    assert (one.bound.shape, one.worst.shape) == ((), (4,))
+    np.testing.assert_allclose(one.worst, listed.worst[3, 4], rtol=1e-12)
+    assert drive_errors(design.geometry, DEFAULT, np.zeros((0, 4))).worst.shape == (0, 4)
+
+
+def test_a_pose_has_four_numbers() -> None:
+    with pytest.raises(InvalidInput, match="pose"):
+        drive_errors(GEOMETRY, DEFAULT, (0.0, 0.0, 0.0))
