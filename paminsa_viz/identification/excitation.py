@@ -22,7 +22,7 @@ from paminsa_viz.identification.information import (
     ExcitationLimits,
     Information,
 )
-from paminsa_viz.identification.multi_sine import MultiSine, MultiSineFamily
+from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import actuator_velocity, inverse_dynamics
@@ -361,7 +361,9 @@ class _Search:
         spent = time.monotonic() - self._begin
         shares = spent / max(settings.seconds, 1e-9), self.evaluations / settings.evaluations
         done = max(shares)
-        stop = self.evaluations % 10 == 0 and self._report is not None and self._report(min(done, 1.0))
+        stop = (
+            self.evaluations % 10 == 0 and self._report is not None and self._report(min(done, 1.0))
+        )
         if stop or done >= 1.0:
             raise _Over
         self.evaluations += 1

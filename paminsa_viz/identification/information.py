@@ -141,7 +141,9 @@ class Information:
         """Return poses and rates of a period for variables (..., size), (..., samples, 12)."""
         parts = self.family.by_coordinate(variables)
         rates = [parts @ wave.T for wave in self._waves]
-        return np.concatenate([np.swapaxes(rate, -1, -2) for rate in rates], axis=-1)
+        states = np.concatenate([np.swapaxes(rate, -1, -2) for rate in rates], axis=-1)
+        states[..., :4] += self.family.center
+        return states
 
     @np.errstate(all="ignore")
     def at(self, states: Array) -> StateValues:
