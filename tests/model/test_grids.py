@@ -245,6 +245,8 @@ def test_units() -> None:
     angles = dict.fromkeys(("pressure_1", "pressure_2", "pressure_3"), "rad")
     numbers = ("condition", "transmission", "transmission_1", "transmission_2", "transmission_3")
     numbers += ("selective_theta", "selective_z", "conditioning")
+    errors = ("error", "linear_error", "rms_error")
+    places = [f"{kind}_{place}" for kind in errors for place in ("x", "y", "horizontal", "z")]
     assert {key: quantity.unit for key, quantity in QUANTITIES.items()} == {
         **dict.fromkeys(("tau_1", "tau_2", "tau_3", "max_torque", "rms_torque", "moment"), "N m"),
         **dict.fromkeys(("f_4", "horizontal_force", "vertical_force"), "N"),
@@ -252,6 +254,8 @@ def test_units() -> None:
         **dict.fromkeys(("selective_x", "selective_y"), "1/m"),
         **dict.fromkeys(numbers, "1"),
         **angles,
+        **dict.fromkeys(places, "m:um"),
+        **dict.fromkeys((f"{kind}_theta" for kind in errors), "rad:arcsec"),
         "payload": "kg",
         "speed": "m/s",
         "turn_speed": "rad/s",

@@ -18,6 +18,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.precision.drive_errors import drive_errors
 
 CAPABILITIES = (
     "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
@@ -47,6 +48,7 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "selective_theta": selective[..., 2],
         "selective_z": selective[..., 3],
         "conditioning": 1 / measured.condition,
+        **_errors(design, pose),
     }  # fmt: skip
     return {
         "tau_1": torque[..., 0],
@@ -59,3 +61,22 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "determinant": measured.determinant,
         "reach_margin": reach.margins.min(axis=(-1, -2)),
     } | {name: np.where(good, values, np.nan) for name, values in further.items()}
+
+
+def _errors(design: Design, pose: Any) -> dict[str, Any]:
+    """Return the errors from the drives by their keys."""
+    found = drive_errors(design.geometry, design.accuracy, pose)
+    by_kind = {
+        "error": (found.worst, found.horizontal),
+        "linear_error": (found.linear, found.linear_horizontal),
+        "rms_error": (found.rms, found.rms_horizontal),
+    }
+    names = ("x", "y", "theta", "z")
+    return {
+        f"{kind}_{name}": values
+        for kind, (pose_errors, horizontal) in by_kind.items()
+        for name, values in (
+            ("horizontal", horizontal),
+            *((name, pose_errors[..., index]) for index, name in enumerate(names)),
+        )
+    }
