@@ -24,6 +24,12 @@ from paminsa_viz.model.drive import (
 )
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.geometry import Geometry, KneeBranch
+from paminsa_viz.model.leg_deviations import (
+    Deviations,
+    Leg1Deviations,
+    Leg2Deviations,
+    Leg3Deviations,
+)
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
@@ -39,6 +45,7 @@ from paminsa_viz.model.parameters import (
     Platform,
     parameter,
 )
+from paminsa_viz.model.tolerances import Tolerances
 
 
 @dataclass(frozen=True)
@@ -52,6 +59,9 @@ class Design(Group, path="design"):
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
         accuracy: By how much the drives may be off; a default, none in the paper.
+        leg1, leg2, leg3: Deviations of each leg's lengths from the geometry, which `precision`
+            knows of alone; none in the paper.
+        tolerances: Of the lengths, and clearances; none in the paper.
         elastic: Material, sections and stiffnesses; none in the paper.
         name: What a person calls it.
 
@@ -71,6 +81,10 @@ class Design(Group, path="design"):
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
     accuracy: DriveAccuracy = DriveAccuracy()
+    leg1: Leg1Deviations = Leg1Deviations()
+    leg2: Leg2Deviations = Leg2Deviations()
+    leg3: Leg3Deviations = Leg3Deviations()
+    tolerances: Tolerances = Tolerances()
     elastic: Elastic = Elastic()
     name: str = field(default="PAMINSA", compare=False)
 
@@ -126,6 +140,11 @@ class Design(Group, path="design"):
         if head == "drives":
             return self.drives[ACTUATORS.index(number)] if number in ACTUATORS else None
         return getattr(self, name, None) if name else self
+
+    @property
+    def deviations(self) -> Deviations:
+        """Deviations of the three legs' lengths."""
+        return self.leg1, self.leg2, self.leg3
 
     @property
     def actuator_friction(self) -> ActuatorFriction:
@@ -210,7 +229,7 @@ def _parameters() -> tuple[Parameter, ...]:
 
 _ALL = _parameters()
 
-OPTIONAL_GROUPS = ("accuracy", "elastic")
+OPTIONAL_GROUPS = ("accuracy", "leg1", "leg2", "leg3", "tolerances", "elastic")
 """Groups that are no part of the rigid, exact robot: files name what is not the default."""
 
 ELASTIC_PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group == "elastic")
