@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 from paminsa_viz.model.drive import Drives
 from paminsa_viz.model.parameters import Group, parameter
 
+DEFAULT_RESOLUTION = round(math.radians(0.01), 12)
+"""A count of 0.01 degrees [rad], to as many digits as an input of the page has."""
+
 
 @dataclass(frozen=True)
 class DriveAccuracy(Group, path="accuracy", limits=(1e-12, 1.0)):
@@ -19,7 +22,7 @@ class DriveAccuracy(Group, path="accuracy", limits=(1e-12, 1.0)):
     """
 
     resolution_rotary: float = parameter(
-        math.radians(0.01), "r_M", "rad", "one count of the encoders of M1..M3"
+        DEFAULT_RESOLUTION, "r_M", "rad", "one count of the encoders of M1..M3"
     )
     resolution_linear: float = parameter(1e-5, "r_4", "m", "one count of the encoder of M4")
     backlash_rotary: float = parameter(0.0, "s_M", "rad", "backlash of M1..M3, full width")
