@@ -10,7 +10,7 @@ bar, and the guide's for its height.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
@@ -20,7 +20,7 @@ from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.model.tolerances import Tolerances
+from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, design_lengths
 from paminsa_viz.precision.unequal_legs import (
     Sensitivities,
@@ -90,21 +90,17 @@ def tolerance_errors(design: Design, pose: ArrayLike) -> ToleranceErrors:
     )
 
 
-@lru_cache(maxsize=4)
-def _field_errors(field: Field, design: Design) -> ToleranceErrors:
-    return tolerance_errors(design, field.grid.poses())
-
-
 def field_tolerance_errors(field: Field, design: Design) -> ToleranceErrors:
     """Return the errors over a grid; those of the last few are kept.
 
     Masses, load and drives do not count.
     """
-    own = Design(
-        geometry=field.geometry,
-        leg1=design.leg1, leg2=design.leg2, leg3=design.leg3, tolerances=design.tolerances,
-    )  # fmt: skip
-    return _field_errors(field, own)
+    return _field_errors(field, _lengths_alone(field, design, design.tolerances))
+
+
+@lru_cache(maxsize=4)
+def _field_errors(field: Field, design: Design) -> ToleranceErrors:
+    return tolerance_errors(design, field.grid.poses())
 
 
 def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
@@ -113,19 +109,53 @@ def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
     The actuators are those of the nominal robot at poses (..., 4).
     """
     nominal = nominal_pose(design.geometry, pose)
+    if _equal_legs(design):
+        return nominal
     return solve_pose(design.geometry, design_lengths(design), nominal.actuators, nominal.pose)
+
+
+def field_manufactured_pose(field: Field, design: Design) -> UnequalPose:
+    """Return `manufactured_pose` over a grid; those of the last few are kept."""
+    return _field_poses(field, _lengths_alone(field, design, NO_TOLERANCES))
+
+
+@lru_cache(maxsize=4)
+def _field_poses(field: Field, design: Design) -> UnequalPose:
+    pose = field.grid.poses()
+    flat = pose.reshape(-1, 4)
+    found = [
+        manufactured_pose(design, flat[i : i + BLOCK]) for i in range(0, max(len(flat), 1), BLOCK)
+    ]
+    shape = pose.shape[:-1]
+    pose, tilt, slides, actuators, closure = (
+        np.concatenate([getattr(part, item.name) for part in found]) for item in fields(UnequalPose)
+    )
+    return UnequalPose(
+        pose.reshape(*shape, 4), tilt.reshape(*shape, 2), slides.reshape(*shape, 3),
+        actuators.reshape(*shape, 4), closure.reshape(shape),
+    )  # fmt: skip
+
+
+def _lengths_alone(field: Field, design: Design, tolerances: Tolerances) -> Design:
+    """Return what of a design decides over a grid's errors."""
+    return Design(
+        geometry=field.geometry, leg1=design.leg1, leg2=design.leg2, leg3=design.leg3,
+        tolerances=tolerances,
+    )  # fmt: skip
 
 
 def design_sensitivities(design: Design, pose: ArrayLike) -> Sensitivities:
     """Return the first-order errors of a design's own legs at poses (..., 4)."""
     lengths = design_lengths(design)
-    exact = all(leg.zero for leg in design.deviations)
-    found = (
-        nominal_pose(design.geometry, pose)
-        if exact
-        else solve_actuators(design.geometry, lengths, pose)
-    )
+    if _equal_legs(design):
+        found = nominal_pose(design.geometry, pose)
+    else:
+        found = solve_actuators(design.geometry, lengths, pose)
     return sensitivities(design.geometry, lengths, found)
+
+
+def _equal_legs(design: Design) -> bool:
+    return all(leg.zero for leg in design.deviations)
 
 
 @np.errstate(all="ignore")

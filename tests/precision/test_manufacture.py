@@ -26,7 +26,9 @@ from paminsa_viz.precision.manufacture import (
 )
 from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
 from paminsa_viz.precision.unequal_legs import solve_pose
+from paminsa_viz.quantities import QUANTITIES
 from tests.support.cases import BY_HAND, Case, cases
+from tests.support.measured import pointwise
 
 SMALL = Tolerances(**dict.fromkeys(vars(Tolerances()), 1e-07))
 
@@ -178,3 +180,27 @@ def test_fields_have_the_errors_of_their_poses() -> None:
     assert np.array_equal(found.worst, wanted.worst, equal_nan=True)
     assert np.array_equal(np.isnan(found.tilt), field.status != 0)
     assert field_tolerance_errors(field, replace(APPENDIX_4, gravity=1.0)) is found
+
+
+def test_maps_of_deviations_are_their_poses_and_say_what_cannot_be_assembled() -> None:
+    deviations = np.zeros((3, 14))
+    deviations[0, INDEX["bar_89"]] = -0.02
+    deviations[1, INDEX["axis_angle"]] = 1e-3
+    design = with_deviations(APPENDIX_4, deviations)
+    grid = xy_grid(np.linspace(-0.3, 0.3, 9), np.linspace(-0.3, 0.3, 7), 0.3, -0.8)
+    field = solve_field(APPENDIX_4.geometry, grid)
+    wanted = pointwise(design, grid.poses())
+    kinds = ("deviation", "tolerance", "rms_tolerance")
+    for key in (key for key in QUANTITIES if key.startswith(kinds)):
+        assert np.allclose(
+            QUANTITIES[key].over(field, design), wanted[key], rtol=1e-9, atol=0, equal_nan=True
+        )
+    quantity = QUANTITIES["deviation_tilt"]
+    assert quantity.missing is not None
+    missing = quantity.missing(field, design)
+    reachable = field.status == 0
+    values = quantity.over(field, design)
+    assert np.array_equal(np.isnan(values[reachable]), missing.code[reachable] != 0)
+    found = {missing.words[code] for code in missing.code[reachable]}
+    assert {"no-assembly:ok", "no-assembly:open"} <= found
+    assert len(missing.texts) == len(missing.words)
