@@ -18,15 +18,28 @@ from paminsa_viz.identification.base_parameters import (
     identity_row,
     leg_base_regressor,
 )
+from paminsa_viz.identification.columns import FitParameter, Settings
+from paminsa_viz.identification.identify import Estimate, Identification, Identity, identify
+from paminsa_viz.identification.log import InvalidLog, Log, log_poses, make_log
 
 __all__ = [
     "BASE_PARAMETERS",
     "BASE_SYMBOLS",
     "LEG_PARAMETERS",
     "BaseParameter",
+    "Estimate",
+    "FitParameter",
+    "Identification",
+    "Identity",
+    "InvalidLog",
+    "Log",
+    "Settings",
     "base_matrix",
     "base_parameters",
     "base_regressor",
+    "identify",
     "identity_row",
     "leg_base_regressor",
+    "log_poses",
+    "make_log",
 ]
