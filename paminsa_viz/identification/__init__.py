@@ -19,8 +19,17 @@ from paminsa_viz.identification.base_parameters import (
     leg_base_regressor,
 )
 from paminsa_viz.identification.columns import FitParameter, Settings
+from paminsa_viz.identification.excitation import (
+    Excitation,
+    ExcitationSettings,
+    KeptLimit,
+    NoExcitation,
+    optimize_excitation,
+)
 from paminsa_viz.identification.identify import Estimate, Identification, Identity, identify
+from paminsa_viz.identification.information import ExcitationLimits
 from paminsa_viz.identification.log import InvalidLog, Log, log_poses, make_log
+from paminsa_viz.identification.multi_sine import MultiSine
 
 __all__ = [
     "BASE_PARAMETERS",
@@ -28,11 +37,17 @@ __all__ = [
     "LEG_PARAMETERS",
     "BaseParameter",
     "Estimate",
+    "Excitation",
+    "ExcitationLimits",
+    "ExcitationSettings",
     "FitParameter",
     "Identification",
     "Identity",
     "InvalidLog",
+    "KeptLimit",
     "Log",
+    "MultiSine",
+    "NoExcitation",
     "Settings",
     "base_matrix",
     "base_parameters",
@@ -42,4 +57,5 @@ __all__ = [
     "leg_base_regressor",
     "log_poses",
     "make_log",
+    "optimize_excitation",
 ]

@@ -113,7 +113,7 @@ def inverse_dynamics(
     result[status != Limit.OK] = np.nan
     torque, multipliers = result[:, :4], result[:, 4:]
     if design.load.acts or load is not None:
-        against = load_torques(design.geometry, design.load, p, _flat_load(load, shape))
+        against = load_torques(design.geometry, design.load, p, flat_load(load, shape))
         torque = torque + against
         against[:, :3] /= -_distances(design.geometry, p)
         multipliers = multipliers + against
@@ -172,11 +172,11 @@ def platform_wrench(
     on_actuators = np.einsum("nji,nj->ni", inverse_jacobian(geometry, p), actuators)
     masses = np.array([e.mass, e.mass, e.inertia + 6.0 * e.turn, e.mass])
     weight = np.array([0.0, 0.0, 0.0, e.mass * design.gravity])
-    held = generalized_force(design.load, p[:, 2], _flat_load(load, shape))
+    held = generalized_force(design.load, p[:, 2], flat_load(load, shape))
     return (on_point + on_actuators + masses * a + weight - held).reshape(*shape, 4)
 
 
-def _flat_load(load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
+def flat_load(load: ArrayLike | None, shape: tuple[int, ...]) -> Array | None:
     """Return a load (..., 6) for every state of a batch, (n, 6)."""
     if load is None:
         return None
@@ -222,7 +222,7 @@ def torque_breakdown(
         friction = friction_torque(design.actuator_friction, speed)
     against = np.zeros_like(p)
     if design.load.acts or load is not None:
-        against = load_torques(design.geometry, design.load, p, _flat_load(load, shape))
+        against = load_torques(design.geometry, design.load, p, flat_load(load, shape))
     return TorqueBreakdown(
         gravity=at_rest.torque.reshape(*shape, 4),
         inertial=inertial.torque.reshape(*shape, 4),
@@ -298,7 +298,7 @@ def forward_dynamics(
         [m/s^2, m/s^2, rad/s^2, m/s^2]; NaN where the pose cannot be taken.
     """
     shape, (p, v, q) = together(pose=pose, velocity=velocity, torque=torque)
-    bias = inverse_dynamics(design, p, v, np.zeros_like(p), load=_flat_load(load, shape)).torque
+    bias = inverse_dynamics(design, p, v, np.zeros_like(p), load=flat_load(load, shape)).torque
     g = inverse_jacobian(design.geometry, p)
     matrix = mass_matrix(design, p)
     force = np.einsum("nji,nj->ni", g, q - bias)

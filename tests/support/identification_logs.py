@@ -28,7 +28,7 @@ HARMONICS = 14
 
 
 @dataclass(frozen=True, eq=False)
-class MultiSine:
+class RandomMotion:
     """A periodic motion with exact derivatives: times (n,) in, poses (n, 4) and rates out."""
 
     center: Array
@@ -46,17 +46,17 @@ class MultiSine:
 
 
 @cache
-def multi_sine(seed: int, design: Design = APPENDIX_4) -> MultiSine:
+def multi_sine(seed: int, design: Design = APPENDIX_4) -> RandomMotion:
     """Return a random motion within reach, with a condition number of at most 5."""
     rng = np.random.default_rng(seed)
     weight = rng.standard_normal((2, 4, HARMONICS)) / np.arange(1, HARMONICS + 1) ** 0.7
     size = np.array([0.1, 0.1, 0.7, 0.14]) * design.geometry.base_radius / 0.35
     center = np.array(home_pose(design.geometry))
     t = np.linspace(0, PERIOD, 500)
-    shape = MultiSine(np.zeros(4), *weight)(t)[0]
+    shape = RandomMotion(np.zeros(4), *weight)(t)[0]
     weight *= (size / np.abs(shape).max(axis=0))[:, None]
     for share in np.linspace(1.0, 0.1, 19):
-        motion = MultiSine(center, *(share * weight))
+        motion = RandomMotion(center, *(share * weight))
         poses = motion(t)[0]
         good = (check_reach(design.geometry, poses).status == Limit.OK).all()
         if good and measure_singularity(design.geometry, poses).condition.max() <= 5:

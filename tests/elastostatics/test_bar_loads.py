@@ -1,0 +1,157 @@
+"""N, V and M along the bars against sums of their loads by quadrature, and by hand."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, all_bar_loads, arm_tip, bar_loads
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.load import LoadCase
+from paminsa_viz.model.parameters import BAR_ENDS
+from tests import oracle
+from tests.elastostatics.test_joint_forces import EACH, loaded, states
+
+PANTOGRAPH = ("b3", "b4", "b7", "b8")
+ON_BAR = {
+    "b3": {"4": -1, "3": 1, "7": 1},
+    "b4": {"9": 1, "4": 1, "5": -1},
+    "b7": {"8_b7": 1, "7": -1},
+    "b8": {"8_b8": 1, "9": -1},
+}
+PINS = {"b3": (3,), "b4": (4, 5), "b7": (7,), "b8": (9,)}
+
+
+@EACH
+def test_all_loads_of_a_bar_are_used_up_at_its_end(design: Design) -> None:
+    forces = joint_forces(loaded(design), *states(design))
+    largest = forces.magnitude.max()
+    for loads in all_bar_loads(forces).values():
+        assert np.abs(loads.residual).max() < 1e-12 * largest
+
+
+@pytest.mark.parametrize("bar", PANTOGRAPH)
+@EACH
+def test_sections_against_quadrature(design: Design, bar: str) -> None:
+    """Sum up everything before a cut: mass elements of a moving bar, pins and joint forces."""
+    motion = states(design, 5)
+    forces = joint_forces(design, *motion)
+    q = oracle.jets(*motion)
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    mass, inertias = getattr(design.links, bar), design.inertias
+    across, axial = (getattr(inertias, f"{bar}_{name}") for name in ("transverse", "axial"))
+    shares = np.array([0.2, 0.45, 0.9])
+    loads = bar_loads(forces, bar)
+    found = loads.at(shares * loads.length)
+    for leg in range(3):
+        solved = oracle.leg(design, q, leg)
+        heading, normal = oracle.value(solved.heading), oracle.value(solved.normal)
+        first, last = (solved.points[number] for number in BAR_ENDS[bar])
+        axis = oracle.unit(oracle.add(last, first, -1.0))
+        e = plane(oracle.value(axis), heading)
+        n = np.stack([-e[:, 1], e[:, 0]], -1)
+        # couple of the inertia beyond a thin bar's, by Euler's equations of that difference
+        thin = mass * loads.length**2 / 12
+        body = oracle.Body(
+            bar, 0.0, first,
+            (axis, solved.normal, oracle.cross(axis, solved.normal)),
+            (axial, across - thin, across - thin),
+        )  # fmt: skip
+        w = oracle.turning(body)
+        rate = oracle.rotated(body, oracle.turning(body, oracle.second))
+        couple = oracle.dot(oracle.add(rate, oracle.cross(w, oracle.rotated(body, w))), normal)
+
+        def force(mass: float, share: Any, first: Any = first, last: Any = last) -> Any:
+            point = oracle.between(first, last, share)
+            linear = oracle.add(oracle.second(point), oracle.UP, design.gravity)
+            return -mass * plane(linear, heading)  # noqa: B023
+
+        for index, share in enumerate(shares):
+            total, moment = np.zeros_like(e), share * couple
+            parts = [
+                (
+                    0.5 * share * (node + 1),
+                    force(mass * 0.5 * share * weight, 0.5 * share * (node + 1)),
+                )
+                for node, weight in zip(nodes, weights, strict=True)
+            ]
+            places = {BAR_ENDS[bar][0]: 0.0, BAR_ENDS[bar][1]: 1.0}
+            k = design.geometry.magnification
+            places |= {"b3": {3: 1 - 1 / k}, "b4": {4: 1 / k}}.get(bar, {})
+            for pin in PINS[bar]:
+                parts.append((places[pin], force(getattr(design.joints, f"j{pin}"), places[pin])))
+            for key, sign in ON_BAR[bar].items():
+                at_joint = forces.force[:, leg, JOINT_INDEX[key]][:, [0, 2]]
+                parts.append((places[int(key[0])], sign * at_joint))
+            for place, part in parts:
+                if place <= share:
+                    total = total + part
+                    moment = moment + (place - share) * loads.length * (part * n).sum(-1)
+            expected = [-(total * e).sum(-1), (total * n).sum(-1), -moment]
+            size = np.abs(forces.magnitude).max()
+            np.testing.assert_allclose(
+                found[:, leg, index], np.stack(expected, -1), rtol=0, atol=1e-12 * size
+            )
+
+
+def plane(vector: Any, heading: Any) -> Any:
+    return np.stack(np.broadcast_arrays(oracle.dot(vector, heading), vector[2]), -1)
+
+
+@EACH
+def test_extremes_are_those_of_dense_samples(design: Design) -> None:
+    forces = joint_forces(loaded(design), *states(design, 10))
+    for loads in all_bar_loads(forces).values():
+        s = np.linspace(0, loads.length, 4001)
+        dense = np.abs(loads.at(s))
+        value, place = loads.largest()
+        size = np.abs(value).max(axis=(0, 1))
+        assert (dense.max(axis=-2) <= np.abs(value) + 1e-12 * size).all()
+        assert (np.abs(value) <= dense.max(axis=-2) + 2e-3 * size).all()
+        assert ((place >= 0) & (place <= loads.length)).all()
+
+
+def test_a_vertical_force_at_home_by_hand() -> None:
+    """B2: tension, bending by the radial force; B10: a cantilever from the leg axis."""
+    forces = joint_forces(APPENDIX_4, (0.0, 0.0, 0.0, -0.5))
+    g, links = APPENDIX_4.geometry, APPENDIX_4.links
+    radial, _, vertical = forces.of("3")[0]
+    shaft = bar_loads(forces, "b2")
+    top = shaft.at(np.array([0.0, g.shaft_length * (1 - 1e-12)]))[0]
+    assert top[0, 0] == pytest.approx(vertical)
+    assert top[1, 0] == pytest.approx(vertical + links.b2 * APPENDIX_4.gravity)
+    # the radial force on B3 is +, on the shaft's lower end -: it bends hollow toward n = -r
+    assert top[1, 2] == pytest.approx(radial * g.shaft_length)
+    guide = forces.of("guide")[0, 2]
+    reach = (g.base_radius - g.platform_radius) / (g.magnification - 1)
+    root = bar_loads(forces, "b10").at(np.array([g.guide_link_length * (1 - 1e-12)]))[0, 0]
+    weight = links.b10 * APPENDIX_4.gravity
+    assert root[2] == pytest.approx(-guide * reach - weight * g.guide_link_length / 2)
+
+
+def test_arms_carry_the_shafts_force_and_moment_at_home() -> None:
+    """At home the leg's plane is the arm's: no sideways force, no torsion."""
+    forces = joint_forces(replace(APPENDIX_4, load=LoadCase(force_z=-50.0)), (0.0, 0.0, 0.0, -0.5))
+    tip = arm_tip(forces)
+    np.testing.assert_allclose(tip.sideways, 0.0, atol=1e-12)
+    np.testing.assert_allclose(tip.torsion, 0.0, atol=1e-12)
+    radial, _, vertical = forces.of("2")[0]
+    g, links = APPENDIX_4.geometry, APPENDIX_4.links
+    weight = links.b1 * APPENDIX_4.gravity
+    arm = bar_loads(forces, "b1").at(np.array([g.arm_length]))[0, 0]
+    moment = forces.moment[0, JOINT_INDEX["2"]]
+    assert arm[0] == pytest.approx(radial)
+    assert arm[1] == pytest.approx(-vertical - weight)
+    assert arm[2] == pytest.approx(moment - g.arm_length * vertical - weight * g.arm_length / 2)
+
+
+def test_unknown_bars_are_refused() -> None:
+    forces = joint_forces(APPENDIX_4, (0.0, 0.0, 0.0, -0.5))
+    assert set(all_bar_loads(forces)) == set(BAR_NAMES)
+    with pytest.raises(InvalidInput, match="b4"):
+        bar_loads(forces, "b5")
