@@ -15,9 +15,11 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.quantities.accuracy import ACCURACY
 from paminsa_viz.quantities.capability import CAPABILITY
+from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
 from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
+from paminsa_viz.quantities.stiffness import STIFFNESS
 
 __all__ = [
     "MAP_BUDGET",
@@ -36,7 +38,15 @@ MAP_BUDGET = 1.0
 """Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
 
 QUANTITIES: dict[str, Quantity] = {
-    quantity.key: quantity for quantity in (*STATICS, *KINEMATICS, *CAPABILITY, *ACCURACY)
+    quantity.key: quantity
+    for quantity in (
+        *STATICS,
+        *KINEMATICS,
+        *CAPABILITY,
+        *ACCURACY,
+        *JOINT_FORCES,
+        *STIFFNESS,
+    )
 }
 """Every quantity by its key, in the order of choices."""
 

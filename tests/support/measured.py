@@ -8,6 +8,10 @@ import numpy as np
 
 from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.stiffness import platform_stiffness
+from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model import (
     Design,
     Limit,
@@ -17,6 +21,7 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.precision.drive_errors import drive_errors
 
@@ -24,6 +29,9 @@ CAPABILITIES = (
     "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
     "acceleration", "turn_acceleration",
 )  # fmt: skip
+
+AXES = {"x": 0, "y": 1, "z": 2, "theta": 5}
+"""Axes of a wrench."""
 
 
 def pointwise(design: Design, pose: Any) -> dict[str, Any]:
@@ -38,7 +46,14 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
     index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose.reshape(-1, 4))
     index = index.reshape(*pose.shape[:-1], 3)
     able = capability(design, pose)
+    stiff = platform_stiffness(design, pose)
+    deflection = stiff.deflection()
     further = {
+        **{f"stiffness_{name}": stiff.along(i) for name, i in AXES.items()},
+        "stiffness_tilt": stiff.tilt,
+        "stiffness_horizontal": stiff.horizontal,
+        "deflection": np.linalg.norm(deflection[..., :3], axis=-1),
+        "deflection_tilt": np.hypot(deflection[..., 3], deflection[..., 4]),
         **{name: getattr(able, name) for name in CAPABILITIES},
         "transmission": index.min(axis=-1),
         **{f"transmission_{leg + 1}": index[..., leg] for leg in range(3)},
@@ -49,6 +64,7 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "selective_z": selective[..., 3],
         "conditioning": 1 / measured.condition,
         **_errors(design, pose),
+        **_joint_forces(design, pose),
     }  # fmt: skip
     return {
         "tau_1": torque[..., 0],
@@ -79,4 +95,24 @@ def _errors(design: Design, pose: Any) -> dict[str, Any]:
             ("horizontal", horizontal),
             *((name, pose_errors[..., index]) for index, name in enumerate(names)),
         )
+    }
+
+
+def _joint_forces(design: Design, pose: Any) -> dict[str, Any]:
+    """Return forces at joints and in bars at rest by their keys."""
+    forces = joint_forces(design, pose)
+    size = forces.magnitude.max(axis=-2)
+    inner = np.abs([bar_loads(forces, bar).extremes() for bar in BARS]).max(axis=(0, -2))
+    moment = np.abs(forces.moment).max(axis=-2)
+    return {
+        "joint_force": size.max(axis=-1),
+        **{
+            {"m": "force_m", "guide": "guide_force"}.get(joint, f"force_{joint}"): size[..., index]
+            for joint, index in JOINT_INDEX.items()
+        },
+        "bearing_moment": moment[..., JOINT_INDEX["m"]],
+        "arm_moment": moment[..., JOINT_INDEX["2"]],
+        "bar_axial": inner[..., 0],
+        "bar_moment": inner[..., 2],
+        "utilization": utilization(forces).max(axis=(-1, -2)),
     }
