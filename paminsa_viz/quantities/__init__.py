@@ -20,6 +20,7 @@ from paminsa_viz.quantities.kinematics import KINEMATICS
 from paminsa_viz.quantities.manufacture import MANUFACTURE
 from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
+from paminsa_viz.quantities.stiffness import STIFFNESS
 
 __all__ = [
     "MAP_BUDGET",
@@ -46,6 +47,7 @@ QUANTITIES: dict[str, Quantity] = {
         *ACCURACY,
         *MANUFACTURE,
         *JOINT_FORCES,
+        *STIFFNESS,
     )
 }
 """Every quantity by its key, in the order of choices."""
