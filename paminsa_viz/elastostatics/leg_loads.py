@@ -195,7 +195,7 @@ def _add_arm(rows: _Rows, frame: LegFrame, section: Section, material: _Material
 
 
 @dataclass(frozen=True)
-class PlaneForces:
+class TwoForceBars:
     """In the plane, for a unit force along z at joint 5; each (..., 3 legs).
 
     Attributes:
@@ -207,12 +207,12 @@ class PlaneForces:
     b7: Array
 
 
-def plane_forces(frame: LegFrame) -> PlaneForces:
+def plane_forces(frame: LegFrame) -> TwoForceBars:
     """Return the forces in the two-force bars for a unit force along z at joint 5."""
     k = frame.geometry.magnification
     (cos_psi, sin_psi), (cos_phi, sin_phi) = (np.moveaxis(a, -1, 0) for a in (frame.psi, frame.phi))
     scale = (k - 1) / (sin_phi * cos_psi - cos_phi * sin_psi)
-    return PlaneForces(scale * cos_psi, -scale * cos_phi)
+    return TwoForceBars(scale * cos_psi, -scale * cos_phi)
 
 
 def _add_plane(

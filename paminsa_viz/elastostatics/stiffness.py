@@ -1,16 +1,16 @@
 """Stiffness of the whole robot at the platform's center P: 6x6, deflection, what to stiffen first.
 
-A wrench at P meets the joints 5 by equilibrium alone, two forces a leg, so that the twist of P is
-C W with C = H^-T (C_legs + (k^2 / k_4) z z^T) H^-1: H has the wrenches of unit forces along w and z
-at the joints 5 as columns, C_legs is block diagonal (`leg_compliance`), and M4, which all three legs
-share, adds the rest. K = H (..)^-1 H^T exists at every pose; at the type-2 singularities of the
-rigid robot it is singular, because no leg has a stiffness along u, and nothing there has a
-compliance. Small displacements, no preload; W in base axes, with moments about P.
+A wrench W at P meets the joints 5 by equilibrium alone, two forces a leg, so that the twist of P is
+C W with C = H^-T (C_legs + (k^2 / k_4) z z^T) H^-1. The columns of H are the wrenches of unit
+forces along w and z at the joints 5, C_legs is block diagonal (`leg_compliance`), and M4, which all
+legs share, adds the rest. K = H (..)^-1 H^T exists at every pose. At the type-2 singularities of
+the rigid robot it is singular, as no leg has a stiffness along u, and there is no compliance.
+Small displacements, no preload; W in base axes, with moments about P.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +21,7 @@ from paminsa_viz.elastostatics.leg_loads import PARTS
 from paminsa_viz.elastostatics.structure import joint5_map
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.grids import Field
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.load import center_wrench
 from paminsa_viz.model.reach import Limit
@@ -101,6 +102,16 @@ class PlatformStiffness:
         good = np.isfinite(block).all(axis=(-1, -2))[..., None]
         axes, directions = np.linalg.eigh(np.where(good[..., None], block, np.eye(3)))
         return np.where(good, axes, np.nan), np.where(good[..., None], directions, np.nan)
+
+
+def field_stiffness(field: Field, design: Design) -> PlatformStiffness:
+    """Return the stiffness over a solved grid; kept until elastic data change."""
+    found = field.keep(
+        "stiffness",
+        design.elastic,
+        lambda: platform_stiffness(replace(design, geometry=field.geometry), field.grid.poses()),
+    )
+    return replace(found, design=design)
 
 
 def platform_stiffness(

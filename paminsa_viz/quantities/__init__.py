@@ -19,6 +19,7 @@ from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
 from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
+from paminsa_viz.quantities.stiffness import STIFFNESS
 
 __all__ = [
     "MAP_BUDGET",
@@ -44,6 +45,7 @@ QUANTITIES: dict[str, Quantity] = {
         *CAPABILITY,
         *ACCURACY,
         *JOINT_FORCES,
+        *STIFFNESS,
     )
 }
 """Every quantity by its key, in the order of choices."""

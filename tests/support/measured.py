@@ -10,6 +10,7 @@ from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.elastostatics.bar_loads import bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model import (
     Design,
@@ -29,6 +30,9 @@ CAPABILITIES = (
     "acceleration", "turn_acceleration",
 )  # fmt: skip
 
+AXES = {"x": 0, "y": 1, "z": 2, "theta": 5}
+"""Axes of a wrench."""
+
 
 def pointwise(design: Design, pose: Any) -> dict[str, Any]:
     """Return every quantity at poses (..., 4), each (...)."""
@@ -42,7 +46,14 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
     index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose.reshape(-1, 4))
     index = index.reshape(*pose.shape[:-1], 3)
     able = capability(design, pose)
+    stiff = platform_stiffness(design, pose)
+    deflection = stiff.deflection()
     further = {
+        **{f"stiffness_{name}": stiff.along(i) for name, i in AXES.items()},
+        "stiffness_tilt": stiff.tilt,
+        "stiffness_horizontal": stiff.horizontal,
+        "deflection": np.linalg.norm(deflection[..., :3], axis=-1),
+        "deflection_tilt": np.hypot(deflection[..., 3], deflection[..., 4]),
         **{name: getattr(able, name) for name in CAPABILITIES},
         "transmission": index.min(axis=-1),
         **{f"transmission_{leg + 1}": index[..., leg] for leg in range(3)},
