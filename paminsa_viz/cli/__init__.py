@@ -30,6 +30,7 @@ COMMANDS: dict[str, str] = {
     "trajectory": "required actuator torques of a motion; draw, simulate, write it",
     "drives": "find motors and gears for a motion; their feasible ratios",
     "loads": "forces at the joints and in the bars, at rest or along a motion; bearing loads",
+    "accuracy": "errors of the pose that the drives leave",
     "excite": "find the motion that shows masses and friction best, for identify",
     "sweep": "measure many designs over the workspace, into a resumable table",
     "balance": "find the masses that balance the robot best, certified optimal",

@@ -18,6 +18,7 @@ from paminsa_viz.identification.base_parameters import (
     identity_row,
     leg_base_regressor,
 )
+from paminsa_viz.identification.columns import FitParameter, IdentificationSettings
 from paminsa_viz.identification.excitation import (
     Excitation,
     ExcitationSettings,
@@ -25,7 +26,9 @@ from paminsa_viz.identification.excitation import (
     NoExcitation,
     optimize_excitation,
 )
+from paminsa_viz.identification.identify import Estimate, Identification, Identity, identify
 from paminsa_viz.identification.information import ExcitationLimits
+from paminsa_viz.identification.log import InvalidLog, Log, log_poses, make_log
 from paminsa_viz.identification.multi_sine import MultiSine
 
 __all__ = [
@@ -33,16 +36,26 @@ __all__ = [
     "BASE_SYMBOLS",
     "LEG_PARAMETERS",
     "BaseParameter",
+    "Estimate",
     "Excitation",
     "ExcitationLimits",
     "ExcitationSettings",
+    "FitParameter",
+    "Identification",
+    "IdentificationSettings",
+    "Identity",
+    "InvalidLog",
     "KeptLimit",
+    "Log",
     "MultiSine",
     "NoExcitation",
     "base_matrix",
     "base_parameters",
     "base_regressor",
+    "identify",
     "identity_row",
     "leg_base_regressor",
+    "log_poses",
+    "make_log",
     "optimize_excitation",
 ]

@@ -17,6 +17,7 @@ from paminsa_viz.quantities.accuracy import ACCURACY
 from paminsa_viz.quantities.capability import CAPABILITY
 from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
+from paminsa_viz.quantities.manufacture import MANUFACTURE
 from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
 from paminsa_viz.quantities.stiffness import STIFFNESS
@@ -44,6 +45,7 @@ QUANTITIES: dict[str, Quantity] = {
         *KINEMATICS,
         *CAPABILITY,
         *ACCURACY,
+        *MANUFACTURE,
         *JOINT_FORCES,
         *STIFFNESS,
     )
