@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "map": "map torques and other quantities over the workspace, as figures and tables",
     "trajectory": "required actuator torques of a motion; draw, simulate, write it",
     "drives": "find motors and gears for a motion; their feasible ratios",
+    "loads": "forces at the joints and in the bars, at rest or along a motion; bearing loads",
     "accuracy": "errors of the pose that the drives leave",
     "excite": "find the motion that shows masses and friction best, for identify",
     "sweep": "measure many designs over the workspace, into a resumable table",
