@@ -18,7 +18,7 @@ from paminsa_viz.identification.base_parameters import (
     identity_row,
     leg_base_regressor,
 )
-from paminsa_viz.identification.columns import FitParameter, Settings
+from paminsa_viz.identification.columns import FitParameter, IdentificationSettings
 from paminsa_viz.identification.excitation import (
     Excitation,
     ExcitationSettings,
@@ -42,13 +42,13 @@ __all__ = [
     "ExcitationSettings",
     "FitParameter",
     "Identification",
+    "IdentificationSettings",
     "Identity",
     "InvalidLog",
     "KeptLimit",
     "Log",
     "MultiSine",
     "NoExcitation",
-    "Settings",
     "base_matrix",
     "base_parameters",
     "base_regressor",

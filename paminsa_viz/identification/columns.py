@@ -40,7 +40,7 @@ NOTHING = 1e-10
 
 
 @dataclass(frozen=True)
-class Settings:
+class IdentificationSettings:
     """How a log is identified.
 
     Attributes:
@@ -143,7 +143,7 @@ class _Builder:
         self.parameters += parameters
 
 
-def fit_model(design: Design, signals: Signals, settings: Settings) -> FitModel:
+def fit_model(design: Design, signals: Signals, settings: IdentificationSettings) -> FitModel:
     """Return the columns for a log's signals and what they stand for."""
     geometry = design.geometry
     motion = signals.pose, signals.velocity, signals.acceleration

@@ -37,7 +37,7 @@ ITERATIONS = 3
 """How often the actuators' noise is estimated again; the weights are those of the last but one."""
 
 
-class Blocks(NamedTuple):
+class NormalBlocks(NamedTuple):
     """Normal equations of B blocks, the four actuators apart, for n unknowns.
 
     Attributes:
@@ -78,7 +78,7 @@ def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArra
     return found
 
 
-def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> Blocks:
+def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> NormalBlocks:
     """Return the normal equations of all blocks.
 
     Args:
@@ -94,13 +94,13 @@ def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> 
     rows[numbers, :, place, :n] = columns
     rows[numbers, :, place, n] = torque
     whole = np.swapaxes(rows, -1, -2) @ rows
-    return Blocks(
+    return NormalBlocks(
         whole[..., :n, :n], whole[..., :n, n], whole[..., n, n], counts.astype(np.float64)
     )
 
 
 @dataclass(frozen=True, eq=False)
-class Solution:
+class FitSolution:
     """The fitted numbers x, and x without each block.
 
     Attributes:
@@ -162,7 +162,7 @@ class Solution:
         return plain * float(np.median(ratio)) ** 2
 
 
-def solve(blocks: Blocks, noise: Array | None = None) -> Solution:
+def solve(blocks: NormalBlocks, noise: Array | None = None) -> FitSolution:
     """Solve the weighted normal equations, whole and without each block.
 
     Args:
@@ -195,7 +195,7 @@ def solve(blocks: Blocks, noise: Array | None = None) -> Solution:
         without = np.linalg.solve(left, rest[..., None])[..., 0]
     except np.linalg.LinAlgError:
         without = (np.linalg.pinv(left, hermitian=True) @ rest[..., None])[..., 0]
-    return Solution(x, without @ excited.T, np.sqrt(found), excited, hidden, whole)
+    return FitSolution(x, without @ excited.T, np.sqrt(found), excited, hidden, whole)
 
 
 def _directions(whole: Array) -> tuple[Array, Array]:

@@ -9,10 +9,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, identity_row
-from paminsa_viz.identification.columns import FitModel, FitParameter, Settings, fit_model
+from paminsa_viz.identification.columns import (
+    FitModel,
+    FitParameter,
+    IdentificationSettings,
+    fit_model,
+)
 from paminsa_viz.identification.estimate import (
-    Blocks,
-    Solution,
+    FitSolution,
+    NormalBlocks,
     block_numbers,
     normal_blocks,
     solve,
@@ -121,7 +126,7 @@ class Identification:
 
     design: Design
     log: Log
-    settings: Settings
+    settings: IdentificationSettings
     start: tuple[float, ...] | None
     estimates: tuple[Estimate, ...]
     identity: Identity
@@ -130,8 +135,8 @@ class Identification:
     noise: Array
     notes: tuple[str, ...]
     model: FitModel
-    solution: Solution
-    blocks: Blocks
+    solution: FitSolution
+    blocks: NormalBlocks
     numbers: NDArray[np.int64]
 
     @property
@@ -177,7 +182,7 @@ def prepare(log: Log, design: Design, start: ArrayLike | None = None) -> Prepare
 
 
 def filtered(
-    prepared: PreparedLog, design: Design, settings: Settings, factor: float = 1.0
+    prepared: PreparedLog, design: Design, settings: IdentificationSettings, factor: float = 1.0
 ) -> Signals:
     """Filter a prepared log at the cut-off times a factor, with the cut-off's own thinning."""
     return filter_log(
@@ -189,7 +194,11 @@ def filtered(
 
 
 def identify(
-    log: Log, design: Design, settings: Settings | None = None, *, start: ArrayLike | None = None
+    log: Log,
+    design: Design,
+    settings: IdentificationSettings | None = None,
+    *,
+    start: ArrayLike | None = None,
 ) -> Identification:
     """Return what a log says about a robot whose lengths are the design's.
 
@@ -199,7 +208,7 @@ def identify(
     Args:
         log: The log of `make_log` or `files.log_table.read_log`.
         design: The robot as it was meant; its load and its drives' differences are taken as known.
-        settings: What is fitted, and how; the defaults of `Settings` without.
+        settings: What is fitted, and how; the defaults of `IdentificationSettings` without.
         start: Pose (4,) near the log's start, to choose the assembly; the home pose by default.
 
     Raises:
@@ -207,7 +216,7 @@ def identify(
             does not move.
         InvalidInput: If the cut-off does not suit the sampling rate.
     """
-    settings = Settings() if settings is None else settings
+    settings = IdentificationSettings() if settings is None else settings
     prepared = prepare(log, design, start)
     signals = filtered(prepared, design, settings)
     _require_motion(signals)
@@ -242,8 +251,8 @@ def identify(
 
 
 def _fit(
-    design: Design, signals: Signals, settings: Settings
-) -> tuple[FitModel, Blocks, Solution, NDArray[np.int64], float]:
+    design: Design, signals: Signals, settings: IdentificationSettings
+) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
     numbers = block_numbers(signals.t, signals.segment, settings.block)
     lag, shifted = 0.0, signals
@@ -283,7 +292,7 @@ def _require_motion(signals: Signals) -> None:
 
 
 def _moves(
-    prepared: PreparedLog, design: Design, settings: Settings,
+    prepared: PreparedLog, design: Design, settings: IdentificationSettings,
     estimates: tuple[Estimate, ...], values: Array, error: Array,
 ) -> list[str]:  # fmt: skip
     """Return warnings about known numbers that move with the cut-off."""
@@ -313,7 +322,9 @@ def _moves(
     ]
 
 
-def _identity(design: Design, model: FitModel, solution: Solution, settings: Settings) -> Identity:
+def _identity(
+    design: Design, model: FitModel, solution: FitSolution, settings: IdentificationSettings
+) -> Identity:
     row = identity_row(design.geometry, design.gravity) @ model.report[: len(BASE_SYMBOLS)]
     error = float(solution.deviation(row[None])[0])
     value = float(row @ solution.x)

@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.identification import (
     BASE_SYMBOLS,
-    Settings,
+    IdentificationSettings,
     base_parameters,
     identify,
     make_log,
@@ -28,7 +28,7 @@ from tests.support.identification_logs import simulated
 
 FRICTION = Friction(0.3, 0.4, 20.0, 8.0)
 RUBBING = replace(APPENDIX_4, friction=FRICTION)
-QUICK = Settings(robustness=False)
+QUICK = IdentificationSettings(robustness=False)
 
 
 def errors(identification: Any, design: Design) -> Any:
