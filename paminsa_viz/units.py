@@ -21,6 +21,9 @@ MM = 1e3
 DEGREES = 180 / math.pi
 """Degrees in a radian."""
 
+ARCSEC = 3600 * DEGREES
+"""Arc seconds in a radian."""
+
 _SUBSCRIPTS = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 _SUPERSCRIPTS = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 _SYMBOL = re.compile(r"\b([A-Za-z])_([A-Za-z]{0,4}\d{0,2})\b(?:\^\((\w+)\))?")
@@ -135,7 +138,7 @@ class DisplayUnit(NamedTuple):
         """
         shown = value * self.factor
         text = f"{shown:.{digits}g}" if ascii_only else number(shown, digits)
-        space = "" if self.text.startswith("°") else " "
+        space = "" if self.text.startswith(("°", "″")) else " "
         return NONE if math.isnan(value) else f"{text}{space}{self.text}".rstrip()
 
 
@@ -148,12 +151,24 @@ _SCALED = {
 """Units of elastic data."""
 
 
+SHOWN_IN = {"m:um": DisplayUnit(1e6, "µm"), "rad:arcsec": DisplayUnit(ARCSEC, "″")}
+"""SI units with another to show them in."""
+
+
+def si_unit(unit: str) -> str:
+    """Return an SI unit without the one it is shown in: ``"m:um"`` gives ``"m"``."""
+    return unit.partition(":")[0]
+
+
 def display_unit(unit: str) -> DisplayUnit:
     """Return the unit that shows an SI unit: mm for m, mm² for m², degrees for rad, MPa for Pa.
 
     Angular rates are in degrees as well; speeds and accelerations stay in meters, as drives and
-    limits are rated.
+    limits are rated. An SI unit may name the one to show it in after a colon: ``"m:um"`` and
+    ``"rad:arcsec"`` are small lengths and angles.
     """
+    if ":" in unit:
+        return SHOWN_IN[unit]
     if unit == "m":
         return DisplayUnit(MM, "mm")
     if unit in _SCALED:

@@ -83,6 +83,7 @@ def test_a_value_survives_the_display_unit(path: str, value: float) -> None:
         (np.pi / 6, "rad", "30°"), (-np.pi / 2, "rad/s", "−90°/s"), (np.pi, "rad/s²", "180°/s²"),
         (1.5, "m/s²", "1.5 m/s²"), (1.5, "m/s^2", "1.5 m/s²"), (0.0321, "kg m^2", "0.0321 kg·m²"),
         (-1.234e-13, "N m", "−1.234·10⁻¹³ N·m"), (np.nan, "m", "–"),
+        (4.5e-5, "m:um", "45 µm"), (np.pi / 180, "rad:arcsec", "3600″"),
     ],
 )  # fmt: skip
 def test_values_are_formatted_in_display_units(value: float, unit: str, text: str) -> None:

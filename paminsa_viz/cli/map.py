@@ -31,7 +31,7 @@ from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
 from paminsa_viz.quantities import QUANTITIES, affordable_cells, selections
-from paminsa_viz.units import MM, format_ascii
+from paminsa_viz.units import MM, format_ascii, si_unit
 
 DESCRIPTION = """\
 Map what the actuators have to hold at rest, over all positions x, y at one angle and one height:
@@ -188,7 +188,7 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
         "reached_area_m2": cell * int(reached.sum()),
         "singular_radius_m": data.singular_radius,
         "cells_by_status": dict(zip(words.tolist(), counts.tolist(), strict=True)),
-        "unit": data.unit,
+        "unit": si_unit(data.unit),
         "maps": {name: _numbers(values) for name, values in zip(names, data.values, strict=True)},
         "files": [os.fspath(path) for path in flags.out],
     }

@@ -82,31 +82,39 @@ class BarLoads:
         Returns:
             Two arrays (..., len(components)).
         """
-        found = [self._largest(component) for component in components]
+        found = [
+            largest_value(self.places, self.coefficients[..., component, :])
+            for component in components
+        ]
         return np.stack([f[0] for f in found], -1), np.stack([f[1] for f in found], -1)
 
-    def _largest(self, component: int) -> tuple[Array, Array]:
-        c = np.moveaxis(self.coefficients[..., component, :], (-1, -2), (0, 1))
-        start = np.moveaxis(self.places, -1, 0)
-        step = np.diff(start, axis=0)
-        candidates = [np.zeros_like(step), step]
-        with np.errstate(all="ignore"):
-            # where the derivative is zero: of parabolas once, of cubics up to twice
-            if component < 2:
-                candidates.append(-0.5 * c[1] / c[2])
-            else:
-                half = -(c[2] + np.copysign(np.sqrt(c[2] * c[2] - 3 * c[3] * c[1]), c[2]))
-                candidates += [half / (3 * c[3]), c[1] / half]
-        x = np.stack(candidates)
+
+def largest_value(places: Array, coefficients: Array) -> tuple[Array, Array]:
+    """Return the value of piecewise cubics that is largest in size, with its sign, and its place.
+
+    Args:
+        places: (..., points) ends of the pieces.
+        coefficients: (..., points - 1, 4) of the distance from a piece's start, constant first.
+
+    Returns:
+        Two arrays (...).
+    """
+    c = np.moveaxis(coefficients, (-1, -2), (0, 1))
+    start = np.moveaxis(places, -1, 0)
+    step = np.diff(start, axis=0)
+    with np.errstate(all="ignore"):
+        # where the derivative is zero; of a parabola, c_3 = 0, the second root is left
+        half = -(c[2] + np.copysign(np.sqrt(c[2] * c[2] - 3 * c[3] * c[1]), c[2]))
+        x = np.stack([np.zeros_like(step), step, half / (3 * c[3]), c[1] / half])
         x[2:] = np.where((x[2:] > 0) & (x[2:] < step), x[2:], 0.0)
-        values = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
-        values = values.reshape(-1, *values.shape[2:])
-        places = (start[:-1] + x).reshape(values.shape)
-        best = np.abs(values).argmax(axis=0)[None]
-        return (
-            np.take_along_axis(values, best, axis=0)[0],
-            np.take_along_axis(places, best, axis=0)[0],
-        )
+    values = c[0] + x * (c[1] + x * (c[2] + x * c[3]))
+    values = values.reshape(-1, *values.shape[2:])
+    reached = (start[:-1] + x).reshape(values.shape)
+    best = np.abs(values).argmax(axis=0)[None]
+    return (
+        np.take_along_axis(values, best, axis=0)[0],
+        np.take_along_axis(reached, best, axis=0)[0],
+    )
 
 
 def _polynomial(coefficients: Array, x: Array) -> Array:

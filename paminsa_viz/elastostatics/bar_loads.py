@@ -25,11 +25,10 @@ from paminsa_viz.elastostatics.bar_diagram import BarLoads, PointLoad, make_diag
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JointForces
 from paminsa_viz.elastostatics.leg_bodies import PANTOGRAPH, Vector, bar_masses, joint_places
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.kinematics import LEG_AXES
 
-BAR_NAMES: dict[str, str] = {
-    "b1": "B1", "b2": "B2", "b3": "B3", "b4": "B4", "b7": "B7", "b8": "B8", "b10": "B10",
-}  # fmt: skip
+BAR_NAMES: dict[str, str] = {bar: bar.upper() for bar in BARS}
 """Bars by key."""
 
 

@@ -23,9 +23,6 @@ from paminsa_viz.model.parameters import BAR_ENDS
 PANTOGRAPH = ("b3", "b4", "b7", "b8")
 """Bars of the pantograph, by the first part of their paths in a design."""
 
-BARS = ("b1", "b2", *PANTOGRAPH, "b10")
-"""Bars with inner forces: arm, shaft, pantograph, guide link."""
-
 _PINS: dict[str, tuple[int, ...]] = {"b3": (3,), "b4": (4, 5), "b7": (7,), "b8": (9,)}
 """Joints whose mass is on a bar of the pantograph."""
 

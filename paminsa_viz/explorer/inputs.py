@@ -10,6 +10,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
+from decimal import Decimal
 from operator import attrgetter
 from typing import Any, ClassVar
 
@@ -38,6 +39,16 @@ def finite(value: Any) -> float | None:
     except OverflowError:  # JSON knows integers beyond all floats
         return None
     return number if math.isfinite(number) else None
+
+
+SPARE_DECIMALS, LEAST_DECIMALS = 2, 3
+"""Decimals that a number box shows beyond those of its step, and the fewest it shows."""
+
+
+def decimals(step: float) -> int:
+    """Return how many decimals a number box with a step shows; it takes any number of them."""
+    exact = Decimal(repr(float(step))).normalize().as_tuple().exponent
+    return max(SPARE_DECIMALS - int(exact), LEAST_DECIMALS)
 
 
 def in_unit(ends: Range, unit: DisplayUnit) -> Range:
@@ -126,10 +137,10 @@ class Slider(Input):
 
     Attributes:
         range: Its ends, in the unit shown.
-        step: In the unit shown; as many decimals can be typed.
+        step: In the unit shown; any number of decimals can be typed.
         unit: The unit shown.
         fit: Grows the range to a number beyond it, which can then be typed; without it, numbers
-            are limited to the range.
+            more than a step beyond the range are refused.
         marks: Values with a tick.
     """
 
@@ -147,6 +158,9 @@ class Slider(Input):
         number = self.number(state, value, (None, None), PLAIN)
         if self.fit is None:
             low, high = given(self.range, state)
+            # The page may round the ends, and a number at an end that has just moved is near it.
+            if not low - self.step <= number <= high + self.step:
+                raise self.refusal(state, f"{low:g} to {high:g} is possible, not {number:g}")
             number = min(max(number, low), high)
         return self.unit.to_si(number)
 
@@ -157,7 +171,9 @@ class Slider(Input):
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
         low, high = self.ends(state, given(self.range, state))
         value = self.shown(state)
-        return gui.add_slider(label, low, high, self.step, value, marks=self.marks, **properties)
+        handle = gui.add_slider(label, low, high, self.step, value, marks=self.marks, **properties)
+        handle.precision = decimals(self.step)
+        return handle
 
 
 @dataclass(frozen=True)
@@ -181,7 +197,9 @@ class Number(Input):
     def add(self, gui: Any, state: State, label: str, **properties: Any) -> Any:
         low, high = in_unit(self.range, self.unit)
         value = self.shown(state)
-        return gui.add_number(label, value, min=low, max=high, step=self.step, **properties)
+        handle = gui.add_number(label, value, min=low, max=high, step=self.step, **properties)
+        handle.precision = decimals(self.step)
+        return handle
 
 
 @dataclass(frozen=True)
@@ -189,7 +207,7 @@ class Pair(Input):
     """Two numbers in a row; attributes as of `Number`, two of each but for the step.
 
     Attributes:
-        precision: Decimals; as many as the step has if None.
+        precision: Decimals that are shown; two more than the step has if None.
     """
 
     _: KW_ONLY
@@ -215,7 +233,11 @@ class Pair(Input):
         ranges = map(in_unit, self.range, self.units)
         low, high = (None if None in ends else ends for ends in zip(*ranges, strict=True))
         step = given(self.step, state)
-        return gui.add_vector2(label, self.shown(state), min=low, max=high, step=step, **properties)
+        value = self.shown(state)
+        handle = gui.add_vector2(label, value, min=low, max=high, step=step, **properties)
+        if self.precision is None:
+            handle.precision = decimals(step)
+        return handle
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import re
 from dataclasses import dataclass, fields
 from enum import Enum
 
-from paminsa_viz.model.design import PARAMETER, Design, KneeBranch
+from paminsa_viz.model.design import OPTIONAL_GROUPS, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadFrame
 from paminsa_viz.model.parameters import Parameter
@@ -98,7 +98,7 @@ KEYS: tuple[DesignKey, ...] = tuple(_key(parameter) for parameter in PARAMETER.v
 KEY_OF: dict[str, DesignKey] = {key.parameter.path: key for key in KEYS}
 """Keys by the dotted path of the design's number."""
 
-OPTIONAL_TABLES = ("elastic",)
+OPTIONAL_TABLES = OPTIONAL_GROUPS
 """Tables of which only the values are written that are not the default."""
 
 TABLES: dict[str, dict[str, DesignKey]] = {

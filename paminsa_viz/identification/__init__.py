@@ -18,15 +18,31 @@ from paminsa_viz.identification.base_parameters import (
     identity_row,
     leg_base_regressor,
 )
+from paminsa_viz.identification.excitation import (
+    Excitation,
+    ExcitationSettings,
+    KeptLimit,
+    NoExcitation,
+    optimize_excitation,
+)
+from paminsa_viz.identification.information import ExcitationLimits
+from paminsa_viz.identification.multi_sine import MultiSine
 
 __all__ = [
     "BASE_PARAMETERS",
     "BASE_SYMBOLS",
     "LEG_PARAMETERS",
     "BaseParameter",
+    "Excitation",
+    "ExcitationLimits",
+    "ExcitationSettings",
+    "KeptLimit",
+    "MultiSine",
+    "NoExcitation",
     "base_matrix",
     "base_parameters",
     "base_regressor",
     "identity_row",
     "leg_base_regressor",
+    "optimize_excitation",
 ]

@@ -8,6 +8,7 @@ the paper's equations behind each function.
 from __future__ import annotations
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput, PaminsaError, UnreachablePose
+from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design, Geometry, KneeBranch
 from paminsa_viz.model.drive import NO_DRIVES, Drive, OutputLimits
 from paminsa_viz.model.dynamics import (
@@ -101,6 +102,7 @@ __all__ = [
     "Counterweight",
     "Design",
     "Drive",
+    "DriveAccuracy",
     "Elastic",
     "Field",
     "Friction",

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from paminsa_viz.model.drive import Drives
 from paminsa_viz.model.parameters import Group, parameter
+
+DEFAULT_RESOLUTION = round(math.radians(0.01), 12)
+"""A count of 0.01 degrees [rad], to as many digits as an input of the page has."""
 
 
 @dataclass(frozen=True)
@@ -18,7 +22,7 @@ class DriveAccuracy(Group, path="accuracy", limits=(1e-12, 1.0)):
     """
 
     resolution_rotary: float = parameter(
-        math.radians(0.01), "r_M", "rad", "one count of the encoders of M1..M3"
+        DEFAULT_RESOLUTION, "r_M", "rad", "one count of the encoders of M1..M3"
     )
     resolution_linear: float = parameter(1e-5, "r_4", "m", "one count of the encoder of M4")
     backlash_rotary: float = parameter(0.0, "s_M", "rad", "backlash of M1..M3, full width")
@@ -43,6 +47,17 @@ class DriveAccuracy(Group, path="accuracy", limits=(1e-12, 1.0)):
         rotary = _deviation(self.resolution_rotary, self.backlash_rotary, 2 * self.control_rotary)
         linear = _deviation(self.resolution_linear, self.backlash_linear, 2 * self.control_linear)
         return rotary, rotary, rotary, linear
+
+    def with_encoders(self, drives: Drives) -> DriveAccuracy:
+        """Return the accuracy with the resolution of the drives' encoders, where they have one.
+
+        M1..M3 take the coarsest of their three. See `Drive.resolution`.
+        """
+        found = [None if drive is None else drive.resolution for drive in drives]
+        rotary = [value for value in found[:3] if value is not None]
+        changes = {"resolution_rotary": max(rotary)} if rotary else {}
+        changes |= {"resolution_linear": found[3]} if found[3] is not None else {}
+        return replace(self, **changes)
 
 
 def _deviation(*widths: float) -> float:

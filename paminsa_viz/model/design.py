@@ -1,4 +1,4 @@
-"""The robot's numbers: geometry, masses, inertias, payload, friction, load, elastic data.
+"""The robot's numbers: geometry, masses, inertias, payload, friction, load, accuracy, elastic data.
 
 Every class is frozen and hashable. Its defaults are the paper's Appendix 4, and each field knows
 its symbol in the paper and its SI unit, so that a page, a file or a table can be built from the
@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, fields, is_dataclass, replace
 from typing import Any
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.drive import (
     ACTUATORS,
     NO_DRIVES,
@@ -23,6 +24,12 @@ from paminsa_viz.model.drive import (
 )
 from paminsa_viz.model.elastic import Elastic
 from paminsa_viz.model.geometry import Geometry, KneeBranch
+from paminsa_viz.model.leg_deviations import (
+    Deviations,
+    Leg1Deviations,
+    Leg2Deviations,
+    Leg3Deviations,
+)
 from paminsa_viz.model.load import NO_LOAD, LoadCase
 from paminsa_viz.model.parameters import (
     MOST_COUNTERWEIGHTS,
@@ -38,6 +45,7 @@ from paminsa_viz.model.parameters import (
     Platform,
     parameter,
 )
+from paminsa_viz.model.tolerances import Tolerances
 
 
 @dataclass(frozen=True)
@@ -50,6 +58,10 @@ class Design(Group, path="design"):
         gravity: [m/s^2].
         counterweights: Point masses on the bars of every leg; none in the paper.
         drives: Motors and gears of M1..M4; none in the paper.
+        accuracy: By how much the drives may be off; a default, none in the paper.
+        leg1, leg2, leg3: Deviations of each leg's lengths from the geometry, which `precision`
+            knows of alone; none in the paper.
+        tolerances: Of the lengths, and clearances; none in the paper.
         elastic: Material, sections and stiffnesses; none in the paper.
         name: What a person calls it.
 
@@ -68,6 +80,11 @@ class Design(Group, path="design"):
     gravity: float = parameter(9.81, "g", "m/s^2", "gravitational acceleration")
     counterweights: tuple[Counterweight, ...] = ()
     drives: Drives = NO_DRIVES
+    accuracy: DriveAccuracy = DriveAccuracy()
+    leg1: Leg1Deviations = Leg1Deviations()
+    leg2: Leg2Deviations = Leg2Deviations()
+    leg3: Leg3Deviations = Leg3Deviations()
+    tolerances: Tolerances = Tolerances()
     elastic: Elastic = Elastic()
     name: str = field(default="PAMINSA", compare=False)
 
@@ -123,6 +140,11 @@ class Design(Group, path="design"):
         if head == "drives":
             return self.drives[ACTUATORS.index(number)] if number in ACTUATORS else None
         return getattr(self, name, None) if name else self
+
+    @property
+    def deviations(self) -> Deviations:
+        """Deviations of the three legs' lengths."""
+        return self.leg1, self.leg2, self.leg3
 
     @property
     def actuator_friction(self) -> ActuatorFriction:
@@ -207,11 +229,14 @@ def _parameters() -> tuple[Parameter, ...]:
 
 _ALL = _parameters()
 
+OPTIONAL_GROUPS = ("accuracy", "leg1", "leg2", "leg3", "tolerances", "elastic")
+"""Groups that are no part of the rigid, exact robot: files name what is not the default."""
+
 ELASTIC_PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group == "elastic")
 """Every number of a design's elastic data; the rigid robot has none of them."""
 
-PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group != "elastic")
-"""Every number of the rigid robot, in the order of the paper's Appendix 4."""
+PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTIONAL_GROUPS)
+"""Every number of the rigid, exact robot, in the order of the paper's Appendix 4."""
 
 PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 """Every number of a design by path."""

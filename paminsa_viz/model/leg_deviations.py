@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import astuple, dataclass, fields
 
-from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import Group, parameter
 
 
@@ -19,7 +18,7 @@ def _deviation(symbol: str, unit: str, label: str) -> float:
 
 
 @dataclass(frozen=True)
-class LegDeviations(Group, path="deviations", limits=(0.0, 1.0)):
+class LegDeviations(Group, path="deviations"):
     """Deviations of one leg's lengths, actual minus nominal.
 
     Bars are measured between the axes of their joints. B4 is 9-4-5 and B3 is 4-3-7, each in a line.
@@ -49,26 +48,29 @@ class LegDeviations(Group, path="deviations", limits=(0.0, 1.0)):
         return not any(astuple(self))
 
 
-Deviations = tuple[LegDeviations, ...]
-"""Deviations of legs 1, 2, 3; empty for a robot as it was drawn."""
+@dataclass(frozen=True)
+class Leg1Deviations(LegDeviations, path="leg1"):
+    """Deviations of leg 1 from the lengths above, actual minus nominal."""
+
+
+@dataclass(frozen=True)
+class Leg2Deviations(LegDeviations, path="leg2"):
+    """Deviations of leg 2 from the lengths above, actual minus nominal."""
+
+
+@dataclass(frozen=True)
+class Leg3Deviations(LegDeviations, path="leg3"):
+    """Deviations of leg 3 from the lengths above, actual minus nominal."""
+
+
+Deviations = tuple[Leg1Deviations, Leg2Deviations, Leg3Deviations]
+"""Deviations of all legs."""
+
+NO_DEVIATIONS: Deviations = (Leg1Deviations(), Leg2Deviations(), Leg3Deviations())
+"""Deviations of a robot as it was drawn."""
 
 LEG_NAMES = ("leg1", "leg2", "leg3")
-"""Names of the legs in paths and files."""
+"""Names of the legs in paths and files, `Design.leg1` and so on."""
 
 LENGTH_NAMES = tuple(item.name for item in fields(LegDeviations))
 """Names of a leg's 14 lengths, in the order of arrays (..., 3, 14)."""
-
-
-def checked_deviations(deviations: object) -> Deviations:
-    """Return the deviations of three legs, or an empty tuple where all are zero.
-
-    Raises:
-        InvalidDesign: If they are not those of three legs.
-    """
-    legs = deviations if isinstance(deviations, tuple) else None
-    if legs is None or len(legs) not in (0, len(LEG_NAMES)):
-        raise InvalidDesign("deviations", deviations, "those of three legs are needed, or none")
-    for name, leg in zip(LEG_NAMES, legs, strict=False):
-        if not isinstance(leg, LegDeviations):
-            raise InvalidDesign(f"deviations.{name}", leg, "LegDeviations are needed")
-    return legs if any(not leg.zero for leg in legs) else ()

@@ -30,8 +30,12 @@ def reasons(data: MapData, panel: int, stride: int = 1) -> NDArray[np.str_]:
     status = data.status[picked]
     leg = np.full(status.shape, -1) if data.leg is None else data.leg[picked]
     texts = np.array([[limit.reason(leg) for leg in range(-1, 3)] for limit in Limit])
+    found = texts[status, leg + 1]
+    if data.missing is not None:
+        code = data.missing.code[picked]
+        found = np.where((status == 0) & (code != 0), np.array(data.missing.texts)[code], found)
     empty = (status != 0) | np.isnan(data.values[panel][picked])
-    return np.where(empty, texts[status, leg + 1], "")
+    return np.where(empty, found, "")
 
 
 def emptiness(data: MapData, panel: int) -> str:

@@ -19,7 +19,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
-from paminsa_viz.quantities import TORQUES, find
+from paminsa_viz.quantities import TORQUES, Missing, find
 from paminsa_viz.units import DisplayUnit, display_unit
 
 COARSE = 72
@@ -50,6 +50,7 @@ class MapData:
         margin: (ny, nx) signed distance to the nearest limit of reach [m], positive inside, for a
             smooth boundary; without it the boundary follows the cells.
         leg: (ny, nx) int8 index of the leg that limits the reach, -1 for none, or None.
+        missing: Where and why poses that can be taken have no value, or None.
     """
 
     x: NDArray[np.float64]
@@ -67,6 +68,7 @@ class MapData:
     signed: bool = True
     margin: NDArray[np.float64] | None = None
     leg: NDArray[np.int8] | None = None
+    missing: Missing | None = None
 
     def __post_init__(self) -> None:
         x, y = _axis("x", self.x), _axis("y", self.y)
@@ -160,6 +162,9 @@ def difference(current: MapData, reference: MapData) -> MapData:
         margin = np.minimum(margin, reference.margin)
     with np.errstate(invalid="ignore"):  # inf - inf next to a singularity is NaN, and masked
         values = current.values - reference.values
+    missing, other = current.missing, reference.missing
+    if missing is not None and other is not None:
+        missing = missing._replace(code=np.where(missing.code != 0, missing.code, other.code))
     leg = None
     if current.leg is not None and reference.leg is not None:
         leg = np.where(current.status != 0, current.leg, reference.leg)
@@ -168,6 +173,7 @@ def difference(current: MapData, reference: MapData) -> MapData:
         values=values,
         status=np.where(current.status != 0, current.status, reference.status),
         leg=leg,
+        missing=missing,
         names=tuple(f"Δ{name}" for name in current.names),
         reference=reference.design,
         title=f"{current.title}, difference" if current.title else "Difference",
@@ -254,6 +260,7 @@ def map_data(
         signed=any(quantity.signed for quantity in chosen),
         margin=field.margin,
         leg=field.leg,
+        missing=None if (why := chosen[0].missing) is None else why(field, design),
     )
 
 

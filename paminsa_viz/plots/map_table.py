@@ -13,6 +13,7 @@ from paminsa_viz.model.design import PARAMETERS, Design
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.caption import key_numbers
 from paminsa_viz.plots.map_data import MapData
+from paminsa_viz.units import si_unit
 
 FORMAT = "paminsa_viz map 1"
 """Name and version of the layout."""
@@ -25,16 +26,20 @@ def map_table(data: MapData) -> DataTable:
     """Return a map as a table of one row a cell, along x first.
 
     The columns are the pose of the cell, the values (NaN where there is none) and the status in
-    words, such as ``ok`` or ``stretched:leg2``.
+    words, such as ``ok`` or ``stretched:leg2``, or why a pose that can be taken has no value.
 
     A binary file holds arrays instead: ``x_m`` (nx,), ``y_m`` (ny,), one (ny, nx) array for each of
     `value_columns`, ``status`` (ny, nx) codes, ``status_words`` their names by code, ``leg``
     (ny, nx) if known (index of the leg in the way, -1 for none), ``pose`` (4,) [m, m, rad, m].
     """
     values = dict(zip(value_columns(data), data.values, strict=True))
+    missing = data.missing
     x, y = np.meshgrid(data.x, data.y)
     theta, z = (np.full(x.shape, value) for value in data.pose[2:])
     words = status_words(data.status, -1 if data.leg is None else data.leg)
+    if missing is not None:
+        known = (data.status != Limit.OK) | (missing.code == 0)
+        words = np.where(known, words, np.array(missing.words)[missing.code])
     columns = dict(zip(POSE, (x, y, theta, z), strict=True)) | values | {STATUS: words}
     arrays: dict[str, NDArray[Any]] = {"x_m": data.x, "y_m": data.y, **values}
     arrays |= {STATUS: data.status, "status_words": np.array([limit.word for limit in Limit])}
@@ -44,7 +49,7 @@ def map_table(data: MapData) -> DataTable:
 
 def value_columns(data: MapData) -> tuple[str, ...]:
     """Return the column names of the values, in plain letters, with their unit: ``tau1_Nm``."""
-    unit = _UNITS.get(data.unit, data.unit)
+    unit = si_unit(_UNITS.get(data.unit, data.unit))
     names = [_plain(name) + (f"_{unit}" if unit else "") for name in data.names]
     return tuple(
         name if names.count(name) == 1 else f"{name}_{i + 1}" for i, name in enumerate(names)
@@ -54,7 +59,7 @@ def value_columns(data: MapData) -> tuple[str, ...]:
 def _facts(data: MapData) -> dict[str, str]:
     facts = {
         "title": data.title,
-        "unit": data.unit,
+        "unit": si_unit(data.unit),
         "design": data.design.name,
         "assembly": data.design.geometry.knee.value,
     }

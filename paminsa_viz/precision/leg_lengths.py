@@ -5,16 +5,22 @@ Their names, symbols and units are those of `LegDeviations`, in its order.
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers
-from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES
-from paminsa_viz.model.leg_deviations import LENGTH_NAMES, Deviations, LegDeviations
+from paminsa_viz.model.leg_deviations import (
+    LENGTH_NAMES,
+    Leg1Deviations,
+    Leg2Deviations,
+    Leg3Deviations,
+    LegDeviations,
+)
 
 
 @dataclass(frozen=True)
@@ -67,15 +73,18 @@ def nominal_lengths(geometry: Geometry) -> Array:
     return lengths
 
 
-def deviation_array(deviations: Deviations) -> Array:
-    """Return deviations as an array (3, 14) [m, rad]; zeros for none."""
-    if not deviations:
-        return np.zeros((3, len(LENGTHS)))
-    return np.array([astuple(leg) for leg in deviations])
+def deviation_array(design: Design) -> Array:
+    """Return the deviations of a design's legs, (3, 14) [m, rad]."""
+    return np.array([astuple(leg) for leg in design.deviations])
 
 
-def leg_deviations(values: ArrayLike) -> Deviations:
-    """Return an array (3, 14) as deviations.
+def design_lengths(design: Design) -> Array:
+    """Return the lengths of a design's legs, deviations included, (3, 14) [m, rad]."""
+    return nominal_lengths(design.geometry) + deviation_array(design)
+
+
+def with_deviations(design: Design, values: ArrayLike) -> Design:
+    """Return a design whose legs have the deviations (3, 14) [m, rad].
 
     Raises:
         InvalidInput: If the shape is another one.
@@ -84,7 +93,13 @@ def leg_deviations(values: ArrayLike) -> Deviations:
     array = as_lengths(values, "deviations")
     if array.ndim != 2:
         raise InvalidInput("deviations", f"the shape has to be (3, 14), not {array.shape}")
-    return tuple(LegDeviations(*row) for row in array.tolist())
+    one, two, three = array.tolist()
+    return replace(
+        design,
+        leg1=Leg1Deviations(*one),
+        leg2=Leg2Deviations(*two),
+        leg3=Leg3Deviations(*three),
+    )
 
 
 def as_lengths(values: ArrayLike, argument: str = "lengths") -> Array:

@@ -13,15 +13,18 @@ from collections.abc import Sequence
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.backend import Formula
+from paminsa_viz.quantities.accuracy import ACCURACY
 from paminsa_viz.quantities.capability import CAPABILITY
+from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
-from paminsa_viz.quantities.quantity import Quantity
+from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
 
 __all__ = [
     "MAP_BUDGET",
     "QUANTITIES",
     "TORQUES",
+    "Missing",
     "Quantity",
     "affordable_cells",
     "families",
@@ -34,7 +37,14 @@ MAP_BUDGET = 1.0
 """Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
 
 QUANTITIES: dict[str, Quantity] = {
-    quantity.key: quantity for quantity in (*STATICS, *KINEMATICS, *CAPABILITY)
+    quantity.key: quantity
+    for quantity in (
+        *STATICS,
+        *KINEMATICS,
+        *CAPABILITY,
+        *ACCURACY,
+        *JOINT_FORCES,
+    )
 }
 """Every quantity by its key, in the order of choices."""
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
@@ -14,6 +16,20 @@ from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import Limit
 from paminsa_viz.palette import INK
 from paminsa_viz.units import DisplayUnit, display_unit
+
+
+class Missing(NamedTuple):
+    """Where a quantity has no value though the pose can be taken, and why.
+
+    Attributes:
+        code: (...) 0 where there is a value, else the index of the reason.
+        texts: Reasons by code, for people.
+        words: The same for tables, as words without blanks.
+    """
+
+    code: NDArray[np.uint8]
+    texts: tuple[str, ...]
+    words: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -25,7 +41,7 @@ class Quantity:
         symbol: Short name, for headings and table columns.
         label: Name in choices.
         title: What it is, for captions and help texts.
-        unit: SI unit.
+        unit: SI unit, with another to show it in if it needs one, see `units.display_unit`.
         formula: Solved over a grid, once for a geometry.
         value: ``value(field, design)`` of a solved grid and a design (...) [SI]; by default the
             first result of the formula, for what the geometry alone decides. What it solves stays
@@ -34,6 +50,8 @@ class Quantity:
         color: ``#rrggbb`` of its heading.
         cost: Time that the formula takes [s] a pose, on NumPy arrays.
         family: What it belongs to, in choices.
+        missing: ``missing(field, design)`` says where and why there is no value though the pose
+            can be taken; only for quantities that have such poses.
     """
 
     key: str
@@ -47,6 +65,7 @@ class Quantity:
     color: str = INK
     cost: float = 1e-7
     family: str = "other"
+    missing: Callable[[Field, Design], Missing] | None = None
 
     @property
     def display(self) -> DisplayUnit:

@@ -25,6 +25,7 @@ from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.quantities import Quantity, find
 from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, analyze, home
+from paminsa_viz.units import si_unit
 
 MOST_CELLS = 1000
 """Most cells along a side."""
@@ -125,8 +126,9 @@ class RegionResults:
         return self.field.condition[self.reached]
 
     def values(self, quantity: Quantity) -> Array:
-        """Return a quantity at the poses that can be reached, (n,) [SI]."""
-        return quantity.over(self.field, self.design)[self.reached]
+        """Return a quantity at the poses that can be reached and have a value, (n,) [SI]."""
+        values = quantity.over(self.field, self.design)[self.reached]
+        return values[~np.isnan(values)]
 
     def share(self, poses: NDArray[np.bool_]) -> float:
         """Return the share of the region's poses that a mask holds."""
@@ -228,7 +230,7 @@ def global_indices(keys: Sequence[str]) -> tuple[Metric[RegionResults], ...]:
             return float(of(values)) if values.size else np.nan
 
         meaning = f"{words} {quantity.label} over the poses that can be reached"
-        unit = "" if quantity.unit == "1" else quantity.unit
+        unit = "" if quantity.unit == "1" else si_unit(quantity.unit)
         return Metric(f"{kind}_{quantity.key}", unit, meaning, value)
 
     return tuple(metric(quantity, *kind) for quantity in find(keys) for kind in kinds)

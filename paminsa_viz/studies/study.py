@@ -14,7 +14,7 @@ from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.design import APPENDIX_4, PARAMETER, PARAMETERS, Design
+from paminsa_viz.model.design import APPENDIX_4, OPTIONAL_GROUPS, PARAMETER, PARAMETERS, Design
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.studies.metrics import (
     METRICS,
@@ -159,8 +159,9 @@ class Study:
             facts["load frame"] = self.design.load.frame.value
         if any(self.design.drives):
             facts["drives"] = [drive and asdict(drive) for drive in self.design.drives]
-        if self.design.elastic != APPENDIX_4.elastic:
-            facts["elastic"] = asdict(self.design.elastic)
+        for name in OPTIONAL_GROUPS:
+            if (group := getattr(self.design, name)) != getattr(APPENDIX_4, name):
+                facts[name] = asdict(group)
         return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
     def provenance(self, command: str = "") -> dict[str, str]:

@@ -161,7 +161,10 @@ def test_ends_of_a_range_are_possible_and_no_number_beyond_them(entry: Input, st
                 entry.parse(state, beyond)
             assert error.value.argument == name(entry, state)
         elif entry.fit is None:
-            assert entry.parse(state, beyond) == entry.parse(state, end)
+            step = math.copysign(entry.step, beyond - end)
+            assert entry.parse(state, end + step) == entry.parse(state, end)
+            with pytest.raises(InvalidInput, match="is possible"):
+                entry.parse(state, end + 2 * step)
         else:
             assert entry.parse(state, beyond) == entry.unit.to_si(beyond)
 

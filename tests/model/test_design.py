@@ -26,7 +26,7 @@ from paminsa_viz.model import (
     PaminsaError,
     Parameter,
 )
-from paminsa_viz.model.design import ELASTIC_PARAMETERS
+from paminsa_viz.model.design import ELASTIC_PARAMETERS, OPTIONAL_GROUPS
 from paminsa_viz.model.parameters import MOST_COUNTERWEIGHTS, SMALLEST, possible_range
 from tests.support import samples
 from tests.support.samples import possible_values
@@ -70,13 +70,16 @@ def test_every_number_of_a_design_is_listed_once_with_symbol_label_and_unit() ->
     for choice in ("geometry.knee", "load.frame", "counterweights", "drives", "name"):
         found.remove(choice)
     assert list(PARAMETER) == found
-    rigid = [path for path in found if not path.startswith("elastic.")]
+    rigid = [path for path in found if path.partition(".")[0] not in OPTIONAL_GROUPS]
     assert [p.path for p in PARAMETERS] == rigid
     assert [p.path for p in ELASTIC_PARAMETERS] == found[-len(ELASTIC_PARAMETERS) :]
     assert all(PARAMETER[p.path] is p for p in (*PARAMETERS, *ELASTIC_PARAMETERS))
+    assert {p.group for p in PARAMETER.values() if p not in PARAMETERS} == set(OPTIONAL_GROUPS)
     assert PARAMETER["gravity"].group == "design"
+    # a leg's deviation has the symbol of its length
+    own = [p for p in PARAMETER.values() if p.group not in ("leg1", "leg2", "leg3")]
     for name in ("symbol", "label"):
-        assert len({getattr(p, name) for p in PARAMETER.values()}) == len(PARAMETER)
+        assert len({getattr(p, name) for p in own}) == len(own)
     units = {"joints": {"kg"}, "links": {"kg"}, "inertias": {"kg m^2"}, "geometry": {"", "m"}}
     units |= {"platform": {"kg", "kg m^2"}, "payload": {"kg", "kg m^2"}, "design": {"m/s^2"}}
     for p in PARAMETERS:

@@ -244,7 +244,10 @@ def test_a_formula_is_solved_at_the_first_call_and_kept(monkeypatch: pytest.Monk
 def test_units() -> None:
     angles = dict.fromkeys(("pressure_1", "pressure_2", "pressure_3"), "rad")
     numbers = ("condition", "transmission", "transmission_1", "transmission_2", "transmission_3")
-    numbers += ("selective_theta", "selective_z", "conditioning")
+    numbers += ("selective_theta", "selective_z", "conditioning", "utilization")
+    joints = ("m", "8_b8", "8_b7", "9", "4", "7", "3", "2", "5")
+    errors = ("error", "linear_error", "rms_error")
+    places = [f"{kind}_{place}" for kind in errors for place in ("x", "y", "horizontal", "z")]
     assert {key: quantity.unit for key, quantity in QUANTITIES.items()} == {
         **dict.fromkeys(("tau_1", "tau_2", "tau_3", "max_torque", "rms_torque", "moment"), "N m"),
         **dict.fromkeys(("f_4", "horizontal_force", "vertical_force"), "N"),
@@ -252,6 +255,11 @@ def test_units() -> None:
         **dict.fromkeys(("selective_x", "selective_y"), "1/m"),
         **dict.fromkeys(numbers, "1"),
         **angles,
+        **dict.fromkeys(places, "m:um"),
+        **dict.fromkeys([f"force_{joint}" for joint in joints], "N"),
+        **dict.fromkeys(("joint_force", "guide_force", "bar_axial"), "N"),
+        **dict.fromkeys(("bearing_moment", "arm_moment", "bar_moment"), "N m"),
+        **dict.fromkeys((f"{kind}_theta" for kind in errors), "rad:arcsec"),
         "payload": "kg",
         "speed": "m/s",
         "turn_speed": "rad/s",

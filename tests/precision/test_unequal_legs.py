@@ -11,15 +11,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.errors import InvalidDesign, InvalidInput
+from paminsa_viz.files.design_file import read_design, write_design
+from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import APPENDIX_4, KneeBranch, inverse_kinematics, jacobian
 from paminsa_viz.model.leg_deviations import LENGTH_NAMES, LegDeviations
 from paminsa_viz.precision.closure_equations import closure_equations
 from paminsa_viz.precision.leg_lengths import (
     INDEX,
     LENGTHS,
+    design_lengths,
     deviation_array,
-    leg_deviations,
     nominal_lengths,
+    with_deviations,
 )
 from paminsa_viz.precision.unequal_legs import (
     Closure,
@@ -246,13 +249,32 @@ def test_an_unreachable_pose_has_no_sensitivities() -> None:
 
 def test_deviations_and_arrays_are_the_same_numbers() -> None:
     values = random_deviations(0, 1e-3)
-    legs = leg_deviations(values)
-    assert np.array_equal(deviation_array(legs), values)
-    assert legs[2].guide_height == values[2, INDEX["guide_height"]]
-    assert not deviation_array(()).any()
+    design = with_deviations(APPENDIX_4, values)
+    assert np.array_equal(deviation_array(design), values)
+    assert design.leg3.guide_height == values[2, INDEX["guide_height"]]
+    assert design.value("leg2.bar_94") == values[1, 0]
+    assert not deviation_array(APPENDIX_4).any()
+    assert np.array_equal(design_lengths(design), nominal_lengths(APPENDIX_4.geometry) + values)
     assert [item.name for item in LENGTHS] == list(LENGTH_NAMES)
-    assert LegDeviations().zero
-    assert not legs[0].zero
+    assert APPENDIX_4.leg1.zero
+    assert not design.leg1.zero
+    assert with_deviations(design, np.zeros((3, 14))) == APPENDIX_4
+
+
+def test_design_files_hold_deviations_and_tolerances() -> None:
+    design = with_deviations(APPENDIX_4, random_deviations(1, 1e-3))
+    design = design.vary({"tolerances.bar": 1e-5, "leg2.shaft": 0.0})
+    text = write_design(design)
+    assert read_design(text, "robot.toml") == design
+    assert "[leg1]" in text
+    assert "bar_m = 1e-05" in text
+    assert "shaft_clearance" not in text
+    plain = write_design(APPENDIX_4)
+    assert not any(f"[{table}]" in plain for table in ("leg1", "leg2", "leg3", "tolerances"))
+    with pytest.raises(
+        DesignFileError, match=r"line 3, \[leg2\] bar_94_m = 1000000000.0: .* at most 100"
+    ):
+        read_design("schema_version = 1\n[leg2]\nbar_94_m = 1e9\n", "robot.toml")
 
 
 @pytest.mark.parametrize("shape", [(14,), (2, 14), (3, 13), (5, 3, 13)], ids=str)
@@ -264,7 +286,7 @@ def test_other_shapes_are_refused(shape: tuple[int, ...]) -> None:
 def test_bad_deviations_are_refused() -> None:
     with pytest.raises(InvalidDesign, match="bar_94 = nan"):
         LegDeviations(bar_94=float("nan"))
-    with pytest.raises(InvalidDesign, match="at most 1 in size"):
-        leg_deviations(np.full((3, 14), 2.0))
+    with pytest.raises(InvalidDesign, match="at most 100 in size"):
+        with_deviations(APPENDIX_4, np.full((3, 14), 200.0))
     with pytest.raises(InvalidInput, match="batch shapes"):
         solve_pose(APPENDIX_4.geometry, np.zeros((5, 3, 14)), np.zeros((4, 4)), np.zeros(4))

@@ -8,6 +8,9 @@ import numpy as np
 
 from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model import (
     Design,
     Limit,
@@ -17,7 +20,9 @@ from paminsa_viz.model import (
     measure_singularity,
     static_torques,
 )
+from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.leg import mechanism
+from paminsa_viz.precision.drive_errors import drive_errors
 
 CAPABILITIES = (
     "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
@@ -47,6 +52,8 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "selective_theta": selective[..., 2],
         "selective_z": selective[..., 3],
         "conditioning": 1 / measured.condition,
+        **_errors(design, pose),
+        **_joint_forces(design, pose),
     }  # fmt: skip
     return {
         "tau_1": torque[..., 0],
@@ -59,3 +66,42 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "determinant": measured.determinant,
         "reach_margin": reach.margins.min(axis=(-1, -2)),
     } | {name: np.where(good, values, np.nan) for name, values in further.items()}
+
+
+def _errors(design: Design, pose: Any) -> dict[str, Any]:
+    """Return the errors from the drives by their keys."""
+    found = drive_errors(design.geometry, design.accuracy, pose)
+    by_kind = {
+        "error": (found.worst, found.horizontal),
+        "linear_error": (found.linear, found.linear_horizontal),
+        "rms_error": (found.rms, found.rms_horizontal),
+    }
+    names = ("x", "y", "theta", "z")
+    return {
+        f"{kind}_{name}": values
+        for kind, (pose_errors, horizontal) in by_kind.items()
+        for name, values in (
+            ("horizontal", horizontal),
+            *((name, pose_errors[..., index]) for index, name in enumerate(names)),
+        )
+    }
+
+
+def _joint_forces(design: Design, pose: Any) -> dict[str, Any]:
+    """Return forces at joints and in bars at rest by their keys."""
+    forces = joint_forces(design, pose)
+    size = forces.magnitude.max(axis=-2)
+    inner = np.abs([bar_loads(forces, bar).extremes() for bar in BARS]).max(axis=(0, -2))
+    moment = np.abs(forces.moment).max(axis=-2)
+    return {
+        "joint_force": size.max(axis=-1),
+        **{
+            {"m": "force_m", "guide": "guide_force"}.get(joint, f"force_{joint}"): size[..., index]
+            for joint, index in JOINT_INDEX.items()
+        },
+        "bearing_moment": moment[..., JOINT_INDEX["m"]],
+        "arm_moment": moment[..., JOINT_INDEX["2"]],
+        "bar_axial": inner[..., 0],
+        "bar_moment": inner[..., 2],
+        "utilization": utilization(forces).max(axis=(-1, -2)),
+    }

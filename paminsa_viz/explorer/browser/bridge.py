@@ -71,6 +71,7 @@ class Bridge:
         self.on("hello", lambda _: timer.cancel())
         timer.start()
         self._run(asset("backdrop.js"))
+        self._run(asset("number_fields.js"))
         self._run(f"({asset('page.js').rstrip()})({json.dumps(config)})")
 
     def on(self, kind: str, listener: Callable[[Any], None]) -> None:

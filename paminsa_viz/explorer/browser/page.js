@@ -175,6 +175,8 @@
     "rendering on demand (requestRender, __r3f)": () => viewer().requestRender && invalidator(),
     "layout of inputs (mantine-Flex-root)": () =>
       onceThere("[role=slider]", () => document.querySelector(".mantine-Flex-root")),
+    "numbers typed as a whole (mantine-NumberInput-input, __reactFiber)": () =>
+      onceThere("[role=slider]", () => window.paminsaNumberFields?.works()),
     "clicks on figures (_fullLayout)": () =>
       onceThere(".plot-container.plotly", () =>
         document.querySelector(".js-plotly-plot")?._fullLayout?._plots),

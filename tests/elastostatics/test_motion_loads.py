@@ -1,0 +1,159 @@
+"""Loads along a motion, over a grid, and what bearings and bars get of them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
+from paminsa_viz.elastostatics.utilization import bar_stress, utilization
+from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.elastic import BARS
+from paminsa_viz.model.grids import Grid, solve_field
+from paminsa_viz.model.load import LoadCase
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.quantities import QUANTITIES, families
+from paminsa_viz.trajectory import PRESET, analyze
+from tests import oracle
+
+
+@pytest.fixture(scope="module")
+def moved() -> MotionLoads:
+    trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(500)
+    found = motion_loads(analyze(APPENDIX_4, trajectory))
+    assert found is not None
+    return found
+
+
+def test_peak_and_rms_are_those_of_the_samples(moved: MotionLoads) -> None:
+    t, size = moved.trajectory.t, moved.magnitude
+    np.testing.assert_allclose(moved.peak, size.max(axis=0))
+    at_peak = [
+        [np.interp(moved.peak_time[i, j], t, size[:, i, j]) for j in range(10)] for i in range(3)
+    ]
+    np.testing.assert_allclose(at_peak, moved.peak)
+    mean = np.trapezoid(size**2, t, axis=0) / (t[-1] - t[0])
+    np.testing.assert_allclose(moved.rms, np.sqrt(mean), rtol=1e-4)
+    assert (moved.rms <= moved.peak).all()
+
+
+def test_joints_turn_as_their_bodies_do(moved: MotionLoads) -> None:
+    """Against angular velocities from first principles."""
+    motion = moved.trajectory
+    every = oracle.bodies(
+        APPENDIX_4, oracle.jets(motion.pose, motion.velocity, motion.acceleration)
+    )
+    for leg in range(3):
+        turn = {
+            body.name.rpartition(" ")[2]: np.stack(np.broadcast_arrays(*oracle.turning(body)), -1)
+            for body in every
+            if body.name.startswith(f"leg {leg + 1}: B") or body.name == "platform"
+        }
+        pairs = {
+            "m": ("B10", None), "8_b8": ("B8", "B10"), "8_b7": ("B7", "B10"), "9": ("B4", "B8"),
+            "4": ("B4", "B3"), "7": ("B3", "B7"), "3": ("B3", "B2"), "2": ("B2", None),
+            "5": ("platform", "B4"),
+        }  # fmt: skip
+        for key, (on, by) in pairs.items():
+            relative = turn[on] - (turn[by] if by else 0.0)
+            found = moved.speed[:, leg, JOINT_INDEX[key]]
+            np.testing.assert_allclose(found, np.linalg.norm(relative, axis=-1), atol=1e-12)
+
+
+def test_equivalent_load_is_the_force_where_it_is_constant(moved: MotionLoads) -> None:
+    assert (moved.equivalent <= moved.peak * (1 + 1e-9)).all()
+    constant = replace(moved)
+    constant.__dict__["magnitude"] = np.full_like(moved.magnitude, 7.0)
+    constant.__dict__["speed"] = moved.speed
+    np.testing.assert_allclose(constant.equivalent, 7.0, rtol=1e-12)
+    # a force only while the joint does not turn wears nothing
+    still = moved.speed < 1e-3 * moved.speed.max(axis=0)
+    resting = replace(moved)
+    resting.__dict__["magnitude"] = np.where(still, 1.0, 0.0)
+    resting.__dict__["speed"] = np.where(still, 0.0, moved.speed)
+    np.testing.assert_allclose(resting.equivalent, 0.0, atol=1e-6)
+
+
+def test_a_joint_that_does_not_turn_has_no_equivalent_load() -> None:
+    trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(100)
+    still = replace(
+        trajectory,
+        pose=np.tile(trajectory.pose[:1], (trajectory.size, 1)),
+        velocity=np.zeros((trajectory.size, 4)),
+        acceleration=np.zeros((trajectory.size, 4)),
+    )
+    found = motion_loads(analyze(APPENDIX_4, still))
+    assert found is not None
+    assert np.isnan(found.equivalent).all()
+    at_rest = joint_forces(APPENDIX_4, trajectory.pose[0]).magnitude
+    np.testing.assert_allclose(found.peak, at_rest, rtol=1e-12)
+
+
+def test_a_motions_own_load_acts_and_a_failing_motion_ends_early() -> None:
+    trajectory = PRESET["arch"].build(APPENDIX_4.geometry).sample(100)
+    wrench = np.zeros((trajectory.size, 6))
+    wrench[:, 2] = -40.0
+    pushed = motion_loads(analyze(APPENDIX_4, replace(trajectory, load=wrench)))
+    design = replace(APPENDIX_4, load=LoadCase(force_z=-40.0))
+    same = motion_loads(analyze(design, trajectory))
+    assert pushed is not None
+    assert same is not None
+    np.testing.assert_allclose(pushed.peak, same.peak, rtol=1e-12)
+    far = replace(trajectory, pose=trajectory.pose + np.linspace(0, 1, trajectory.size)[:, None])
+    analysis = analyze(APPENDIX_4, far)
+    found = motion_loads(analysis)
+    assert 0 < analysis.check.until < trajectory.size
+    assert found is not None
+    assert found.trajectory.size == analysis.check.until
+    assert np.isfinite(found.peak).all()
+    assert motion_loads(analyze(APPENDIX_4, replace(far, pose=far.pose + 9.0))) is None
+
+
+def test_stress_is_that_of_dense_samples() -> None:
+    forces = joint_forces(APPENDIX_4, [[0.05, -0.03, 0.2, -0.5], [0.0, 0.1, -0.1, -0.6]])
+    for bar in BARS:
+        loads, section = bar_loads(forces, bar), APPENDIX_4.elastic.section(bar)
+        inner = np.abs(loads.at(np.linspace(0, loads.length, 5001)))
+        dense = inner[..., 0] / section.area + inner[..., 2] * section.radius / section.inertia_in
+        found = bar_stress(forces, loads)
+        if bar == "b1":
+            assert (found >= dense.max(axis=-1)).all()
+        else:
+            np.testing.assert_allclose(found, dense.max(axis=-1), rtol=2e-3)
+    weaker = APPENDIX_4.vary({"elastic.yield_stress": 120e6})
+    again = joint_forces(weaker, [[0.05, -0.03, 0.2, -0.5], [0.0, 0.1, -0.1, -0.6]])
+    np.testing.assert_allclose(utilization(again), 2 * utilization(forces), rtol=1e-12)
+
+
+def test_quantities_are_the_pointwise_functions() -> None:
+    design = replace(APPENDIX_4, load=LoadCase(10, 5, -30, 1, 2, 0.5))
+    axis = np.linspace(-0.3, 0.45, 9)
+    field = solve_field(design.geometry, Grid.over((0, 0, 0.3, -0.5), y=axis, x=axis))
+    poses = field.grid.poses()
+    forces = joint_forces(design, poses)
+    found = {q.key: q.over(field, design) for q in families()["joint forces"]}
+    good = field.status == Limit.OK
+    assert good.any()
+    assert not good.all()
+    expected = {
+        "joint_force": forces.magnitude.max(axis=(-1, -2)),
+        "guide_force": np.abs(forces.of("guide")[..., 2]).max(axis=-1),
+        "force_9": np.hypot(*np.moveaxis(forces.of("9")[..., [0, 2]], -1, 0)).max(axis=-1),
+        "force_5": np.linalg.norm(forces.of("5"), axis=-1).max(axis=-1),
+        "bearing_moment": np.abs(forces.moment[..., JOINT_INDEX["m"]]).max(axis=-1),
+        "arm_moment": np.abs(forces.moment[..., JOINT_INDEX["2"]]).max(axis=-1),
+        "bar_moment": np.max(
+            [np.abs(bar_loads(forces, b).extremes()[..., 2]) for b in BARS], axis=0
+        ).max(axis=-1),
+        "utilization": utilization(forces).max(axis=(-1, -2)),
+    }
+    for key, values in expected.items():
+        np.testing.assert_allclose(found[key][good], values[good], rtol=1e-12)
+    for key, values in found.items():
+        assert np.isfinite(values[good]).all(), key
+        assert np.isnan(values[~good]).all(), key
+    assert set(found) <= set(QUANTITIES)

@@ -1,0 +1,138 @@
+"""Numbers that are typed or pasted into the page's boxes."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Kind, Timing
+from tests.support.chromium import Tab, until
+
+pytestmark = pytest.mark.browser
+
+X, THETA = "x  [mm]", "θ  [°]"
+
+TEXTS = {
+    "33.5": 33.5,
+    "-7.25": -7.25,
+    "−7,25": -7.25,
+    "12,5": 12.5,
+    "-500.5": -500.5,
+    "1e1": 10.0,
+    "2.5E-3": 0.0025,
+    "+.5": 0.5,
+    " 0,125 ": 0.125,
+    "33.123456": 33.123456,
+    "1e": None,
+    "abc": None,
+    "1,234": None,
+    "1.234,5": None,
+    "1 234": None,
+    "1.2.3": None,
+    "33.5 mm": None,
+    "0x10": None,
+    "1e400": None,
+    "NaN": None,
+    "": None,
+}
+
+
+def test_text_is_one_number_or_none(tab: Tab) -> None:
+    found = tab.page.evaluate(
+        "texts => texts.map(text => window.paminsaNumberFields.parse(text).number ?? null)",
+        list(TEXTS),
+    )
+    assert dict(zip(TEXTS, found, strict=True)) == TEXTS
+
+
+def typed(tab: Tab, field: Any, text: str, key: str = "Enter") -> None:
+    """Type a text into a box, key by key."""
+    field.click()
+    field.press_sequentially(text)
+    if not text:
+        field.press("Delete")
+    field.press(key)
+    tab.page.wait_for_timeout(60)
+
+
+@pytest.mark.parametrize(
+    ("index", "label", "factor"),
+    [(0, X, 1e-3), (1, "y  [mm]", 1e-3), (2, THETA, math.pi / 180), (3, "z  [mm]", 1e-3)],
+    ids=["x", "y", "theta", "z"],
+)
+def test_pose_takes_the_number_that_is_typed_and_shows_it(
+    tab: Tab, index: int, label: str, factor: float
+) -> None:
+    field = tab.number_box(label)
+    for text, shown in (("33.5", "33.5"), ("-7.25", "-7.25"), ("-400,5", "-400.5"), ("1e1", "10")):
+        typed(tab, field, text)
+        wanted = float(text.replace(",", ".")) * factor
+        until(lambda w=wanted: abs(tab.state.document.pose[index] - w) < 1e-12, text)
+        until(lambda s=shown: field.input_value() == s, f"{text} is shown as {shown}")
+    for text in ("abc", "", "1,234", "1.2.3"):
+        typed(tab, field, text)
+        assert field.input_value() == "10"
+        assert (tab.page.locator(".pv-field-hint").filter(has_text=text).count() > 0) == bool(text)
+    tab.wait_frames(300)
+    assert tab.state.document.pose[index] == pytest.approx(10 * factor, abs=1e-12)
+
+
+def test_every_kind_of_box_takes_decimals_and_pasted_text(tab: Tab) -> None:
+    tab.open_tab("Design")
+    mass = tab.number_box("m₇ B3, B7")
+    mass.click()
+    tab.page.keyboard.insert_text("1,5")  # in one piece, as pasting does
+    mass.press("Tab")
+    until(lambda: tab.state.document.design.joints.j7 == 1.5, "the mass")
+    tab.open_tab("Motion")
+    tab.dispatch(lambda s: motions.choose_kind(s, Kind.ARCH))
+    tab.open_tab("Torque maps")
+    typed(tab, tab.element("from–to"), "-12,75")
+    until(lambda: tab.state.map_view.low == -12.75, "the low end of the colors")
+
+
+def test_whole_number_after_a_pause_and_none_of_its_beginnings(tab: Tab) -> None:
+    poses: list[float] = []
+    field = tab.number_box(X)
+    field.click()
+    for key in "-33.25":
+        field.press(key)
+        tab.page.wait_for_timeout(80)
+        poses.append(tab.state.document.pose[0])
+    assert set(poses) == {0.0}
+    tab.wait_pose(0, -0.03325)
+    assert field.input_value() == "-33.25"
+    field.press("Escape")
+    tab.wait_pose(0, 0.0)
+    until(lambda: field.input_value() == "0", "the number from before")
+
+
+def test_box_steps_with_arrow_keys(tab: Tab) -> None:
+    field = tab.number_box(THETA)
+    typed(tab, field, "7.25", "ArrowUp")
+    tab.wait_pose(2, np.radians(7.75))
+    field.press("ArrowDown")
+    tab.wait_pose(2, np.radians(7.25))
+    until(lambda: field.input_value() == "7.25", "the box follows")
+
+
+def test_motion_that_plays_does_not_overwrite_a_box_that_is_edited(tab: Tab) -> None:
+    slow = {"timing": Timing.GIVEN, "duration": 20.0, "kind": Kind.MOVE}
+    tab.dispatch(lambda s: motions.play(motions.change(s, **slow)))
+    until(lambda: tab.state.playback.time > 0.1, "it plays")
+    field = tab.number_box(X)
+    field.click()
+    first = field.input_value()
+    until(lambda: field.input_value() != first, "a box that is not edited yet follows")
+    time = tab.state.playback.time
+    field.press_sequentially("-3")
+    until(lambda: tab.state.playback.time > time + 0.5, "it plays on")
+    assert field.input_value() == "-3"
+    field.press_sequentially("0.5")
+    field.press("Enter")
+    tab.wait_pose(0, -0.0305)
+    assert not tab.state.playback.following

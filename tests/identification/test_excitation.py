@@ -1,0 +1,156 @@
+"""Excitation: multi-sines at rest at their ends, exact slopes, limits kept, far above random."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.actuation import actuator_limits
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.identification import (
+    ExcitationLimits,
+    ExcitationSettings,
+    NoExcitation,
+    optimize_excitation,
+)
+from paminsa_viz.identification.excitation import random_motions
+from paminsa_viz.identification.information import Information
+from paminsa_viz.identification.multi_sine import MultiSineFamily
+from paminsa_viz.model import APPENDIX_4, Friction, actuator_velocity, inverse_dynamics
+from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.trajectory import Plan, home
+from paminsa_viz.trajectory.check import check_path
+from tests.support.samples import random_design
+
+ROBOT = replace(APPENDIX_4, friction=Friction(0.4, 0.6, 20.0, 8.0))
+PERIOD = 8.0
+
+
+def limits_of(design) -> ExcitationLimits:
+    found = actuator_limits(design)
+    return ExcitationLimits(found.speed, found.rated)
+
+
+def information(design=ROBOT, samples: int = 256) -> Information:
+    family = MultiSineFamily(5, home(design.geometry), np.array([0.1, 0.1, 0.4, 0.1]))
+    return Information(design, limits_of(design), family, PERIOD, samples)
+
+
+def some_motion(info: Information, seed: int = 1):
+    rng = np.random.default_rng(seed)
+    return 0.12 * rng.standard_normal(info.family.size)
+
+
+def test_multi_sine_begins_and_ends_at_rest_with_exact_derivatives() -> None:
+    info = information()
+    curve = info.family.curve(some_motion(info), periods=3)
+    for order in (1, 2):
+        np.testing.assert_allclose(curve(np.array([0.0, 1.0]), order), 0.0, atol=1e-9)
+    u = np.linspace(0.05, 0.95, 17)
+    for order in range(3):
+        slope = (curve(u + 1e-6, order) - curve(u - 1e-6, order)) / 2e-6
+        np.testing.assert_allclose(curve(u, order + 1), slope, rtol=1e-5, atol=1e-3)
+    np.testing.assert_allclose(curve(u), curve((u + 1 / 3) % 1.0), atol=1e-12)
+
+
+def test_states_of_the_search_are_those_of_the_plan() -> None:
+    info = information()
+    x = some_motion(info)
+    states = info.states(x)
+    plan = Plan(info.family.curve(x), PERIOD)
+    wanted = np.concatenate(plan.at(np.arange(len(states)) * PERIOD / len(states)), axis=1)
+    np.testing.assert_allclose(states, wanted, atol=1e-12)
+
+
+def test_slopes_are_those_of_differences() -> None:
+    info = information()
+    info.noise = np.array([0.1, 0.2, 0.1, 5.0])
+    x = some_motion(info)
+    found = info.evaluate(x, 50.0)
+    assert found.value == pytest.approx(float(info.log_det(x)), abs=1e-9)
+    assert found.worst == pytest.approx(float(info.worst_room(x)))
+    assert np.all(found.room <= info.at(info.states(x)).room.min() + 1.0)
+    for index in (0, 3, 4, 13, 22, 35):
+        step = 1e-5 * np.eye(info.family.size)[index]
+        above, below = info.evaluate(x + step, 50.0), info.evaluate(x - step, 50.0)
+        assert found.slope[index] == pytest.approx((above.value - below.value) / 2e-5, rel=1e-4)
+        slope = (above.room - below.room) / 2e-5
+        np.testing.assert_allclose(found.room_slope[:, index], slope, atol=1e-5)
+
+
+def test_information_is_that_of_measured_torques() -> None:
+    """det M is that of the normal equations; halving the noise adds 2 log 2 a parameter."""
+    info = information()
+    x = some_motion(info)
+    plain = float(info.log_det(x))
+    info.noise = np.full(4, 0.5)
+    assert float(info.log_det(x)) == pytest.approx(plain + 2 * np.log(2) * info.rank)
+    assert info.rank == 22
+
+
+@pytest.mark.parametrize("seed", [None, 3])
+def test_random_motions_are_as_large_as_the_limits_allow(seed) -> None:
+    design = ROBOT if seed is None else random_design(np.random.default_rng(seed))
+    info = information(design)
+    motions = random_motions(info, 12, 0)
+    assert len(motions)
+    room = info.worst_room(motions)
+    assert np.all(room >= 0.0)
+    assert not np.any(info.worst_room(1.01 * motions) > 0.0)
+
+
+@pytest.mark.slow
+def test_best_motion_keeps_its_limits_and_beats_300_random_ones() -> None:
+    """A small budget is enough for 8 of the 15; `benchmarks/excitation_speed.py` has the rest."""
+    limits = limits_of(ROBOT)
+    settings = ExcitationSettings(period=PERIOD, evaluations=400, seconds=1e4)
+    found = optimize_excitation(ROBOT, limits, settings)
+    assert found.random == 300
+    assert found.gain > 8.0
+    t = np.linspace(0.0, found.plan.duration, 5001)
+    state = found.plan.at(t)
+    speed = np.abs(actuator_velocity(ROBOT, state.pose, state.velocity)).max(axis=0)
+    torque = np.abs(inverse_dynamics(ROBOT, *state).torque).max(axis=0)
+    condition = measure_singularity(ROBOT.geometry, state.pose).condition.max()
+    slack = 1.0 + 1e-3
+    assert np.all(speed <= slack * limits.speed)
+    assert np.all(torque <= slack * limits.torque)
+    assert condition <= slack * limits.condition
+    assert check_path(ROBOT.geometry, found.plan.sample(250.0)).ok
+    assert all(row.kept for row in found.limits)
+    assert max(speed / limits.speed) > 0.9 or condition > 0.9 * limits.condition
+
+
+def test_search_is_reproducible_by_its_seed() -> None:
+    def poses(seed: int):
+        settings = ExcitationSettings(period=PERIOD, evaluations=12, seconds=1e4, seed=seed)
+        return optimize_excitation(ROBOT, limits_of(ROBOT), settings).plan.sample(50.0).pose
+
+    np.testing.assert_array_equal(poses(4), poses(4))
+    assert not np.array_equal(poses(4), poses(5))
+
+
+def test_search_can_be_stopped_and_reports() -> None:
+    shares: list[float] = []
+
+    def report(share: float) -> bool:
+        shares.append(share)
+        return len(shares) == 3
+
+    found = optimize_excitation(ROBOT, limits_of(ROBOT), ExcitationSettings(), report=report)
+    assert len(shares) == 3
+    assert shares == sorted(shares)
+    assert found.gain >= 0.0
+    assert found.plan.duration == 20.0
+
+
+def test_impossible_searches_are_refused() -> None:
+    with pytest.raises(InvalidInput, match=r"samples: 250 to 10000"):
+        ExcitationSettings(samples=100)
+    with pytest.raises(InvalidInput, match="harmonics: 3 to 20"):
+        optimize_excitation(ROBOT, limits_of(ROBOT), ExcitationSettings(harmonics=2))
+    weak = limits_of(ROBOT)._replace(torque=np.array([20.0, 20.0, 20.0, 50.0]))
+    with pytest.raises(NoExcitation, match="force of M4 is beyond its limit"):
+        optimize_excitation(ROBOT, weak, ExcitationSettings())

@@ -1,0 +1,56 @@
+"""Accuracy of the drives: its parts, its place in designs, files and studies."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidDesign
+from paminsa_viz.files.design_file import read_design
+from paminsa_viz.files.design_writer import write_design
+from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy
+from paminsa_viz.model.drive import NO_DRIVES
+
+PARTS = DriveAccuracy(2e-4, 3e-5, 4e-4, 1e-5, 1e-4, 2e-5)
+
+
+def test_half_widths_add_and_variances_add() -> None:
+    assert PARTS.half_widths == pytest.approx((4e-4, 4e-4, 4e-4, 4e-5))
+    assert PARTS.deviations[:3] == pytest.approx([np.sqrt((4e-8 + 16e-8 + 4e-8) / 12)] * 3)
+    assert PARTS.deviations[3] == pytest.approx(np.sqrt((9e-10 + 1e-10 + 16e-10) / 12))
+    default = DriveAccuracy()
+    assert np.degrees(default.half_widths[:3]) == pytest.approx([0.005] * 3)
+    assert default.half_widths[3] == 5e-6
+
+
+@pytest.mark.parametrize("value", [-1e-4, float("nan"), 2.0, "0.1"])
+def test_impossible_accuracies_are_refused(value: Any) -> None:
+    with pytest.raises(InvalidDesign, match=r"accuracy\.backlash_rotary"):
+        DriveAccuracy(backlash_rotary=value)
+
+
+def test_encoders_of_drives_give_the_resolutions() -> None:
+    coarse, fine = Drive(encoder_counts=1000, gear_ratio=50), Drive(encoder_counts=4096)
+    screw = Drive(encoder_counts=2000, transmission="screw", lead=0.01)
+    found = PARTS.with_encoders((fine, coarse, None, screw))
+    assert found.resolution_rotary == pytest.approx(2 * np.pi / 4096)  # the coarsest
+    assert found.resolution_linear == pytest.approx(5e-6)
+    assert found == replace(
+        PARTS, resolution_rotary=found.resolution_rotary, resolution_linear=found.resolution_linear
+    )
+    assert PARTS.with_encoders(NO_DRIVES) == PARTS
+    assert PARTS.with_encoders((Drive(), None, None, None)) == PARTS
+
+
+def test_a_design_file_names_it_only_where_it_is_not_the_default() -> None:
+    assert "accuracy" not in write_design(APPENDIX_4)
+    design = APPENDIX_4.vary({"accuracy.backlash_rotary": 1e-3, "accuracy.resolution_linear": 0.0})
+    text = write_design(design)
+    assert read_design(text, "a.toml") == design
+    lines = text.partition("[accuracy]")[2].splitlines()[1:]
+    assert [line.split(" =")[0] for line in lines] == [
+        "resolution_linear_m", "backlash_rotary_rad"
+    ]  # fmt: skip
