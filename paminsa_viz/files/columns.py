@@ -37,6 +37,7 @@ UNITS: dict[str, dict[str, float]] = {
     "rad": {"rad": 1.0, "deg": math.pi / 180},
     "N": {"N": 1.0, "kN": 1e3},
     "Nm": {"Nm": 1.0},
+    "A": {"A": 1.0, "mA": 1e-3},
 }
 """Units that may be written for an SI unit, each with its factor."""
 
@@ -85,6 +86,14 @@ TRAJECTORY = TableKind(
     ),
     any_unit=True,
 )
+MEASURED = ("torque1_Nm", "torque2_Nm", "torque3_Nm", "force4_N")
+CURRENTS = ("current1_A", "current2_A", "current3_A", "current4_A")
+LOG = TableKind(
+    "a log",
+    (TIME, *ACTUATORS),
+    (("torque", MEASURED, MEASURED), ("current", CURRENTS, CURRENTS)),
+    any_unit=True,
+)
 
 
 @dataclass(frozen=True)
@@ -125,7 +134,7 @@ def match_columns(
     for place, text in enumerate(header):
         if not text:
             raise refused(f"column {place + 1} has no name")
-        if text in RESULTS and kind.any_unit:
+        if text in RESULTS and kind.any_unit and text not in kind.columns:
             continue
         column = _column(place, text, kind)
         if isinstance(column, str):

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import itertools
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cache
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +33,8 @@ ROTARY_TORQUES = Formula(robot.unit_torques, 3)
 
 WRENCH_TORQUES = Formula(measures.wrench_torques, 9)
 """Entries of J for x, y, theta and M1..M3, row by row, see `measures.wrench_torques` [m, 1]."""
+
+T = TypeVar("T")
 
 COORDINATES = ("x", "y", "theta", "z")
 
@@ -128,6 +131,7 @@ class Field:
     leg: NDArray[np.int8]
     threads: int | None
     _solved: dict[Formula, Array] = field(repr=False)
+    _kept: dict[str, tuple[Any, Any]] = field(default_factory=dict, repr=False)
 
     def solve(self, formula: Formula) -> Array:
         """Return the results of a formula, (results, ...); solved at the first call and kept."""
@@ -136,6 +140,17 @@ class Field:
             m = mechanism(self.geometry)
             found = self._solved[formula] = _evaluate(formula, m, self.grid, self.threads)
         return found
+
+    def keep(self, name: str, key: Hashable, make: Callable[[], T]) -> T:
+        """Return what ``make`` returns, made again only when ``key`` has changed.
+
+        For what follows from more than the geometry, and is used by several quantities. The last
+        result of each name is kept.
+        """
+        found = self._kept.get(name)
+        if found is None or found[0] != key:
+            found = self._kept[name] = (key, make())
+        return found[1]
 
     @property
     def gamma(self) -> Array:

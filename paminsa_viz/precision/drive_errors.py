@@ -1,19 +1,20 @@
 """Errors of the platform's pose from errors of the drives: linear, and by exact kinematics.
 
 With the actuators off by at most d_j (`DriveAccuracy.half_widths`), the linear estimate of an error
-is the sum of |J_ij| d_j. It is small where the robot may jump into another assembly mode, so the
+is the sum of |J_ij| d_j. It is finite where the robot may jump into another assembly mode, so the
 exact error is worked out as well: forward kinematics in the corners of the box q +- d, in the
-assembly mode that is connected with the pose (Briot and Bonev, Robotica 26 (2008) 5). Where the box
-holds a singular position of the actuators, or one without a platform, there is no bound, whatever
-the linear estimate says (Tannous, Caro and Goldsztejn, Mech. Mach. Theory 71 (2014) 61).
+assembly mode that is connected with the pose (Briot and Bonev, Mech. Mach. Theory 43 (2008) 445).
+Where the box holds a singular position of the actuators, or one without a platform, there is no
+bound, whatever the linear estimate says (Tannous, Caro and Goldsztejn, Mech. Mach. Theory 71 (2014)
+93).
 
 Heights separate: z = k (Z - l_B2) - l_B5, so that its error is k d_4, and x, y and theta depend on
 the eight corners of M1..M3 alone. Z counts for the reach of the legs only.
 
-The closure equations of M1..M3 are a cos theta' + b sin theta' = const with a and b functions of
-the angles beta_k (`kinematics.forward_kinematics`): the two assembly modes are apart exactly where
-b^2 > ((R_b/R_pl)^2 - 1) a^2 and (a, b) is not zero. `_regular` proves that for the whole box by a
-Taylor expansion with a bound of its remainder.
+The closure equations of M1..M3 are a cos theta - b sin theta = (R_b/R_pl) a with a and b functions
+of the angles beta_k (see `kinematics.forward_kinematics`): the two assembly modes are apart exactly
+where b^2 > ((R_b/R_pl)^2 - 1) a^2 and (a, b) is not zero. `_regular` proves that for the whole box
+by a Taylor expansion with a bound of its remainder.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ from paminsa_viz.model.kinematics import LEG_AXES, inverse_kinematics
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.robot import platform_determinant
 from paminsa_viz.precision.closure_equations import ACTUATORS, SLIDES, STATE, closure_equations
-from paminsa_viz.precision.leg_lengths import INDEX, as_lengths, nominal_lengths
+from paminsa_viz.precision.leg_lengths import INDEX, as_lengths
 
 COORDINATES = ("x", "y", "theta", "z", "tilt_x", "tilt_y")
 """Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
@@ -137,20 +137,20 @@ class Sensitivities(NamedTuple):
     actuators: Array
 
 
-def sensitivities(geometry: Geometry, pose: ArrayLike) -> Sensitivities:
-    """Return the first-order errors of a robot with nominal lengths at poses (..., 4).
+def nominal_pose(geometry: Geometry, pose: ArrayLike) -> UnequalPose:
+    """Return the solution for nominal lengths at poses (..., 4), in closed form."""
+    pose = as_vectors(pose, "pose")
+    state = _start(geometry, pose)
+    finite = np.isfinite(pose).all(axis=-1)
+    closure = np.where(finite, Closure.OK, Closure.NOT_FINITE).astype(np.uint8)
+    return UnequalPose(pose, state[..., 4:6], state[..., SLIDES], state[..., ACTUATORS], closure)
+
+
+def sensitivities(geometry: Geometry, lengths: ArrayLike, solution: UnequalPose) -> Sensitivities:
+    """Return the first-order errors of legs (..., 3, 14) at solved poses.
 
     NaN where the bars cannot close or the pose is singular.
     """
-    state = _start(geometry, as_vectors(pose, "pose"))
-    lengths = np.broadcast_to(nominal_lengths(geometry), (*state.shape[:-1], 3, len(INDEX)))
-    return _sensitivities(geometry, lengths, state)
-
-
-def sensitivities_at(
-    geometry: Geometry, lengths: ArrayLike, solution: UnequalPose
-) -> Sensitivities:
-    """Return the first-order errors at solved poses of legs (..., 3, 14)."""
     state = np.concatenate([solution.coordinates, solution.slides, solution.actuators], axis=-1)
     lengths = np.broadcast_to(as_lengths(lengths), (*state.shape[:-1], 3, len(INDEX)))
     return _sensitivities(geometry, lengths, state)

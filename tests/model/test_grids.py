@@ -246,7 +246,7 @@ def test_units() -> None:
     numbers = ("condition", "transmission", "transmission_1", "transmission_2", "transmission_3")
     numbers += ("selective_theta", "selective_z", "conditioning", "utilization")
     joints = ("m", "8_b8", "8_b7", "9", "4", "7", "3", "2", "5")
-    errors = ("error", "linear_error", "rms_error")
+    errors = ("error", "linear_error", "rms_error", "tolerance", "rms_tolerance", "deviation")
     places = [f"{kind}_{place}" for kind in errors for place in ("x", "y", "horizontal", "z")]
     assert {key: quantity.unit for key, quantity in QUANTITIES.items()} == {
         **dict.fromkeys(("tau_1", "tau_2", "tau_3", "max_torque", "rms_torque", "moment"), "N m"),
@@ -255,11 +255,17 @@ def test_units() -> None:
         **dict.fromkeys(("selective_x", "selective_y"), "1/m"),
         **dict.fromkeys(numbers, "1"),
         **angles,
+        **dict.fromkeys([f"stiffness_{axis}" for axis in ("x", "y", "z", "horizontal")], "N/m"),
+        **dict.fromkeys(("stiffness_theta", "stiffness_tilt"), "N m/rad"),
+        **dict.fromkeys(("frequency_1", "frequency_drives"), "Hz"),
+        "deflection": "m",
+        "deflection_tilt": "rad",
         **dict.fromkeys(places, "m:um"),
         **dict.fromkeys([f"force_{joint}" for joint in joints], "N"),
         **dict.fromkeys(("joint_force", "guide_force", "bar_axial"), "N"),
         **dict.fromkeys(("bearing_moment", "arm_moment", "bar_moment"), "N m"),
         **dict.fromkeys((f"{kind}_theta" for kind in errors), "rad:arcsec"),
+        **dict.fromkeys((f"{kind}_tilt" for kind in errors[3:]), "rad:arcsec"),
         "payload": "kg",
         "speed": "m/s",
         "turn_speed": "rad/s",

@@ -9,8 +9,11 @@ import numpy as np
 from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.elastostatics.utilization import utilization
+from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.model import (
     Design,
     Limit,
@@ -23,11 +26,15 @@ from paminsa_viz.model import (
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.leg import mechanism
 from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
 
 CAPABILITIES = (
     "payload", "horizontal_force", "vertical_force", "moment", "speed", "turn_speed",
     "acceleration", "turn_acceleration",
 )  # fmt: skip
+
+AXES = {"x": 0, "y": 1, "z": 2, "theta": 5}
+"""Axes of a wrench."""
 
 
 def pointwise(design: Design, pose: Any) -> dict[str, Any]:
@@ -42,7 +49,16 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
     index = backend.over_list(TRANSMISSION, mechanism(design.geometry), pose.reshape(-1, 4))
     index = index.reshape(*pose.shape[:-1], 3)
     able = capability(design, pose)
+    stiff = platform_stiffness(design, pose)
+    deflection = stiff.deflection()
     further = {
+        **{f"stiffness_{name}": stiff.along(i) for name, i in AXES.items()},
+        "frequency_1": first_frequencies(design, pose),
+        "frequency_drives": drive_modes(design, pose).frequencies[..., 0],
+        "stiffness_tilt": stiff.tilt,
+        "stiffness_horizontal": stiff.horizontal,
+        "deflection": np.linalg.norm(deflection[..., :3], axis=-1),
+        "deflection_tilt": np.hypot(deflection[..., 3], deflection[..., 4]),
         **{name: getattr(able, name) for name in CAPABILITIES},
         "transmission": index.min(axis=-1),
         **{f"transmission_{leg + 1}": index[..., leg] for leg in range(3)},
@@ -53,6 +69,7 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         "selective_z": selective[..., 3],
         "conditioning": 1 / measured.condition,
         **_errors(design, pose),
+        **_manufacture(design, pose),
         **_joint_forces(design, pose),
     }  # fmt: skip
     return {
@@ -83,6 +100,29 @@ def _errors(design: Design, pose: Any) -> dict[str, Any]:
         for name, values in (
             ("horizontal", horizontal),
             *((name, pose_errors[..., index]) for index, name in enumerate(names)),
+        )
+    }
+
+
+def _manufacture(design: Design, pose: Any) -> dict[str, Any]:
+    """Return the errors by tolerances and deviations by their keys."""
+    found = tolerance_errors(design, pose)
+    moved = manufactured_pose(design, pose)
+    change = np.concatenate([moved.pose - pose, moved.tilt], axis=-1)
+    horizontal = np.hypot(change[..., 0], change[..., 1])
+    tilt = np.hypot(change[..., 4], change[..., 5])
+    kinds = {
+        "tolerance": (found.worst, found.horizontal, found.tilt),
+        "rms_tolerance": (found.rms, found.rms_horizontal, found.rms_tilt),
+        "deviation": (change, horizontal, tilt),
+    }
+    return {
+        f"{kind}_{name}": values
+        for kind, (pose_errors, plane, lean) in kinds.items()
+        for name, values in (
+            ("horizontal", plane),
+            ("tilt", lean),
+            *((name, pose_errors[..., i]) for i, name in enumerate(("x", "y", "theta", "z"))),
         )
     }
 

@@ -1,0 +1,71 @@
+"""Speed of stiffness maps: the force method, the assembled structure, and what a slider costs.
+
+Run: ``python -m benchmarks.stiffness_speed``.
+"""
+
+from __future__ import annotations
+
+import time
+
+import numpy as np
+
+from benchmarks.measure import best, heading, number, table
+from paminsa_viz.elastostatics.stiffness import field_stiffness, platform_stiffness
+from paminsa_viz.elastostatics.structure import structure
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.grids import solve_field, xy_grid
+from paminsa_viz.quantities import QUANTITIES
+
+CELLS = 72
+
+
+def cpu(run) -> float:  # type: ignore[no-untyped-def]
+    """Return the processor time of the best of five runs [s]: one core's, on any machine."""
+    times = []
+    for _ in range(5):
+        start = time.process_time()
+        run()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def main() -> None:
+    """Run everything."""
+    axis = np.linspace(-0.15, 0.15, CELLS)
+    grid = xy_grid(axis, axis, 0.4, -0.5)
+    poses = grid.poses()
+    field = solve_field(APPENDIX_4.geometry, grid)
+    field_stiffness(field, APPENDIX_4)
+    thick = [APPENDIX_4.vary({"elastic.b4_outer": 0.04 + 1e-4 * i}) for i in range(2)]
+    few = poses.reshape(-1, 4)[:: CELLS * CELLS // 200]
+    every = poses.size // 4
+    runs = {
+        f"whole 6x6, map {CELLS}x{CELLS}, force method": (
+            lambda: platform_stiffness(APPENDIX_4, poses), every
+        ),
+        "the same with shear (Timoshenko)": (
+            lambda: platform_stiffness(APPENDIX_4, poses, shear=True), every
+        ),
+        "a diameter moved: three quantities of the map": (
+            lambda: [
+                QUANTITIES[key].over(field, design)
+                for design in thick
+                for key in ("stiffness_x", "stiffness_horizontal", "stiffness_tilt")
+            ],
+            2 * every,
+        ),
+        "whole 6x6, assembled structure (154 freedoms)": (
+            lambda: structure(APPENDIX_4, few).platform_stiffness(), len(few)
+        ),
+    }  # fmt: skip
+    rows = []
+    for name, (run, count) in runs.items():
+        wall, core = best(run), cpu(run)
+        rows.append([name, number(1e3 * wall * every / count), number(1e3 * core * every / count),
+                     number(1e6 * wall / count)])  # fmt: skip
+    heading(f"Stiffness of {every} poses")
+    table(["what", "ms a map", "ms of processor", "µs a pose"], rows)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,200 @@
+"""``paminsa-viz accuracy``: errors of the pose that the drives leave."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.model.accuracy import DriveAccuracy
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.reach import home_pose, require_reachable
+from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors
+from paminsa_viz.studies.drive_accuracy import (
+    STATISTICS_OF,
+    RegionErrors,
+    error_rows,
+    region_errors,
+    statistics,
+)
+from paminsa_viz.studies.metrics import Region, RegionResults
+from paminsa_viz.units import MM, display_unit, format_ascii
+
+DESCRIPTION = """\
+Errors of the platform's pose that the drives leave, at a pose and over the workspace.
+
+  paminsa-viz accuracy                                    half a count of 0.01 degrees and 10 um
+  paminsa-viz accuracy --pose 50 0 40 -500 --backlash 0.02 5
+  paminsa-viz accuracy --resolution 0.005 2 --control 0.002 1 --json
+  paminsa-viz accuracy --design driven.toml --encoders    counts of the design's own drives
+
+Half a count of the encoder, half the backlash and the controller's error add. Worst is the largest
+error in the corners of the box of M1 to M4, by exact forward kinematics; linear is the estimate
+|J| dq; RMS is to first order, for independent uniform errors. Near a singularity, or a limit of
+reach, the errors have no bound though the linear estimate has a number: the reason is printed. See
+docs/accuracy.md.
+
+Exit code: 0 done; 1 the errors at the pose have no bound; 2 a wrong argument or file, or a pose out
+of reach."""
+
+ROTARY_LINEAR = tyro.conf.arg(metavar="DEG UM")
+Pair = Annotated[tuple[float, float] | None, ROTARY_LINEAR]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Accuracy(JsonFlags, PoseFlags, DesignFlags):
+    """Flags of the command."""
+
+    resolution: Pair = None
+    """One count of the encoders at the actuators: M1 to M3 [°], M4 [µm]; by default the design's
+    own."""
+    backlash: Pair = None
+    """Backlash at the actuators, full width: M1 to M3 [°], M4 [µm]."""
+    control: Pair = None
+    """Error of the controllers to either side: M1 to M3 [°], M4 [µm]."""
+    encoders: bool = False
+    """Take the resolution from the encoders of the design's drives."""
+
+    radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
+    """Radius of the disc of positions that statistics are over [mm]; half of R_b if left out."""
+    theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = ()
+    """An angle that they are over [°]; can be repeated. 0 and 30 if left out."""
+    z: Annotated[tuple[float, ...], tyro.conf.arg(metavar="MM")] = ()
+    """A height that they are over [mm]; can be repeated. In the middle of the workspace if left
+    out."""
+    cells: int = 40
+    """Positions along the disc's diameter."""
+
+    def run(self) -> int:
+        """Compute the errors and report."""
+        design = self._design()
+        geometry = design.geometry
+        pose = self.given_pose or home_pose(geometry)
+        require_reachable(geometry, pose)
+        region = Region(
+            geometry.base_radius / 2 if self.radius is None else self.radius / MM,
+            tuple(float(np.radians(angle)) for angle in self.theta or (0.0, 30.0)),
+            tuple(height / MM for height in self.z) or (home_pose(geometry)[3],),
+            self.cells,
+        )
+        here = drive_errors(geometry, design.accuracy, pose)
+        over = region_errors(RegionResults(design, region))
+        if self.json:
+            print_json(_data(design, here, region, over))
+        else:
+            _print(design, here, region, over)
+        return 0 if here.ok else 1
+
+    def _design(self) -> Design:
+        """Return the design with the accuracies that are given."""
+        design = self.given_design()
+        if self.encoders and self.resolution is not None:
+            raise UsageError("--encoders and --resolution exclude each other")
+        accuracy = design.accuracy
+        if self.encoders:
+            if not any(drive and drive.resolution for drive in design.drives):
+                raise UsageError("--encoders: no drive of the design has encoder_counts")
+            accuracy = accuracy.with_encoders(design.drives)
+        changes = {}
+        for name in ("resolution", "backlash", "control"):
+            if (given := getattr(self, name)) is not None:
+                changes |= {
+                    f"{name}_rotary": float(np.radians(given[0])), f"{name}_linear": given[1] / 1e6
+                }  # fmt: skip
+        return replace(design, accuracy=replace(accuracy, **changes))
+
+
+FLAGS = Accuracy
+
+
+def _data(design: Design, here: DriveErrors, region: Region, over: RegionErrors) -> dict[str, Any]:
+    bound, leg = Bound(int(here.bound)), int(here.leg)
+    names = ("median", "p95", "largest")
+    return {
+        "made_by": f"paminsa_viz {__version__}",
+        "design": design.name,
+        "half_widths": dict(zip(ACTUATORS, design.accuracy.half_widths, strict=True)),
+        "deviations": dict(zip(ACTUATORS, design.accuracy.deviations, strict=True)),
+        "pose": here.pose.tolist(),
+        "bounded": bool(here.ok),
+        "reason": "" if here.ok else bound.reason(leg),
+        "errors": {
+            _key(row.name): {kind: float(getattr(row, kind)[0]) for kind in STATISTICS_OF}
+            for row in error_rows(here)
+        },
+        "region": {
+            "radius_m": region.radius, "theta_rad": region.theta, "z_m": region.z,
+            "poses": over.poses,
+            "unbounded": {bound.word: count for bound, count in over.unbounded.items()},
+            "errors": {
+                _key(row.name): {
+                    kind: dict(zip(names, statistics(getattr(row, kind)), strict=True))
+                    for kind in STATISTICS_OF
+                }
+                for row in over.rows
+            },
+        },
+    }  # fmt: skip
+
+
+def _key(name: str) -> str:
+    """Return the name of a row for JSON, with its SI unit."""
+    return {"xy": "horizontal_m", "θ": "theta_rad"}.get(name, f"{name}_m")
+
+
+def _print(design: Design, here: DriveErrors, region: Region, over: RegionErrors) -> None:
+    accuracy, pose = design.accuracy, here.pose
+    print(f'design "{design.name}"')
+    print(f"M1 to M3: {_parts(accuracy, 'rotary', 'rad')}")
+    print(f"M4: {_parts(accuracy, 'linear', 'm:um')}")
+    place = ", ".join(
+        f"{name} {format_ascii(float(value), unit)}"
+        for name, value, unit in zip(
+            ("x", "y", "theta", "z"), pose, ("m", "m", "rad", "m"), strict=True
+        )
+    )
+    print(f"\nat {place}")
+    if not here.ok:
+        print(f"no bound: {Bound(int(here.bound)).reason(int(here.leg))}")
+    rows = [("", "worst", "linear", "RMS")]
+    rows += [
+        (f"{row.name} [{display_unit(row.unit).text}]",
+         *(_cell(getattr(row, kind)[0], row.unit) for kind in STATISTICS_OF))
+        for row in error_rows(here)
+    ]  # fmt: skip
+    print_table(rows, right=True)
+    angles = ", ".join(format_ascii(angle, "rad") for angle in region.theta)
+    heights = ", ".join(format_ascii(height, "m") for height in region.z)
+    print(
+        f"\nover {over.poses} poses within {format_ascii(region.radius, 'm')} of the axis, "
+        f"theta {angles}, z {heights}"
+    )
+    for bound, count in over.unbounded.items():
+        print(f"no bound at {count} of them: {bound.reason()}")
+    head = ("worst: median", "95 % below", "largest", "linear: median", "RMS: median")
+    rows = [("", *head)]
+    for row in over.rows:
+        values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
+        name = f"{row.name} [{display_unit(row.unit).text}]"
+        rows.append((name, *(_cell(value, row.unit) for value in values)))
+    print_table(rows, right=True)
+
+
+def _parts(accuracy: DriveAccuracy, kind: str, unit: str) -> str:
+    """Return what an accuracy is made of."""
+    half = accuracy.half_widths[0 if kind == "rotary" else 3]
+    values = [getattr(accuracy, f"{name}_{kind}") for name in ("resolution", "backlash", "control")]
+    count, backlash, control = (format_ascii(value, unit) for value in values)
+    text = f"count {count}, backlash {backlash}, controller +-{control}"
+    return f"within +-{format_ascii(half, unit)} ({text})"
+
+
+def _cell(value: float, unit: str) -> str:
+    return "-" if np.isnan(value) else f"{value * display_unit(unit).factor:.4g}"

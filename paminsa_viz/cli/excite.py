@@ -1,0 +1,173 @@
+"""``paminsa-viz excite``: a motion that shows the robot's parameters best."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.actuation import actuator_limits
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
+from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.excitation_table import excitation_table
+from paminsa_viz.files.tables import table_bytes, table_endings
+from paminsa_viz.identification import (
+    Excitation,
+    ExcitationLimits,
+    ExcitationSettings,
+    NoExcitation,
+    optimize_excitation,
+)
+from paminsa_viz.model.design import Design
+from paminsa_viz.units import format_ascii
+
+DESCRIPTION = """\
+Find the motion that shows the robot's masses and friction best, to record a log for identify.
+
+  paminsa-viz excite --out motion.csv                     within the drives' limits, or usual ones
+  paminsa-viz excite --design robot.toml --seconds 300 --max-torque 8 --out motion.csv
+
+It is a periodic multi-sine of x, y, theta and z that starts and ends at rest, D-optimal for base
+parameters, friction and offsets within reach, speed, torque and condition number; see
+docs/identification.md. The table is a trajectory like any other: paminsa-viz trajectory --file
+motion.csv, or open it on the page.
+
+Exit code: 0 done; 1 no motion keeps the limits; 2 a wrong argument or file."""
+
+DEFAULTS = ExcitationSettings()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excite(JsonFlags, DesignFlags):
+    """Flags of the command."""
+
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE")] = None
+    """Table to write, .csv or .npz; one that exists is replaced."""
+    period: Annotated[float, tyro.conf.arg(metavar="S")] = DEFAULTS.period
+    """Period of the motion [s]."""
+    periods: int = DEFAULTS.periods
+    """How often it is run."""
+    harmonics: int = DEFAULTS.harmonics
+    """Number of harmonics of each coordinate, 3 to 20."""
+    max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
+    """Limit of the torque of M1, M2 and M3 [N m]; those of the design's drives by default, and 20
+    without drives."""
+    max_force: Annotated[float | None, tyro.conf.arg(metavar="N")] = None
+    """Limit of the force of M4 [N]; by default that of its drive, and 1000 without one."""
+    max_speed: Annotated[float | None, tyro.conf.arg(metavar="RAD/S")] = None
+    """Limit of the speed of M1, M2 and M3 [rad/s]; by default those of their drives, and 3 without
+    drives."""
+    max_lift_speed: Annotated[float | None, tyro.conf.arg(metavar="M/S")] = None
+    """Limit of the speed of M4 [m/s]; by default that of its drive, and 0.25 without one."""
+    max_condition: float = 5.0
+    """Largest condition number on the way."""
+    clearance: Annotated[float, tyro.conf.arg(metavar="MM")] = 10.0
+    """Least distance to the limits of reach [mm]."""
+    seconds: float = DEFAULTS.seconds
+    """Time for the search [s]."""
+    evaluations: int = DEFAULTS.evaluations
+    """Most evaluations of a motion; a search that they end is reproducible."""
+    rate: Annotated[float, tyro.conf.arg(metavar="HZ")] = 250.0
+    """Samples a second of the table."""
+    seed: int = DEFAULTS.seed
+    """Seed of the random motions that the search starts with."""
+
+    def run(self) -> int:
+        """Search and report."""
+        check_ending("--out", self.out, table_endings())
+        design = self.given_design()
+        limits = self._limits(design)
+        settings = ExcitationSettings(
+            period=self.period, harmonics=self.harmonics, periods=self.periods,
+            evaluations=self.evaluations, seconds=self.seconds, seed=self.seed,
+        )  # fmt: skip
+        if not self.json:
+            print(f"searching for up to {self.seconds:g} s ...", file=sys.stderr)
+        try:
+            found = optimize_excitation(design, limits, settings)
+        except NoExcitation as error:
+            print_error(error)
+            return 1
+        if self.out is not None:
+            table = excitation_table(design, found, self.rate)
+            write_bytes(self.out, table_bytes(table, self.out.suffix.lower()[1:]))
+        if self.json:
+            print_json(self._data(design, found))
+        else:
+            self._print(found)
+        return 0
+
+    def _limits(self, design: Design) -> ExcitationLimits:
+        """Return the limits that are given, and those of the drives for the others.
+
+        Raises:
+            UsageError: If one is not above 0.
+        """
+        own = actuator_limits(design)
+        torque, speed = own.rated.copy(), own.speed.copy()
+        for values, part, flag in (
+            (torque, slice(0, 3), "max_torque"), (torque, slice(3, 4), "max_force"),
+            (speed, slice(0, 3), "max_speed"), (speed, slice(3, 4), "max_lift_speed"),
+            (np.empty(1), slice(0), "max_condition"),
+        ):  # fmt: skip
+            limit = getattr(self, flag)
+            if limit is not None and not (np.isfinite(limit) and limit > 0):
+                name = flag.replace("_", "-")
+                raise UsageError(f"--{name}: a finite limit above 0 is needed, not {limit!r}")
+            if limit is not None:
+                values[part] = limit
+        if not 0 <= self.clearance <= 1e6:
+            raise UsageError(f"--clearance: 0 to 1e6 mm are possible, not {self.clearance!r}")
+        return ExcitationLimits(speed, torque, self.max_condition, self.clearance / 1e3)
+
+    def _data(self, design: Design, found: Excitation) -> dict[str, Any]:
+        return {
+            "made_by": f"paminsa_viz {__version__}",
+            "design": design.name,
+            "period_s": found.settings.period,
+            "harmonics": found.settings.harmonics,
+            "duration_s": found.plan.duration,
+            "parameters": found.parameters,
+            "log_det": found.log_det,
+            "log_det_random": found.random_log_det,
+            "random": found.random,
+            "evaluations": found.evaluations,
+            "seconds": found.seconds,
+            "limits": [row._asdict() | {"kept": row.kept} for row in found.limits],
+            "file": None if self.out is None else str(self.out),
+        }
+
+    def _print(self, found: Excitation) -> None:
+        print(
+            f"{found.settings.periods} periods of {found.settings.period:g} s, "
+            f"{found.settings.harmonics} harmonics; {found.evaluations} evaluations in "
+            f"{found.seconds:.3g} s"
+        )
+        print(
+            f"log det of the information of {found.parameters} parameters {found.log_det:.1f}, of "
+            f"the best of {found.random} random motions {found.random_log_det:.1f}: intervals "
+            f"narrower by {found.narrowing:.3g} on average"
+        )
+        print()
+        rows = [("", "largest", "limit", "at")]
+        rows += [
+            (
+                row.name, format_ascii(row.value, row.unit, 3),
+                f"{'>=' if row.least else '<='} {format_ascii(row.limit, row.unit, 3)}",
+                f"{row.t:.3g} s",
+            )
+            for row in found.limits
+        ]  # fmt: skip
+        print_table(rows, right=True)
+        if self.out is not None:
+            print_written([self.out])
+
+
+FLAGS = Excite

@@ -1,0 +1,100 @@
+"""Stiffness of the drives alone, in (x, y, theta, z): bars, joints and guides rigid, motors locked.
+
+With the drives' stiffness k_j and the torques tau_j that hold the robot in the pose,
+
+    K = G^T k G - sum_j tau_j d2q_j/dX2 + d2V/dX2 - dw/dX,
+
+the second derivative of the potential of weight, springs and load w. G is the inverse Jacobian, so
+that the first term is that of an unloaded robot. The second derivatives of the knees' heights come
+from complex steps and are exact to rounding.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.jacobians import inverse_jacobian, inverse_jacobian_rate
+from paminsa_viz.model.kinematics import LEG_AXES
+from paminsa_viz.model.leg import knee_height, leg_vector, mechanism, pantograph
+from paminsa_viz.model.load import wrench_at_center
+from paminsa_viz.model.reach import Limit, check_reach
+from paminsa_viz.model.statics import static_imbalance, static_torques
+
+STEP = 1e-30
+"""Imaginary step of the derivatives [m, rad]."""
+
+
+def drive_matrix(design: Design) -> Array:
+    """Return the stiffness of the drives M1..M4 as a diagonal matrix, (4, 4) [N m/rad, N/m]."""
+    elastic = design.elastic
+    return np.diag([elastic.drive_rotary] * 3 + [elastic.drive_linear])
+
+
+def drive_stiffness(design: Design, pose: ArrayLike, *, loaded: bool = True) -> Array:
+    """Return K of the drives alone in (x, y, theta, z), (..., 4, 4) [N/m, N, N m/rad].
+
+    Args:
+        design: The robot with its drives' stiffness.
+        pose: (..., 4) [m, m, rad, m].
+        loaded: Whether weight, payload and load count. A load that turns with the platform makes K
+            unsymmetric, as it has no potential.
+
+    Returns:
+        NaN where the pose cannot be reached; with loads also where it is singular.
+    """
+    pose = as_vectors(pose, "pose")
+    g = inverse_jacobian(design.geometry, pose)
+    k = np.swapaxes(g, -1, -2) @ drive_matrix(design) @ g
+    if loaded:
+        torque = static_torques(design, pose)
+        for column in range(4):
+            direction = np.zeros(4)
+            direction[column] = 1.0
+            change = inverse_jacobian_rate(design.geometry, pose, direction)
+            k[..., :, column] -= np.einsum("...j,...ji->...i", torque, change)
+        k += gravity_stiffness(design, pose) - _load_rate(design, pose)
+    reached = np.asarray(check_reach(design.geometry, pose).status) == Limit.OK
+    return np.where(reached[..., None, None], k, np.nan)
+
+
+@np.errstate(all="ignore")
+def gravity_stiffness(design: Design, pose: ArrayLike) -> Array:
+    """Return d2V/dX2 of the weight in (x, y, theta, z), (..., 4, 4) [N/m, N, N m].
+
+    The energy depends on a pose through z and the knees' heights; z alone is linear.
+    """
+    pose = as_vectors(pose, "pose")
+    found = np.empty((*pose.shape, 4))
+    for column in range(4):
+        moved = pose.astype(np.complex128)
+        moved[..., column] += 1j * STEP
+        found[..., column] = np.imag(_knee_gradient(design, moved)) / STEP
+    return static_imbalance(design) * found
+
+
+def _knee_gradient(design: Design, pose: Any) -> Any:
+    """Return the derivatives of the sum of the knees' heights by x, y, theta and z."""
+    m = mechanism(design.geometry)
+    x, y, theta, z = np.moveaxis(pose, -1, 0)[..., None]
+    v = leg_vector(m, LEG_AXES[:, 0], LEG_AXES[:, 1], x, y, np.cos(theta), np.sin(theta))
+    zeta = z + m.joint_height
+    _, slope, lift = knee_height(m, pantograph(m, v.rho2, zeta), zeta)
+    parts = (slope * v.dx, slope * v.dy, slope * (v.px * v.dy - v.py * v.dx), lift)
+    return np.stack([part.sum(axis=-1) for part in parts], axis=-1)
+
+
+def _load_rate(design: Design, pose: Array) -> Array:
+    """Return dw/dX of the load, (..., 4, 4): theta turns its point, and its force if it follows."""
+    load = design.load
+    theta = pose[..., 2] + 1j * STEP
+    arguments: Any = (*load.wrench, *load.point, load.turns, np.cos(theta), np.sin(theta))
+    wrench = wrench_at_center(*arguments)
+    found = np.zeros((*pose.shape, 4))
+    for row, part in enumerate((0, 1, 5, 2)):
+        found[..., row, 2] = np.imag(wrench[part]) / STEP
+    return found

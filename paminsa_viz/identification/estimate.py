@@ -1,0 +1,206 @@
+"""Weighted least squares, with intervals of a block jackknife.
+
+Filtered residuals are correlated, and so is what a model leaves out; ordinary least squares then
+states intervals much too narrow. The jackknife leaves out one block of half a second at a time: the
+spread of what is found without it needs no model of the noise. Only normal equations are kept, one
+for each block and actuator, so that leaving one out is a subtraction.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.identification.log import InvalidLog
+from paminsa_viz.model.arrays import Array
+
+CONFIDENCE = 0.95
+"""Coverage of the intervals."""
+
+FEWEST_BLOCKS = 5
+"""Fewest blocks for an interval."""
+
+SMALLEST_EIGENVALUE = 1e-11
+"""Smallest eigenvalue of the scaled normal matrix that counts as excited, over the largest."""
+
+LOST = 1e-4
+"""Share of a number that may lie in directions which the motion does not excite."""
+
+RESOLUTION = 1e-9
+"""Least noise of an actuator, over the largest RMS of all of them."""
+
+ITERATIONS = 3
+"""How often the actuators' noise is estimated again; the weights are those of the last but one."""
+
+
+class NormalBlocks(NamedTuple):
+    """Normal equations of B blocks, the four actuators apart, for n unknowns.
+
+    Attributes:
+        matrix: (B, 4, n, n).
+        right: (B, 4, n).
+        square: (B, 4) sums of the squared torques.
+        count: (B,) numbers of samples.
+    """
+
+    matrix: Array
+    right: Array
+    square: Array
+    count: Array
+
+
+def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArray[np.int64]:
+    """Return the number of the block that each sample is in, (m,); blocks are equally long.
+
+    What is left over at the end of a segment belongs to its last block.
+
+    Raises:
+        InvalidLog: If there are fewer than `FEWEST_BLOCKS`.
+    """
+    found = np.empty(len(t), np.int64)
+    following = 0
+    for number in np.unique(segment):
+        part = segment == number
+        times = t[part] - t[part][0]
+        step = times[1] if len(times) > 1 else length
+        count = max(1, int((times[-1] + step) / length + 1e-6))
+        found[part] = following + np.minimum((times / length + 1e-9).astype(np.int64), count - 1)
+        following += count
+    if following < FEWEST_BLOCKS:
+        raise InvalidLog(
+            f"{following} blocks of {length:g} s are left after filtering; intervals need "
+            f"{FEWEST_BLOCKS}, and 20 s or more are advised"
+        )
+    return found
+
+
+def normal_blocks(columns: Array, torque: Array, numbers: NDArray[np.int64]) -> NormalBlocks:
+    """Return the normal equations of all blocks.
+
+    Args:
+        columns: (m, 4, n).
+        torque: (m, 4).
+        numbers: (m,) increasing block numbers.
+    """
+    counts = np.bincount(numbers)
+    first = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    place = np.arange(len(numbers)) - first[numbers]
+    n = columns.shape[-1]
+    rows = np.zeros((len(counts), 4, int(counts.max()), n + 1))
+    rows[numbers, :, place, :n] = columns
+    rows[numbers, :, place, n] = torque
+    whole = np.swapaxes(rows, -1, -2) @ rows
+    return NormalBlocks(
+        whole[..., :n, :n], whole[..., :n, n], whole[..., n, n], counts.astype(np.float64)
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class FitSolution:
+    """The fitted numbers x, and x without each block.
+
+    Attributes:
+        x: (n,) of the whole log; what is not excited is as small as possible.
+        without: (B, n) without each block.
+        noise: (4,) standard deviation of the residuals [N m, N].
+        excited: (n, q) directions of x that the motion excites.
+        hidden: (n, n - q) the others, scaled as the columns are.
+        information: (n, n) weighted normal matrix.
+    """
+
+    x: Array
+    without: Array
+    noise: Array
+    excited: Array
+    hidden: Array
+    information: Array
+
+    @property
+    def blocks(self) -> int:
+        """Number of blocks."""
+        return len(self.without)
+
+    @property
+    def quantile(self) -> float:
+        """Half width of an interval over its standard error: Student's t for B - 1."""
+        from scipy.stats import t  # takes a while to load
+
+        return float(t.ppf(0.5 + 0.5 * CONFIDENCE, self.blocks - 1))
+
+    def deviation(self, rows: Array) -> Array:
+        """Return the standard errors of rows x, (r,) for rows (r, n); of the jackknife."""
+        values = self.without @ rows.T
+        spread = ((values - values.mean(axis=0)) ** 2).sum(axis=0)
+        return np.sqrt((self.blocks - 1) / self.blocks * spread)
+
+    def known(self, rows: Array) -> NDArray[np.bool_]:
+        """Whether the motion excites all of rows x, (r,)."""
+        hidden = np.linalg.norm(rows @ self.hidden, axis=1)
+        return hidden <= LOST * np.linalg.norm(rows * self._scale, axis=1)
+
+    @cached_property
+    def _scale(self) -> Array:
+        diagonal = np.diag(self.information)
+        return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+
+    @cached_property
+    def widening(self) -> float:
+        """How much wider the jackknife's standard errors are than those of uncorrelated samples.
+
+        One factor, the median over the excited directions: a jackknife of forty blocks has no
+        covariance of twenty numbers.
+        """
+        inner = np.linalg.inv(self.excited.T @ self.information @ self.excited)
+        spread = self.deviation(np.linalg.pinv(self.excited))
+        return float(np.median(spread / np.sqrt(np.diag(inner))))
+
+
+def solve(blocks: NormalBlocks, noise: Array | None = None) -> FitSolution:
+    """Solve the weighted normal equations, whole and without each block.
+
+    Args:
+        blocks: The normal equations.
+        noise: (4,) standard deviations for the weights; estimated from the residuals by default.
+
+    Raises:
+        InvalidLog: If no column is excited at all.
+    """
+    matrix, right = blocks.matrix.sum(axis=0), blocks.right.sum(axis=0)
+    square, count = blocks.square.sum(axis=0), blocks.count.sum()
+    # What no sensor resolves: a thousand-millionth of the largest torque or force.
+    floor = RESOLUTION**2 * max(float(square.max() / count), 1e-30)
+    variance = np.maximum(square / count, floor) if noise is None else noise**2
+    for _ in range(ITERATIONS if noise is None else 1):
+        weight = 1 / variance
+        whole = np.einsum("j,jab->ab", weight, matrix)
+        force = weight @ right
+        excited, hidden = _directions(whole)
+        inner = np.linalg.solve(excited.T @ whole @ excited, excited.T @ force)
+        x = excited @ inner
+        residual = square - 2 * right @ x + np.einsum("a,jab,b->j", x, matrix, x)
+        variance = np.maximum(residual / count, floor) if noise is None else variance
+    found = np.maximum(residual / count, floor)
+    parts = np.einsum("j,bjac->bac", weight, blocks.matrix)
+    forces = np.einsum("j,bja->ba", weight, blocks.right)
+    left = excited.T @ (whole - parts) @ excited
+    rest = (force - forces) @ excited
+    try:
+        without = np.linalg.solve(left, rest[..., None])[..., 0]
+    except np.linalg.LinAlgError:
+        without = (np.linalg.pinv(left, hermitian=True) @ rest[..., None])[..., 0]
+    return FitSolution(x, without @ excited.T, np.sqrt(found), excited, hidden, whole)
+
+
+def _directions(whole: Array) -> tuple[Array, Array]:
+    """Return the excited directions (n, q) of a normal matrix, and the hidden ones (n, n - q)."""
+    diagonal = np.diag(whole)
+    scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
+    values, vectors = np.linalg.eigh(whole * scale * scale[:, None])
+    kept = values > SMALLEST_EIGENVALUE * values[-1]
+    if not (kept.any() and values[-1] > 0):
+        raise InvalidLog("the robot does not move in this log; record a motion that excites it")
+    return scale[:, None] * vectors[:, kept], scale[:, None] * vectors[:, ~kept]

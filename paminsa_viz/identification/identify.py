@@ -1,0 +1,210 @@
+"""From a log to parameters with intervals, and to the word "unknown" where it does not say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, identity_row
+from paminsa_viz.identification.columns import (
+    FitModel,
+    IdentificationSettings,
+    fit_model,
+)
+from paminsa_viz.identification.estimate import (
+    FitSolution,
+    NormalBlocks,
+    block_numbers,
+    normal_blocks,
+    solve,
+)
+from paminsa_viz.identification.filtering import Signals, filter_log, thinning_for
+from paminsa_viz.identification.log import InvalidLog, Log
+from paminsa_viz.identification.log_poses import log_poses
+from paminsa_viz.identification.results import Estimate, Identification, Identity
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+
+OTHER_CUT_OFFS = (1 / 1.5, 1.5)
+"""Cut-offs that results are tried with, over the cut-off."""
+
+MOST_MOVE = 2.0
+"""How far a result may move with the cut-off before there is a warning, in standard errors."""
+
+LEAST_MOVE = 0.05
+"""Moves below this share of `FitParameter.most` are none, however narrow the interval is."""
+
+FEW_SECONDS = 20.0
+"""Shorter logs than this get a note [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedLog:
+    """A log with its unfiltered poses, ready to be filtered at any cut-off."""
+
+    log: Log
+    pose: Array
+    pieces: list[slice]
+
+
+def prepare(log: Log, design: Design, start: ArrayLike | None = None) -> PreparedLog:
+    """Solve the poses of a log; see `log_poses`."""
+    return PreparedLog(log, *log_poses(log, design.geometry, start))
+
+
+def filtered(
+    prepared: PreparedLog, design: Design, settings: IdentificationSettings, factor: float = 1.0
+) -> Signals:
+    """Filter a prepared log at the cut-off times a factor, with the cut-off's own thinning."""
+    return filter_log(
+        prepared.log, design.geometry, prepared.pose, prepared.pieces,
+        cut_off=settings.cut_off * factor,
+        transition_speed=design.friction.transition_speed,
+        thinning=thinning_for(prepared.log.rate, settings.cut_off),
+    )  # fmt: skip
+
+
+def identify(
+    log: Log,
+    design: Design,
+    settings: IdentificationSettings | None = None,
+    *,
+    start: ArrayLike | None = None,
+) -> Identification:
+    """Return what a log says about a robot whose lengths are the design's.
+
+    The masses of the design enter nothing but what is compared with them: the base parameters,
+    friction and offsets are fitted from the log alone.
+
+    Args:
+        log: The log of `make_log` or `files.log_table.read_log`.
+        design: The robot as it was meant; its load and its drives' differences are taken as known.
+        settings: What is fitted, and how; the defaults of `IdentificationSettings` without.
+        start: Pose (4,) near the log's start, to choose the assembly; the home pose by default.
+
+    Raises:
+        InvalidLog: At the first row that cannot be used, or if the log is too short or the robot
+            does not move.
+        InvalidInput: If the cut-off does not suit the sampling rate.
+    """
+    settings = IdentificationSettings() if settings is None else settings
+    prepared = prepare(log, design, start)
+    signals = filtered(prepared, design, settings)
+    _require_motion(signals)
+    model, blocks, solution, numbers, lag = _fit(design, signals, settings)
+    quantile, error = solution.quantile, solution.deviation(model.report)
+    values = model.report @ solution.x
+    delays = [item.kind == "delay" for item in model.parameters]
+    values[delays] += lag
+    excited = solution.known(model.report)
+    half = np.where(excited, quantile * error, np.inf)
+    estimates = tuple(
+        Estimate(item, float(value), float(width), bool(width <= item.most))
+        for item, value, width in zip(model.parameters, values, half, strict=True)
+    )
+    notes = list(log.notes)
+    notes.append(
+        f"filtered forward and backward (Butterworth, half at {settings.cut_off:g} Hz), "
+        f"{len(signals.t)} samples at {1 / signals.step:g} Hz, {solution.blocks} blocks of "
+        f"{settings.block:g} s"
+    )
+    if log.duration < FEW_SECONDS:
+        notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
+    if settings.robustness:
+        notes += _moves(prepared, design, settings, estimates, values, error)
+    return Identification(
+        design, log, settings,
+        None if start is None else tuple(np.asarray(start, np.float64).tolist()),
+        estimates, _identity(design, model, solution, settings),
+        signals, model.columns @ solution.x + model.known, solution.noise, tuple(notes),
+        model, solution, blocks, numbers,
+    )  # fmt: skip
+
+
+def _fit(
+    design: Design, signals: Signals, settings: IdentificationSettings
+) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
+    """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
+    numbers = block_numbers(signals.t, signals.segment, settings.block)
+    lag, shifted = 0.0, signals
+    rounds = 3 if settings.delay else 1
+    for turn in range(rounds):
+        model = fit_model(design, shifted, settings)
+        blocks = normal_blocks(model.columns, model.torque, numbers)
+        solution = solve(blocks)
+        if turn < rounds - 1:
+            place = [item.kind == "delay" for item in model.parameters].index(True)
+            lag += float(model.report[place] @ solution.x)
+            shifted = _shifted(signals, lag)
+    return model, blocks, solution, numbers, lag
+
+
+def _shifted(signals: Signals, lag: float) -> Signals:
+    """Return the signals with torques from a time later, as a second-order series."""
+    curve = np.empty_like(signals.torque)
+    for number in np.unique(signals.segment):
+        part = signals.segment == number
+        curve[part] = np.gradient(signals.torque_rate[part], signals.step, axis=0)
+    return replace(
+        signals,
+        torque=signals.torque + lag * signals.torque_rate + 0.5 * lag**2 * curve,
+        torque_rate=signals.torque_rate + lag * curve,
+    )
+
+
+def _require_motion(signals: Signals) -> None:
+    """Refuse a log in which nothing moves: its columns would be noise."""
+    travel = np.ptp(signals.position, axis=0)
+    if travel[:3].max() < 0.01 and travel[3] < 1e-3:
+        raise InvalidLog(
+            "the robot hardly moves in this log (below 0.01 rad and 1 mm); record a motion that "
+            "excites it, such as that of `paminsa-viz excite`"
+        )
+
+
+def _moves(
+    prepared: PreparedLog, design: Design, settings: IdentificationSettings,
+    estimates: tuple[Estimate, ...], values: Array, error: Array,
+) -> list[str]:  # fmt: skip
+    """Return warnings about known numbers that move with the cut-off."""
+    worst = np.zeros(len(values))
+    seen = LEAST_MOVE * np.array([item.parameter.most for item in estimates])
+    for factor in OTHER_CUT_OFFS:
+        try:
+            signals = filtered(prepared, design, settings, factor)
+            model, _, solution, _, lag = _fit(design, signals, settings)
+        except (InvalidLog, InvalidInput):
+            return [f"the log does not allow {factor * settings.cut_off:.3g} Hz for comparison"]
+        other = model.report @ solution.x
+        other[[item.kind == "delay" for item in model.parameters]] += lag
+        move = np.where(np.abs(other - values) > seen, np.abs(other - values), 0.0)
+        worst = np.maximum(worst, move / np.maximum(error, 1e-300))
+    moved = [
+        f"{item.symbol} ({size:.2g})"
+        for item, size in zip(estimates, worst, strict=True)
+        if item.known and size > MOST_MOVE
+    ]
+    if not moved:
+        return []
+    low, high = (settings.cut_off * factor for factor in OTHER_CUT_OFFS)
+    return [
+        f"between {low:.3g} Hz and {high:.3g} Hz results move by more than {MOST_MOVE:g} standard "
+        f"errors: {', '.join(moved)}; try another cut-off, or look for what the model lacks"
+    ]
+
+
+def _identity(
+    design: Design, model: FitModel, solution: FitSolution, settings: IdentificationSettings
+) -> Identity:
+    row = identity_row(design.geometry, design.gravity) @ model.report[: len(BASE_SYMBOLS)]
+    error = float(solution.deviation(row[None])[0])
+    value = float(row @ solution.x)
+    told = bool(solution.known(row[None])[0]) and not settings.constrain and error > 0
+    return Identity(
+        value if told else 0.0,
+        solution.quantile * error if told else np.inf,
+        value / error if told else np.nan,
+    )

@@ -1,0 +1,89 @@
+"""``accuracy``: errors from the drives at a pose and over the workspace."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotation
+from paminsa_viz.precision.drive_errors import drive_errors
+from tests.support.commands import check_refused, run, run_json
+
+FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
+
+
+def test_numbers_are_those_of_the_pose_in_si_units(capsys) -> None:
+    words = (
+        "--pose",
+        "50",
+        "0",
+        "40",
+        "-500",
+        "--backlash",
+        "0.02",
+        "5",
+        "--control",
+        "0.001",
+        "1",
+    )
+    found = run_json("accuracy", capsys, *words)
+    accuracy = DriveAccuracy(
+        backlash_rotary=np.radians(0.02), backlash_linear=5e-6,
+        control_rotary=np.radians(0.001), control_linear=1e-6,
+    )  # fmt: skip
+    pose = (0.05, 0.0, np.radians(40), -0.5)
+    expected = drive_errors(APPENDIX_4.geometry, accuracy, pose)
+    assert found["bounded"]
+    for index, name in enumerate(("x_m", "y_m", "theta_rad", "z_m")):
+        for kind in ("worst", "linear", "rms"):
+            value = getattr(expected, kind)[index]
+            assert found["errors"][name][kind] == pytest.approx(value, rel=1e-9)
+    assert found["errors"]["horizontal_m"]["worst"] == pytest.approx(float(expected.horizontal))
+    assert found["half_widths"]["M4"] == pytest.approx(8.5e-6)
+
+
+def test_no_bound_near_the_fold_has_its_reason_and_exit_code_1(capsys) -> None:
+    words = ("--pose", "0", "0", f"{FOLD - 0.5}", "-300", "--theta", f"{FOLD - 2}", "--z", "-300")
+    words += ("--radius", "250")
+    code, out, err = run("accuracy", capsys, *words, "--json")
+    assert (code, err) == (1, "")
+    found = json.loads(out)
+    assert not found["bounded"]
+    assert found["reason"] == "within the drives' errors the robot cannot be assembled"
+    assert found["errors"]["theta_rad"]["worst"] is None
+    assert 0 < found["errors"]["theta_rad"]["linear"] < np.radians(2)
+    region = found["region"]
+    assert 0 < region["unbounded"]["not-assembled"] < region["poses"]
+    assert region["errors"]["x_m"]["worst"]["largest"] > 0
+    _, printed, _ = run("accuracy", capsys, *words)
+    assert "no bound: within the drives' errors" in printed
+    assert "no bound at" in printed
+
+
+def test_encoders_of_the_drives_give_the_resolution(capsys, tmp_path: Path) -> None:
+    drive = Drive(encoder_counts=4096, gear_ratio=10)
+    design = replace(APPENDIX_4, drives=(drive, drive, drive, None))
+    save_design(design, tmp_path / "driven.toml")
+    found = run_json("accuracy", capsys, "--design", str(tmp_path / "driven.toml"), "--encoders")
+    assert found["half_widths"]["M1"] == pytest.approx(np.pi / 40960)
+    assert found["half_widths"]["M4"] == pytest.approx(5e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (("--encoders",), "no drive of the design has encoder_counts"),
+        (("--encoders", "--resolution", "0.1", "1"), "exclude each other"),
+        (("--resolution", "-1", "1"), "accuracy.resolution_rotary"),
+        (("--pose", "0", "0", "0", "-2000"), "cannot be taken"),
+        (("--radius", "-5"), "radius"),
+    ],
+    ids=["no-encoder", "both", "negative", "out-of-reach", "radius"],
+)
+def test_wrong_words_are_refused(words: tuple[str, ...], problem: str, capsys) -> None:
+    check_refused("accuracy", capsys, *words, place=problem)

@@ -1,0 +1,51 @@
+"""``excite``: a motion within its limits, as a table that can be run."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.files.trajectory_table import read_trajectory
+from paminsa_viz.model import APPENDIX_4, actuator_velocity
+from tests.support.commands import check_refused, run, run_json
+
+SHORT = ("--evaluations", "5", "--period", "6")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_written_motion_keeps_the_reported_limits(capsys) -> None:
+    words = (*SHORT, "--out", "motion.csv", "--max-speed", "1.5", "--rate", "100")
+    found = run_json("excite", capsys, *words)
+    assert all(row["kept"] for row in found["limits"])
+    motion = read_trajectory("motion.csv")
+    assert motion.duration == pytest.approx(12.0)
+    np.testing.assert_allclose(motion.velocity[[0, -1]], 0.0, atol=1e-9)
+    speed = np.abs(actuator_velocity(APPENDIX_4, motion.pose, motion.velocity))[:, :3]
+    largest = max(row["value"] for row in found["limits"][:3])
+    assert speed.max() == pytest.approx(largest, rel=0.02)
+    assert speed.max() <= 1.5
+    code, out, _ = run("trajectory", capsys, "--file", "motion.csv")
+    assert code == 0
+    assert "can be run" in out
+
+
+def test_table_for_people_names_every_limit(capsys) -> None:
+    code, out, err = run("excite", capsys, *SHORT)
+    assert code == 0
+    assert err == "searching for up to 60 s ...\n"
+    assert "of the best of 300 random motions" in out
+    for name in ("speed of M1", "force of M4", "condition number", "distance to the limits"):
+        assert name in out
+
+
+def test_wrong_limits_are_refused(capsys) -> None:
+    check_refused("excite", capsys, "--max-torque", "-1", place="--max-torque")
+    check_refused("excite", capsys, "--out", "motion.txt", place=".csv")
+    check_refused("excite", capsys, "--period", "0", place="period")
+    code, out, err = run("excite", capsys, *SHORT, "--max-force", "50")
+    assert (code, out) == (1, "")
+    assert "force of M4 is beyond its limit at rest" in err

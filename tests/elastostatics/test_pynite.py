@@ -1,0 +1,36 @@
+"""The whole robot in PyNite, by members and end releases instead of our elements and joints."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.stiffness import platform_stiffness
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from tests.elastostatics.robots import POSE, elastic_design, poses_of
+
+pytest.importorskip("Pynite", reason="PyNiteFEA comes with the extra 'test'")
+from tests.elastostatics.pynite_model import compliance
+
+LENGTHS = np.array([1, 1, 1, 10, 10, 10])
+"""Rotations count as displacements at 0.1 m."""
+
+
+def difference(design, pose, **options: float) -> float:
+    ours = platform_stiffness(design, pose).compliance * LENGTHS**-1.0 / LENGTHS[:, None]
+    theirs = compliance(design, pose, **options) / LENGTHS / LENGTHS[:, None]
+    return float(np.abs(ours - theirs).max() / np.abs(ours).max())
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("seed", range(3))
+def test_compliance_of_the_whole_robot(seed: int, knee: KneeBranch) -> None:
+    design = elastic_design(seed, soft_joints=False).with_knee(knee)
+    for pose in poses_of(design, 2, seed):
+        assert difference(design, pose) < 1e-5
+
+
+def test_shaft_that_is_welded_to_the_guide_link_is_another_robot() -> None:
+    """What PyNite makes of the root of B10 where it is: half as stiff again in every direction."""
+    assert difference(APPENDIX_4, np.array(POSE)) < 1e-5
+    assert difference(APPENDIX_4, np.array(POSE), aside=0.0) > 0.05

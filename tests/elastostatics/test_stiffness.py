@@ -1,0 +1,297 @@
+"""Stiffness of the platform: two independent routes, limits, symmetry, energy, singular poses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.drive_stiffness import (
+    drive_stiffness,
+    gravity_stiffness,
+)
+from paminsa_viz.elastostatics.leg_compliance import leg_compliance
+from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.elastostatics.stiffness import (
+    SHARES,
+    compensate,
+    load_wrench,
+    platform_stiffness,
+    strain_shares,
+)
+from paminsa_viz.elastostatics.structure import joint5_map, structure
+from paminsa_viz.model.design import APPENDIX_4, KneeBranch
+from paminsa_viz.model.jacobians import inverse_jacobian, jacobian
+from paminsa_viz.model.kinematics import inverse_kinematics
+from paminsa_viz.model.load import LoadFrame
+from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.singularity import singular_radius, singular_rotation
+from paminsa_viz.model.statics import potential_energy, static_torques
+from tests.elastostatics.robots import POSE, elastic_design, poses_of
+
+SEEDS = range(8)
+ACTUATED = [0, 1, 5, 2]
+RIGID = {"elastic.young_modulus": 1e18, "elastic.shear_modulus": 1e18}
+
+
+def relative(found: np.ndarray, expected: np.ndarray) -> float:
+    scale = np.abs(expected).max(axis=(-1, -2), keepdims=True)
+    return float((np.abs(found - expected) / scale).max())
+
+
+@pytest.mark.parametrize("shear", [False, True])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_force_method_agrees_with_the_assembled_structure(seed: int, shear: bool) -> None:
+    """Equilibrium and Castigliano against displacements of 154 freedoms."""
+    design = elastic_design(seed)
+    poses = poses_of(design, 4, seed)
+    built = structure(design, poses, shear=shear)
+    frame = leg_frame(design.geometry, poses)
+    leg = leg_compliance(frame, design.elastic, shear=shear)
+    inverse = np.linalg.inv(built.condensed()[..., 1:3, 1:3])
+    assert relative(leg.matrix, inverse) < 1e-9
+    found = platform_stiffness(design, poses, shear=shear)
+    assert relative(found.matrix, built.platform_stiffness()) < 1e-9
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_matrix_is_symmetric_positive_definite_and_inverts(seed: int) -> None:
+    design = elastic_design(seed)
+    found = platform_stiffness(design, poses_of(design, 6, seed))
+    np.testing.assert_array_equal(found.matrix, np.swapaxes(found.matrix, -1, -2))
+    length = design.geometry.platform_radius
+    scale = np.array([1, 1, 1, length, length, length])
+    values = np.linalg.eigvalsh(found.matrix / scale / scale[:, None])
+    assert (values > 0).all()
+    identity = (found.matrix / scale[:, None]) @ (found.compliance * scale)
+    np.testing.assert_allclose(identity, np.broadcast_to(np.eye(6), identity.shape), atol=1e-8)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_turning_the_pose_by_120_degrees_turns_the_stiffness(seed: int) -> None:
+    design = elastic_design(seed)
+    poses = poses_of(design, 4, seed)
+    c, s = np.cos(2 * np.pi / 3), np.sin(2 * np.pi / 3)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    turned = poses.copy()
+    turned[:, :2] = poses[:, :2] @ turn[:2, :2].T
+    both = np.kron(np.eye(2), turn)
+    expected = both @ platform_stiffness(design, poses).matrix @ both.T
+    assert relative(platform_stiffness(design, turned).matrix, expected) < 1e-9
+
+
+def test_centered_robot_is_isotropic() -> None:
+    k = platform_stiffness(APPENDIX_4, (0.0, 0.0, 0.4, -0.6)).matrix
+    assert k[0, 0] == pytest.approx(k[1, 1], rel=1e-10)
+    assert abs(k[0, 1]) < 1e-8 * k[0, 0]
+    assert np.abs(k[2, [0, 1, 3, 4]]).max() < 1e-8 * k[2, 2]
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+def test_mirrored_robot_has_the_mirrored_stiffness(knee: KneeBranch) -> None:
+    """With l_B5 = l_B2 = 0 and rigid arms, standing is the mirror image of hanging."""
+    changes = {"geometry.platform_joint_height": 0.0, "geometry.shaft_length": 0.0}
+    design = APPENDIX_4.vary(changes).with_knee(knee)
+    other = design.with_knee(KneeBranch.UPPER if knee is KneeBranch.LOWER else KneeBranch.LOWER)
+    height = -0.6 * knee.sign
+    k = platform_stiffness(design, (0.04, -0.02, 0.3, height)).matrix
+    mirrored = platform_stiffness(other, (0.04, -0.02, 0.3, -height)).matrix
+    flip = np.diag([1.0, 1.0, -1.0, -1.0, -1.0, 1.0])
+    assert relative(flip @ mirrored @ flip, k) < 1e-10
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("young", [1e9, 7e10, 1e13])
+def test_drive_torques_are_those_of_statics_at_any_young_modulus(seed: int, young: float) -> None:
+    """The drives of the assembled structure carry J^T w, and M4 its force."""
+    design = elastic_design(seed).vary({"elastic.young_modulus": young})
+    poses = poses_of(design, 3, seed)
+    built = structure(design, poses)
+    wrench = np.random.default_rng(seed).normal(size=(3, 6))
+    twist = np.linalg.solve(built.platform_stiffness(), wrench[..., None])[..., 0]
+    moved = built.displacements(twist)
+    _, drive = built.model.drive
+    rotary = design.elastic.drive_rotary * moved[..., drive]
+    lift = design.elastic.drive_linear * moved[:, 0, built.model.carriage]
+    carried = np.concatenate([rotary, lift[:, None]], axis=-1)
+    j = jacobian(design.geometry, poses)
+    expected = np.einsum("nij,ni->nj", j, wrench[:, ACTUATED])
+    size = np.abs(expected).max(axis=-1, keepdims=True)
+    np.testing.assert_allclose(carried / size, expected / size, atol=2e-7)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_rigid_bars_leave_the_stiffness_of_the_drives(seed: int) -> None:
+    design = elastic_design(seed, soft_joints=False)
+    poses = poses_of(design, 4, seed)
+    alone = np.linalg.inv(drive_stiffness(design, poses, loaded=False))
+    errors = []
+    for young in (1e15, 1e16):
+        stiff = design.vary(dict.fromkeys(RIGID, young))
+        c = platform_stiffness(stiff, poses).compliance
+        errors.append(relative(c[:, ACTUATED][:, :, ACTUATED], alone))
+    assert np.abs(c[:, 3:5]).max() < 1e-3 * np.abs(c).max()
+    assert errors[0] < 2e-2
+    assert errors[1] == pytest.approx(errors[0] / 10, rel=0.05)
+
+
+@pytest.mark.parametrize("frame", LoadFrame)
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_loaded_drives_follow_from_the_wrench_that_keeps_a_displaced_pose(seed, frame) -> None:
+    """Motors locked at the torques that hold the pose: differences of the wrench, without K."""
+    design = elastic_design(seed).vary(
+        {"load.force_x": 20.0, "load.force_z": -50.0, "load.moment_z": 2.0, "load.point_x": 0.05,
+         "load.point_y": -0.1, "payload.mass": 5.0}
+    )  # fmt: skip
+    design = replace(design, load=replace(design.load, frame=frame))
+    pose = poses_of(design, 1, seed)[0]
+    k = np.array([design.elastic.drive_rotary] * 3 + [design.elastic.drive_linear])
+    at = inverse_kinematics(design.geometry, pose).actuators
+    motors = at + static_torques(design, pose) / k
+
+    def missing(p: np.ndarray) -> np.ndarray:
+        """What has to be added at the platform to hold pose p with these motors."""
+        q = inverse_kinematics(design.geometry, p).actuators
+        short = static_torques(design, p) - k * (motors - q)
+        return inverse_jacobian(design.geometry, p).T @ short
+
+    assert np.abs(missing(pose)).max() < 1e-6
+    steps = 1e-6 * np.eye(4)
+    difference = np.stack([(missing(pose + s) - missing(pose - s)) / 2e-6 for s in steps], axis=-1)
+    found = drive_stiffness(design, pose)
+    assert relative(found, difference) < 1e-6
+    plain = drive_stiffness(design, pose, loaded=False)
+    assert np.abs(found - plain).max() > 1.0
+    symmetric = np.allclose(found, found.T, rtol=1e-9, atol=1e-6)
+    assert symmetric == (frame is LoadFrame.WORLD)
+
+
+def test_gravity_stiffness_is_the_second_derivative_of_the_energy() -> None:
+    pose = np.array(POSE)
+    steps = 1e-3 * np.eye(4)
+    hessian = np.array(
+        [[sum(a * b * float(potential_energy(APPENDIX_4, pose + a * s + b * t))
+              for a in (-1, 1) for b in (-1, 1)) / 4e-6 for t in steps] for s in steps]
+    )  # fmt: skip
+    np.testing.assert_allclose(gravity_stiffness(APPENDIX_4, pose), hessian, atol=2e-3)
+
+
+@pytest.mark.parametrize("radius", [0.0, 1e-9])
+def test_singular_poses_have_a_reason_and_no_number(radius: float) -> None:
+    geometry = APPENDIX_4.geometry
+    theta, fold = 0.3, singular_rotation(geometry)
+    on_circle = float(singular_radius(geometry, theta)) - radius
+    poses = [(on_circle, 0.0, theta, -0.5), (0.0, 0.02, fold, -0.5), (3.0, 0.0, 0.0, -0.5), POSE]
+    poses[1] = (0.0, 0.02, fold - radius, -0.5)
+    found = platform_stiffness(APPENDIX_4, poses)
+    assert [Limit(value) for value in found.status] == [
+        Limit.SINGULAR, Limit.SINGULAR, Limit.STRETCHED, Limit.OK
+    ]  # fmt: skip
+    assert np.isnan(found.compliance[:3]).all()
+    assert np.isnan(found.along(0)[:3]).all()
+    assert np.isnan(found.tilt[:3]).all()
+    assert np.isnan(found.deflection(np.ones(6))[:3]).all()
+    assert np.isfinite(found.matrix[[0, 1, 3]]).all()
+    assert np.isfinite(found.compliance[3]).all()
+    axes, directions = found.ellipsoid()
+    assert np.isnan(axes[:3]).all()
+    assert np.isfinite(directions[3]).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_energy_of_the_parts_is_half_the_work(seed: int) -> None:
+    design = elastic_design(seed)
+    poses = poses_of(design, 3, seed)
+    wrench = np.random.default_rng(seed).normal(size=(3, 6))
+    shares = strain_shares(design, poses, wrench)
+    twist = platform_stiffness(design, poses).deflection(wrench)
+    np.testing.assert_allclose(shares.total, 0.5 * (wrench * twist).sum(axis=-1), rtol=1e-8)
+    np.testing.assert_allclose(shares.share.sum(axis=-1), 1.0)
+    assert (shares.energy >= 0).all()
+
+
+def test_share_of_a_part_is_what_stiffening_it_gains() -> None:
+    """Energy is a sum of terms 1/E_i: its derivative by a part's stiffness is minus its share."""
+    design = elastic_design(3)
+    wrench = np.array([3.0, -2.0, 5.0, 0.1, 0.2, -0.3])
+    pose = poses_of(design, 1, 3)[0]
+    shares = dict(zip(SHARES, strain_shares(design, pose, wrench).share, strict=True))
+
+    def energy(**changes: float) -> float:
+        changed = design.vary({f"elastic.{name}": value for name, value in changes.items()})
+        return float(wrench @ platform_stiffness(changed, pose).deflection(wrench))
+
+    for part, names in (("drive", ("drive_rotary",)), ("M4", ("drive_linear",))):
+        step = 1e-5
+        more, less = (
+            energy(**{n: design.value(f"elastic.{n}") * f for n in names})
+            for f in (1 + step, 1 - step)
+        )
+        assert -(more - less) / (2 * step * energy()) == pytest.approx(shares[part], abs=1e-6)
+    section = design.elastic.section("b4")
+    values = {"area": section.area, "inertia_in": section.inertia_in,
+              "inertia_out": section.inertia_out, "torsion": section.torsion}  # fmt: skip
+    more, less = (
+        energy(**{f"b4_{name}": value * f for name, value in values.items()})
+        for f in (1 + 1e-5, 1 - 1e-5)
+    )
+    assert -(more - less) / (2e-5 * energy()) == pytest.approx(shares["B4"], rel=1e-5)
+
+
+def test_deflection_of_a_payload_and_its_compensation() -> None:
+    """Some half a millimeter under 10 kg; the motors bring back all but the tilt."""
+    design = APPENDIX_4.vary({"payload.mass": 10.0})
+    pose = np.array(POSE)
+    np.testing.assert_allclose(load_wrench(design, pose), [0, 0, -98.1, 0, 0, 0])
+    found = compensate(design, pose)
+    assert -0.7e-3 < found.deflection[2] < -0.3e-3
+    moved = jacobian(design.geometry, pose) @ found.actuators
+    np.testing.assert_allclose(moved, -found.deflection[ACTUATED], rtol=1e-10)
+    assert found.tilt == pytest.approx(np.hypot(*found.deflection[3:5]))
+    assert found.tilt > 1e-6
+
+
+def test_moved_motors_strain_no_bar() -> None:
+    """Turning M_k and lifting M4 with the platform free moves it as the rigid robot."""
+    design = elastic_design(4)
+    pose = poses_of(design, 1, 4)[0]
+    built = structure(design, pose)
+    k, model = built.stiffness, built.model
+    # the base's side of a drive is fixed: turning the motor by d loads the leg with k d
+    motors = np.array([1e-3, -2e-3, 5e-4])
+    inner, kept = built.split
+    at = list(inner).index(model.drive[1])
+    pull = np.zeros((3, len(inner)))
+    pull[:, at] = design.elastic.drive_rotary * motors
+    kept_force = -np.einsum(
+        "kij,kj->ki",
+        np.swapaxes(k[:, inner[:, None], kept], -1, -2),
+        np.linalg.solve(k[:, inner[:, None], inner], pull[..., None])[..., 0],
+    )
+    right = np.einsum("kij,ki->j", built.platform_map, kept_force)
+    twist = np.linalg.solve(built.joined(), right)
+    expected = jacobian(design.geometry, pose)[:, :3] @ motors
+    np.testing.assert_allclose(twist[ACTUATED], expected, atol=1e-7 * np.abs(expected).max())
+    assert np.abs(twist[[3, 4, 6]]).max() < 1e-7 * np.abs(expected).max()
+
+
+def test_ellipsoid_bounds_what_unit_forces_do() -> None:
+    found = platform_stiffness(APPENDIX_4, POSE)
+    axes, directions = found.ellipsoid()
+    force = np.random.default_rng(0).normal(size=(200, 3))
+    force /= np.linalg.norm(force, axis=-1, keepdims=True)
+    moved = np.linalg.norm(force @ found.compliance[:3, :3], axis=-1)
+    assert moved.max() <= axes[-1]
+    assert moved.max() > 0.9 * axes[-1]
+    assert moved.min() >= axes[0]
+    softest = directions[:, -1]
+    np.testing.assert_allclose(found.compliance[:3, :3] @ softest, axes[-1] * softest)
+
+
+def test_maps_of_joint5_are_transposed_equilibrium() -> None:
+    frame = leg_frame(APPENDIX_4.geometry, POSE)
+    force = np.random.default_rng(1).normal(size=3)
+    for leg, g in enumerate(joint5_map(frame)):
+        world = frame.axes[leg].T @ force
+        np.testing.assert_allclose(g.T @ force, [*world, *np.cross(frame.platform[leg], world)])

@@ -1,0 +1,122 @@
+"""What a log says of a robot: right values, intervals that hold, and "unknown"."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.identification import (
+    BASE_SYMBOLS,
+    IdentificationSettings,
+    base_parameters,
+    identify,
+    make_log,
+)
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    Friction,
+    KneeBranch,
+    inverse_dynamics,
+    inverse_kinematics,
+)
+from paminsa_viz.model.reach import home_pose
+from tests.support.identification_logs import simulated
+
+FRICTION = Friction(0.3, 0.4, 20.0, 8.0)
+RUBBING = replace(APPENDIX_4, friction=FRICTION)
+QUICK = IdentificationSettings(robustness=False)
+
+
+def errors(identification: Any, design: Design) -> Any:
+    """Errors of the base parameters over their largest possible half widths."""
+    found = np.array([identification.estimate(symbol).value for symbol in BASE_SYMBOLS])
+    most = np.array([identification.estimate(symbol).parameter.most for symbol in BASE_SYMBOLS])
+    return (found - base_parameters(design)) / most
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_a_log_without_noise_gives_the_design(knee: KneeBranch) -> None:
+    design = RUBBING.with_knee(knee)
+    found = identify(simulated(1, design, noise_seed=None), design.with_knee(knee), QUICK)
+    for item in (item for item in found.estimates if item.symbol not in ("b_9", "b_10")):
+        # 0.1 % of the masses' contributions, 0.1 % of the torques
+        assert item.value == pytest.approx(item.parameter.design, abs=0.01 * item.parameter.most)
+    assert np.abs(found.residual).max() < 3e-3 * np.abs(found.measured).max()
+    assert found.identity.value == pytest.approx(0.0, abs=0.01)
+
+
+def test_what_twenty_seconds_tell_and_what_they_do_not() -> None:
+    found = identify(simulated(1, RUBBING), APPENDIX_4)
+    assert found.estimate("M_p2").half_width < 0.004 * found.estimate("M_p2").value
+    assert found.estimate("b_1").half_width < 0.003 * found.estimate("b_1").value
+    unknown = {item.symbol for item in found.unknown}
+    assert {"b_9", "b_10"} <= unknown  # spin inertia of the bars
+    assert not {"b_1", "M_p2", "b_6", "b_7", "c1", "c4"} & unknown
+    assert all("would tell it" in item.reason for item in found.unknown)
+    assert found.identity.holds
+    assert len(found.notes) == 1  # no warning
+
+
+def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
+    t = np.arange(6000) / 300.0
+    pose = np.tile(np.array(home_pose(APPENDIX_4.geometry)), (t.size, 1))
+    w = 2 * np.pi * 0.4
+    pose[:, 3] += 0.1 * np.sin(w * t) + 0.03 * np.sin(2.7 * w * t)
+    velocity, acceleration = (np.zeros_like(pose) for _ in range(2))
+    velocity[:, 3] = 0.1 * w * np.cos(w * t) + 0.081 * w * np.cos(2.7 * w * t)
+    acceleration[:, 3] = -0.1 * w**2 * np.sin(w * t) - 0.03 * (2.7 * w) ** 2 * np.sin(2.7 * w * t)
+    torque = inverse_dynamics(RUBBING, pose, velocity, acceleration).torque
+    position = inverse_kinematics(APPENDIX_4.geometry, pose).actuators
+    noise = np.random.default_rng(0).standard_normal(torque.shape) * [0.01, 0.01, 0.01, 1.0]
+    found = identify(make_log(t, position, torque + noise), APPENDIX_4, QUICK)
+    assert {"b_4", "b_6", "b_8", "b_11", "c1"} <= {item.symbol for item in found.unknown}
+    assert found.estimate("b_1").known
+    assert "horizontal accelerations would tell it" in found.estimate("b_6").reason
+
+
+def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
+    # from joint 2 to joint 3: they always move together
+    moved = RUBBING.vary({"joints.j2": 0.1, "joints.j3": 0.338 + 0.114})
+    one, other = (identify(simulated(1, item), RUBBING, QUICK) for item in (RUBBING, moved))
+    for first, second in zip(one.estimates, other.estimates, strict=True):
+        assert second.value == pytest.approx(first.value, rel=1e-6, abs=1e-9)
+        assert second.half_width == pytest.approx(first.half_width, rel=1e-6)
+        assert second.known == first.known
+
+
+def test_a_gap_changes_little() -> None:
+    log = simulated(1, RUBBING)
+    kept = np.r_[0:9000, 9010 : len(log.t)]
+    split = make_log(log.t[kept], log.position[kept], log.torque[kept], split=True)
+    whole, cut = (identify(item, APPENDIX_4, QUICK) for item in (log, split))
+    for first, second in zip(whole.estimates, cut.estimates, strict=True):
+        assert abs(second.value - first.value) < first.half_width
+
+
+@pytest.mark.parametrize("rate", [100.0, 250.0])
+def test_slower_logs_give_the_same(rate: float) -> None:
+    found = identify(simulated(1, RUBBING, rate=rate, noise_seed=None), APPENDIX_4, QUICK)
+    assert np.abs(errors(found, RUBBING)[:8]).max() < 0.02
+
+
+def test_opt_in_numbers_are_found() -> None:
+    log = simulated(2, RUBBING)
+    late = make_log(log.t[5:], log.position[5:], log.torque[:-5])
+    found = identify(late, APPENDIX_4, replace(QUICK, delay=True))
+    assert found.estimate("delay").value == pytest.approx(5e-3, abs=1e-3)
+    assert found.estimate("delay").half_width < 1e-3
+    held = identify(log, APPENDIX_4, replace(QUICK, constrain=True))
+    assert np.isnan(held.identity.z)
+    assert (
+        held.estimate("b_3").half_width
+        < identify(log, APPENDIX_4, QUICK).estimate("b_3").half_width
+    )
+    legs = identify(log, APPENDIX_4, replace(QUICK, legs=True, rotors=True))
+    contrasts = [item for item in legs.estimates if item.parameter.kind == "leg"]
+    assert len(contrasts) == 24
+    assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
+    assert legs.model.columns.shape[-1] == 27 + 4 + 4 + 3 + 2

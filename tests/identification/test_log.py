@@ -1,0 +1,157 @@
+"""Logs: read from tables, refused with their row, never closed up at gaps."""
+
+from __future__ import annotations
+
+import io
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.files.errors import TableFileError
+from paminsa_viz.files.log_table import log_table, parse_log
+from paminsa_viz.files.tables import table_csv
+from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
+from paminsa_viz.identification.log_poses import follow_pose
+from paminsa_viz.model import APPENDIX_4, KneeBranch, forward_kinematics, inverse_kinematics
+from tests.support.identification_logs import clean_signals, multi_sine
+
+RATE = 200.0
+
+
+@pytest.fixture
+def signals() -> list[Any]:
+    """Four seconds of times, positions and torques, which a test may spoil."""
+    return [array.copy() for array in clean_signals(1, duration=4.0, rate=RATE)]
+
+
+def read(text: str, **options: Any) -> Any:
+    return parse_log(io.StringIO(text, newline=""), "robot.csv", **options)
+
+
+def test_a_written_log_is_read_again_in_any_unit_and_order(signals: list[Any]) -> None:
+    log = make_log(*signals)
+    text = table_csv(log_table(log)).decode()
+    again = read(text)
+    np.testing.assert_array_equal(again.torque, log.torque)
+    np.testing.assert_array_equal(again.position, log.position)
+    assert again.rate == pytest.approx(RATE)
+    t, position, torque = signals
+    rows = np.column_stack([position[:, 3] * 1e3, np.degrees(position[:, :3]), torque / 2.0, t])
+    head = "Z_mm,theta1_deg,theta2_deg,theta3_deg,current1_A,current2_A,current3_A,current4_A,t_s\n"
+    stream = io.StringIO()
+    np.savetxt(stream, rows, delimiter=",", fmt="%.17g")
+    other = read(head + stream.getvalue(), gains=(2.0, 2.0, 2.0, 2.0))
+    np.testing.assert_allclose(other.position, log.position, rtol=1e-13)
+    np.testing.assert_allclose(other.torque, log.torque, rtol=1e-13)
+    with pytest.raises(TableFileError, match="currents need gains"):
+        read(head + stream.getvalue())
+
+
+def test_missing_columns_are_named() -> None:
+    with pytest.raises(TableFileError, match="column Z_m: the column is missing"):
+        read("t_s,theta1_rad,theta2_rad,theta3_rad\n0,0,0,0\n")
+    with pytest.raises(TableFileError, match="torques are missing"):
+        read("t_s,theta1_rad,theta2_rad,theta3_rad,Z_m\n0,0,0,0,0\n")
+    with pytest.raises(TableFileError, match="with torque columns come"):
+        read("t_s,theta1_rad,theta2_rad,theta3_rad,Z_m,torque1_Nm\n0,0,0,0,0,0\n")
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "words"),
+    [
+        ((0, 30), 0.5, "times have to increase"),
+        ((0, 30), 29 / RATE, "is there twice"),
+        ((1, (30, 1)), np.nan, "row 31, theta2: no finite number"),
+        ((2, (30, 3)), np.inf, "row 31, force4: no finite number"),
+        ((1, (30, 0)), 57.3, "degrees"),
+        ((1, (30, 3)), 350.0, "millimeters"),
+        ((1, (30, 3)), 1.9, "jump"),
+    ],
+    ids=["reversed", "repeated", "nan", "infinite", "degrees", "millimeters", "jump"],
+)
+def test_a_wrong_row_is_named(signals: list[Any], place: Any, value: float, words: str) -> None:
+    array, index = place
+    signals[array][index] = value
+    if array == 0 and value == 0.5:
+        signals[0][31:] -= 0.0
+    with pytest.raises(InvalidLog, match=words) as caught:
+        make_log(*signals)
+    assert caught.value.row in (31, 32)
+
+
+def test_degrees_read_as_radians_are_refused_with_the_row_of_the_file(signals: list[Any]) -> None:
+    signals[1][:, :3] = np.degrees(signals[1][:, :3])
+    text = io.StringIO()
+    np.savetxt(text, np.column_stack(signals), delimiter=",")
+    head = "# a comment\nt_s,theta1_rad,theta2_rad,theta3_rad,Z_m,"
+    head += "torque1_Nm,torque2_Nm,torque3_Nm,force4_N\n"
+    row = 3 + int(np.flatnonzero((np.abs(signals[1][:, :3]) > 2 * np.pi).any(axis=1))[0])
+    with pytest.raises(TableFileError, match=rf"row {row}, column theta\d_rad.*degrees"):
+        read(head + text.getvalue())
+
+
+def test_a_gap_is_refused_or_splits_and_is_never_closed_up(signals: list[Any]) -> None:
+    kept = np.r_[0:400, 402:800]
+    with pytest.raises(InvalidLog, match="cut the log there") as caught:
+        make_log(*(array[kept] for array in signals))
+    assert caught.value.row == 401
+    log = make_log(*(array[kept] for array in signals), split=True)
+    assert log.starts == (0, 400)
+    np.testing.assert_array_equal(log.t, signals[0][kept])
+    assert any("split" in note for note in log.notes)
+
+
+def test_uneven_rows_are_resampled_and_that_is_stated(signals: list[Any]) -> None:
+    t, _, torque = signals
+    jitter = np.random.default_rng(0).uniform(-0.2, 0.2, t.size) / RATE
+    jitter[[0, -1]] = 0.0
+    pose = multi_sine(1)(t + jitter)[0]
+    position = inverse_kinematics(APPENDIX_4.geometry, pose).actuators
+    log = make_log(t + jitter, position, torque)
+    assert any("resampled" in note for note in log.notes)
+    np.testing.assert_allclose(np.diff(log.t), 1 / log.rate, rtol=1e-9)
+    exact = inverse_kinematics(APPENDIX_4.geometry, multi_sine(1)(log.t)[0]).actuators
+    np.testing.assert_allclose(log.position, exact, atol=1e-6)
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_poses_follow_the_assembly_that_starts_nearest(knee: KneeBranch) -> None:
+    design = APPENDIX_4.with_knee(knee)
+    t, position, _ = clean_signals(3, design, duration=10.0, rate=RATE)
+    poses = multi_sine(3, design)(t)[0]
+    np.testing.assert_allclose(
+        log_poses(make_log(t, position, position), design.geometry)[0], poses, atol=1e-9
+    )
+    modes = forward_kinematics(design.geometry, position).pose
+    other = np.abs(modes - poses[:, None]).sum(axis=-1).argmax(axis=1)
+    mirror = modes[np.arange(len(t)), other]
+    found = follow_pose(design.geometry, position, mirror[0])
+    np.testing.assert_allclose(np.cos(found[:, 2]), np.cos(mirror[:, 2]), atol=1e-9)
+
+
+def test_rows_near_a_singularity_or_out_of_reach_are_refused_or_left_out() -> None:
+    t = np.arange(2000) / RATE
+    pose = np.zeros((t.size, 4))
+    pose[:, 3] = -0.5
+    pose[:, 0] = 0.244 * np.sin(2 * np.pi * t / 5.0)  # the singular circle is at 0.25 m
+    position = inverse_kinematics(APPENDIX_4.geometry, pose).actuators
+    with pytest.raises(InvalidLog, match=r"condition number is 1\d.*near a singularity") as caught:
+        log_poses(make_log(t, position, position), APPENDIX_4.geometry)
+    assert 100 < (caught.value.row or 0) < 250
+    split = make_log(t, position, position, split=True)
+    pieces = log_poses(split, APPENDIX_4.geometry)[1]
+    assert len(pieces) > 2
+    assert max(np.abs(pose[piece, 0]).max() for piece in pieces) < 0.24
+    position[:, 3] += 2.0
+    with pytest.raises(InvalidLog, match=r"row 1: out of reach"):
+        log_poses(make_log(t, position, position), APPENDIX_4.geometry)
+
+
+def test_a_robot_at_rest_is_refused() -> None:
+    t = np.arange(4000) / RATE
+    position = np.tile(
+        inverse_kinematics(APPENDIX_4.geometry, [0, 0, 0, -0.5]).actuators, (4000, 1)
+    )
+    with pytest.raises(InvalidLog, match="hardly moves"):
+        identify(make_log(t, position, position), APPENDIX_4)

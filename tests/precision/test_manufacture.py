@@ -1,0 +1,206 @@
+"""Errors by tolerances and clearances: bounds, their parts, random robots."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import product
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4, solve_field, xy_grid
+from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
+from paminsa_viz.precision.leg_lengths import INDEX, design_lengths, with_deviations
+from paminsa_viz.precision.manufacture import (
+    clearance_widths,
+    design_sensitivities,
+    field_tolerance_errors,
+    longest_sum,
+    manufactured_pose,
+    tolerance_errors,
+    tolerance_widths,
+)
+from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.precision.unequal_legs import solve_pose
+from paminsa_viz.quantities import QUANTITIES
+from tests.support.cases import BY_HAND, Case, cases
+from tests.support.measured import pointwise
+
+SMALL = Tolerances(**dict.fromkeys(vars(Tolerances()), 1e-07))
+
+
+@given(seed=st.integers(0, 999), n=st.integers(1, 7))
+def test_the_longest_sum_is_that_of_all_signs(seed: int, n: int) -> None:
+    x, y = np.random.default_rng(seed).normal(size=(2, 3, n)).round(1)
+    signs = np.array(list(product((-1, 1), repeat=n)))
+    wanted = np.hypot(x @ signs.T, y @ signs.T).max(axis=-1)
+    assert np.allclose(longest_sum(x, y), wanted)
+
+
+@given(case=cases(), seed=st.integers(0, 99))
+def test_worst_errors_bound_robots_at_their_corners_and_are_reached(case: Case, seed: int) -> None:
+    design = replace(case.design, tolerances=SMALL)
+    pose = case.poses(1)[0]
+    found = tolerance_errors(design, pose)
+    slopes = design_sensitivities(design, pose).lengths
+    widths = tolerance_widths(SMALL) + clearance_widths(SMALL)
+    lengths = design_lengths(design)
+    start = manufactured_pose(design, pose)
+    random = np.random.default_rng(seed).choice((-1.0, 1.0), (40, 3, 14))
+    corners = np.concatenate([np.sign(slopes), random]) * widths
+    moved = solve_pose(case.geometry, lengths + corners, start.actuators, pose)
+    errors = moved.coordinates - start.coordinates
+    size = np.abs(errors)
+    assert (size <= found.worst * (1 + 1e-3) + 1e-12).all()
+    assert np.allclose(np.diagonal(errors[:6]), found.worst, rtol=1e-3, atol=1e-12)
+    assert (np.hypot(errors[:, 0], errors[:, 1]) <= found.horizontal * (1 + 1e-3)).all()
+    assert (np.hypot(errors[:, 4], errors[:, 5]) <= found.tilt * (1 + 1e-3)).all()
+
+
+@given(case=cases())
+def test_errors_are_linear_in_the_tolerances_and_clearances_are_a_part(case: Case) -> None:
+    poses = case.poses(4)
+    base = tolerance_errors(case.design, poses)
+    twice = Tolerances(**{name: 2 * value for name, value in vars(Tolerances()).items()})
+    double = tolerance_errors(replace(case.design, tolerances=twice), poses)
+    for name in ("worst", "clearance", "rms", "horizontal", "tilt", "rms_horizontal", "rms_tilt"):
+        assert np.allclose(getattr(double, name), 2 * getattr(base, name), rtol=1e-12, atol=0)
+    assert np.allclose(double.shares, base.shares)
+    assert np.allclose(base.shares.sum(axis=-1), 1.0)
+    play = replace(NO_TOLERANCES, pin_clearance=2e-5, guide_clearance=2e-5)
+    alone = tolerance_errors(replace(case.design, tolerances=play), poses)
+    assert np.allclose(alone.worst, base.clearance, rtol=1e-12, atol=0)
+    exact = tolerance_errors(replace(case.design, tolerances=NO_TOLERANCES), poses)
+    assert not exact.worst.any()
+    assert not exact.shares.any()
+
+
+def test_the_height_error_by_hand() -> None:
+    """A shaft that is off by t moves z_5 of its leg by k t, and z by a third of it."""
+    only = replace(NO_TOLERANCES, shaft=1e-4)
+    found = tolerance_errors(replace(APPENDIX_4, tolerances=only), BY_HAND)
+    assert np.allclose(found.worst[:, 3], 3e-4)
+    assert np.allclose(found.rms[:, 3], 3e-4 / 3, rtol=1e-12)  # 3 t / 3 * sqrt(3) / sqrt(3)
+    assert np.allclose(found.shares[:, 3, INDEX["shaft"]], 1.0)
+    # two legs up, one down: the plane rises by 2 k t over 3/2 R_pl
+    assert np.allclose(found.tilt, 2 * 3e-4 / 0.15)
+
+
+@given(case=cases())
+def test_rms_of_random_robots_is_that_of_the_first_order(case: Case) -> None:
+    design = replace(case.design, tolerances=SMALL)
+    poses = case.poses(2)
+    drawn = monte_carlo(design, poses, robots=400, seed=1)
+    assert drawn.errors.shape == (400, 2, 6)
+    assert (drawn.solved == 1).all()
+    wanted = tolerance_errors(design, poses)
+    assert np.allclose(drawn.rms / wanted.rms, 1, atol=0.25)
+    assert (drawn.quantile(1.0) <= wanted.worst).all()
+    assert (drawn.quantile(0.5) < drawn.quantile(0.95)).all()
+
+
+def test_random_robots_are_the_same_in_any_blocks() -> None:
+    whole = monte_carlo(APPENDIX_4, BY_HAND, robots=50, seed=3)
+    parts = monte_carlo(APPENDIX_4, BY_HAND, robots=30, seed=3, block=21)
+    assert np.array_equal(whole.errors[:30], parts.errors)
+    other = monte_carlo(APPENDIX_4, BY_HAND, robots=30, seed=4)
+    assert not np.array_equal(other.errors, parts.errors)
+    assert np.array_equal(parts.pose, BY_HAND)
+    single = monte_carlo(APPENDIX_4, BY_HAND[1], robots=30, seed=3)
+    assert np.allclose(single.errors, parts.errors[:, 1], rtol=0, atol=1e-15)
+
+
+def test_random_robots_report_progress_and_can_be_canceled() -> None:
+    seen: list[tuple[int, int]] = []
+
+    def progress(done: int, of: int) -> bool:
+        seen.append((done, of))
+        return done >= 20
+
+    found = monte_carlo(APPENDIX_4, BY_HAND, robots=50, block=30, progress=progress)
+    assert seen == [(10, 50), (20, 50)]
+    assert found.canceled
+    assert found.errors.shape == (20, 3, 6)
+
+
+def test_robots_without_a_solution_are_counted() -> None:
+    loose = replace(APPENDIX_4, tolerances=replace(NO_TOLERANCES, bar=0.05))
+    near = np.array([0.0, 0.0, 0.0, -0.95])
+    found = monte_carlo(loose, near, robots=60)
+    assert 0 < found.solved < 1
+    assert np.isnan(found.errors[found.closure != 0]).all()
+    assert np.isinf(found.quantile(0.999)).all()
+    assert np.isnan(found.rms).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "problem"),
+    [
+        ({"robots": 0}, "robots: 1 to 1000000"),
+        ({"robots": 10**7}, "robots: 1 to 1000000"),
+        ({"seed": -1}, "seed: a whole number"),
+        ({"pose": (0, 0, 0, -3)}, "pose: a pose cannot be taken: the bars of a leg"),
+    ],
+    ids=str,
+)
+def test_impossible_draws_are_refused(options: dict[str, Any], problem: str) -> None:
+    pose = options.pop("pose", BY_HAND[0])
+    with pytest.raises(InvalidInput, match=problem):
+        monte_carlo(APPENDIX_4, pose, **options)
+
+
+def test_a_calibrated_robot_is_controlled_by_its_own_lengths() -> None:
+    deviations = np.random.default_rng(0).uniform(-1e-3, 1e-3, (3, 14))
+    design = with_deviations(APPENDIX_4, deviations)
+    drawn = monte_carlo(replace(design, tolerances=NO_TOLERANCES), BY_HAND, robots=2)
+    assert np.abs(drawn.errors).max() < 1e-12
+    blind = manufactured_pose(design, BY_HAND)
+    assert np.abs(blind.pose - BY_HAND).max() > 1e-4
+    # first-order errors hardly differ from those of the drawn robot
+    assert np.allclose(
+        tolerance_errors(design, BY_HAND).worst,
+        tolerance_errors(APPENDIX_4, BY_HAND).worst,
+        rtol=0.2,
+    )
+    assert isinstance(drawn, MonteCarlo)
+
+
+def test_fields_have_the_errors_of_their_poses() -> None:
+    field = solve_field(
+        APPENDIX_4.geometry,
+        xy_grid(np.linspace(-0.4, 0.4, 9), np.linspace(-0.3, 0.3, 7), 0.3, -0.5),
+    )
+    found = field_tolerance_errors(field, APPENDIX_4)
+    poses = field.grid.poses()
+    wanted = tolerance_errors(APPENDIX_4, poses)
+    assert np.array_equal(found.worst, wanted.worst, equal_nan=True)
+    assert np.array_equal(np.isnan(found.tilt), field.status != 0)
+    assert field_tolerance_errors(field, replace(APPENDIX_4, gravity=1.0)) is found
+
+
+def test_maps_of_deviations_are_their_poses_and_say_what_cannot_be_assembled() -> None:
+    deviations = np.zeros((3, 14))
+    deviations[0, INDEX["bar_89"]] = -0.02
+    deviations[1, INDEX["axis_angle"]] = 1e-3
+    design = with_deviations(APPENDIX_4, deviations)
+    grid = xy_grid(np.linspace(-0.3, 0.3, 9), np.linspace(-0.3, 0.3, 7), 0.3, -0.8)
+    field = solve_field(APPENDIX_4.geometry, grid)
+    wanted = pointwise(design, grid.poses())
+    kinds = ("deviation", "tolerance", "rms_tolerance")
+    for key in (key for key in QUANTITIES if key.startswith(kinds)):
+        assert np.allclose(
+            QUANTITIES[key].over(field, design), wanted[key], rtol=1e-9, atol=0, equal_nan=True
+        )
+    quantity = QUANTITIES["deviation_tilt"]
+    assert quantity.missing is not None
+    missing = quantity.missing(field, design)
+    reachable = field.status == 0
+    values = quantity.over(field, design)
+    assert np.array_equal(np.isnan(values[reachable]), missing.code[reachable] != 0)
+    found = {missing.words[code] for code in missing.code[reachable]}
+    assert {"no-assembly:ok", "no-assembly:open"} <= found
+    assert len(missing.texts) == len(missing.words)

@@ -1,0 +1,101 @@
+"""Logs for tests of the identification: multi-sine motions, torques of formulas or of an engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.identification.log import Log, make_log
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    check_reach,
+    inverse_dynamics,
+    inverse_kinematics,
+    measure_singularity,
+)
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.reach import Limit, home_pose
+
+PERIOD = 10.0
+"""Period of the multi-sines [s]."""
+
+HARMONICS = 14
+"""Highest harmonic of a multi-sine."""
+
+
+@dataclass(frozen=True, eq=False)
+class RandomMotion:
+    """A periodic motion with exact derivatives: times (n,) in, poses (n, 4) and rates out."""
+
+    center: Array
+    cosine: Array  # (4, HARMONICS)
+    sine: Array
+
+    def __call__(self, t: Array) -> tuple[Array, Array, Array]:
+        w = 2 * np.pi / PERIOD * np.arange(1, HARMONICS + 1)
+        c, s = np.cos(t[:, None] * w), np.sin(t[:, None] * w)
+        return (
+            self.center + c @ self.cosine.T + s @ self.sine.T,
+            (c * w) @ self.sine.T - (s * w) @ self.cosine.T,
+            -(c * w**2) @ self.cosine.T - (s * w**2) @ self.sine.T,
+        )
+
+
+@cache
+def multi_sine(seed: int, design: Design = APPENDIX_4) -> RandomMotion:
+    """Return a random motion within reach, with a condition number of at most 5."""
+    rng = np.random.default_rng(seed)
+    weight = rng.standard_normal((2, 4, HARMONICS)) / np.arange(1, HARMONICS + 1) ** 0.7
+    size = np.array([0.1, 0.1, 0.7, 0.14]) * design.geometry.base_radius / 0.35
+    center = np.array(home_pose(design.geometry))
+    t = np.linspace(0, PERIOD, 500)
+    shape = RandomMotion(np.zeros(4), *weight)(t)[0]
+    weight *= (size / np.abs(shape).max(axis=0))[:, None]
+    for share in np.linspace(1.0, 0.1, 19):
+        motion = RandomMotion(center, *(share * weight))
+        poses = motion(t)[0]
+        good = (check_reach(design.geometry, poses).status == Limit.OK).all()
+        if good and measure_singularity(design.geometry, poses).condition.max() <= 5:
+            return motion
+    raise AssertionError("no share of the motion fits")
+
+
+def noisy(
+    t: Array, position: Array, torque: Array, rng: np.random.Generator, noise: float = 0.02
+) -> tuple[Array, Array]:
+    """Add torque noise correlated over 20 ms and round positions to 0.01 degrees and 10 µm."""
+    from scipy.signal import lfilter
+
+    step = t[1] - t[0]
+    keep = np.exp(-step / 0.02)
+    white = rng.standard_normal((len(t) + 200, 4)) * np.sqrt(1 - keep**2)
+    colored = np.asarray(lfilter([1.0], [1.0, -keep], white, axis=0))[200:]
+    counts = np.array([np.pi / 18000] * 3 + [1e-5])
+    scale = noise * np.sqrt((torque**2).mean(axis=0))
+    return counts * np.round(position / counts), torque + scale * colored
+
+
+@cache
+def clean_signals(
+    seed: int, design: Design = APPENDIX_4, duration: float = 20.0, rate: float = 1000.0
+) -> tuple[Array, Array, Array]:
+    """Times, positions and torques of the formulas for a random motion; do not write to them."""
+    t = np.arange(round(duration * rate)) / rate
+    motion = multi_sine(seed, design)(t)
+    torque = inverse_dynamics(design, *motion).torque
+    return t, inverse_kinematics(design.geometry, motion[0]).actuators, torque
+
+
+def simulated(
+    seed: int, design: Design = APPENDIX_4, *, noise_seed: int | None = 0, **options: Any
+) -> Log:
+    """Return a log of the formulas; with noise unless ``noise_seed`` is None."""
+    t, position, torque = clean_signals(seed, design, **options)
+    if noise_seed is not None:
+        rng = np.random.default_rng(noise_seed)
+        position, torque = noisy(t, position, torque, rng)
+    return make_log(t, position, torque)
