@@ -17,6 +17,7 @@ WRITTEN = {
     "design_study": {"design_study.csv"},
     "dynamic_torques": {"dynamic_torques.png"},
     "in_a_notebook": {"robot.html", "maps.html", "motion.html", "torques.svg"},
+    "record_logs": {"example_log.csv", "example_log_other.csv", "example_log_payload.csv"},
     "static_maps": {"static_maps.png"},
 }
 PRINTED = {
@@ -27,6 +28,7 @@ PRINTED = {
     "forces": r"in every horizontal direction: 83\.60 N, M1 limits",
     "misprints": r"all of them +0\.\d+",
     "payload_in_motion": r"at rest M1..M3 change by at most 0 N m,\nM4 by k m g = 147\.15 N",
+    "record_logs": r"seed 0: log det \d+, [1-9]\d above random motions",
     "singularities": r"theta = 73\.40 deg\n.*\n.* 268\.1 mm",
     "springs": r"zero free length, mast on slider 8 +largest torque 0\.000 N m with 91\.0 N/m",
     "static_maps": r"M_p2 = 9\.100 N",
@@ -44,7 +46,7 @@ def test_gallery_lists_every_script() -> None:
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.stem)
 def test_example_runs_and_prints_its_result(script, tmp_path, monkeypatch, capsys) -> None:
-    if script.stem == "verify_with_mujoco":
+    if script.stem in ("record_logs", "verify_with_mujoco"):
         pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(script), run_name="__main__")

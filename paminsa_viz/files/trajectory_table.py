@@ -71,9 +71,9 @@ def analysis_table(analysis: TrajectoryAnalysis) -> DataTable:
         "samples": str(t.size),
         "duration [s]": repr(t.duration),
         "first failure": first.explanation if first else "none",
-        **_robot(analysis.design),
+        **robot_facts(analysis.design),
         "formulae": f"as printed: {', '.join(published)}" if published else "corrected",
-        **_parameters(analysis.design),
+        **parameter_facts(analysis.design),
     }
     return DataTable(columns | {STATUS: analysis.check.words()}, provenance(FORMAT, facts))
 
@@ -90,8 +90,8 @@ def simulation_table(simulation: Simulation) -> DataTable:
         "bandwidth [Hz]": repr(float(s.controller.bandwidth)),
         "damping": repr(float(s.controller.damping)),
         "stopped": s.stopped.explanation if s.stopped else "at the end",
-        **_robot(s.design),
-        **_parameters(s.design),
+        **robot_facts(s.design),
+        **parameter_facts(s.design),
     }
     return DataTable(columns, provenance(SIMULATION_FORMAT, facts))
 
@@ -100,11 +100,13 @@ def _named(names: tuple[str, ...], values: NDArray[np.float64]) -> dict[str, NDA
     return dict(zip(names, values.T, strict=True))
 
 
-def _robot(design: Design) -> dict[str, str]:
+def robot_facts(design: Design) -> dict[str, str]:
+    """Return what names a robot in the header of a table."""
     return {"design": design.name, "assembly": design.geometry.knee.value}
 
 
-def _parameters(design: Design) -> dict[str, str]:
+def parameter_facts(design: Design) -> dict[str, str]:
+    """Return all numbers of a design for the header of a table."""
     return {
         f"design {p.path}{f' [{p.unit}]' if p.unit else ''}": repr(design.value(p.path))
         for p in PARAMETERS

@@ -39,6 +39,15 @@ RANDOM_STARTS = 300
 GROUP = 4
 """Motions that are improved at the same time."""
 
+HOPS = 3
+"""How many of a later group lie near the best motion."""
+
+HOP = 0.05
+"""How near: standard deviation of the variables."""
+
+HOP_SIZE = 0.85
+"""Their size over that of the best motion, which is at the limits."""
+
 STAGES = ((20.0, 80, 2), (60.0, 80, 1), (300.0, 80, 1))
 """How sharply the limits are taken, most iterations, and how many of a group go on."""
 
@@ -295,15 +304,18 @@ class _Search:
     def run(self, starts: Array) -> None:
         """Improve the first motions a little, the best of them more, until the budget is spent.
 
-        What is left of it goes to further starts.
+        What is left of it goes to further starts and to motions near the best one.
         """
+        rng = np.random.default_rng(self._settings.seed)
         waiting = list(starts)
+        group, waiting = waiting[:GROUP], waiting[GROUP:]
         try:
-            while waiting and not self.over:
-                group, waiting = waiting[:GROUP], waiting[GROUP:]
+            while not self.over:
                 for sharpness, iterations, kept in STAGES:
                     found = [self._improve(start, sharpness, iterations) for start in group]
                     group = [x for _, x in sorted(found, key=lambda one: -one[0])[:kept]]
+                near = HOP_SIZE * self.best + HOP * rng.standard_normal((HOPS, self.best.size))
+                group, waiting = [*near, *waiting[: GROUP - HOPS]], waiting[GROUP - HOPS :]
         except _Over:
             self.over = True
 

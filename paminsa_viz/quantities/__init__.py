@@ -21,6 +21,7 @@ from paminsa_viz.quantities.manufacture import MANUFACTURE
 from paminsa_viz.quantities.quantity import Missing, Quantity
 from paminsa_viz.quantities.statics import STATICS
 from paminsa_viz.quantities.stiffness import STIFFNESS
+from paminsa_viz.quantities.vibration import VIBRATION
 
 __all__ = [
     "MAP_BUDGET",
@@ -38,6 +39,9 @@ __all__ = [
 MAP_BUDGET = 1.0
 """Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
 
+FINE_CELLS = 200
+"""Cells along each side of a map from which on it may take all of `MAP_BUDGET`."""
+
 QUANTITIES: dict[str, Quantity] = {
     quantity.key: quantity
     for quantity in (
@@ -48,6 +52,7 @@ QUANTITIES: dict[str, Quantity] = {
         *MANUFACTURE,
         *JOINT_FORCES,
         *STIFFNESS,
+        *VIBRATION,
     )
 }
 """Every quantity by its key, in the order of choices."""
@@ -89,6 +94,10 @@ def formulas() -> tuple[Formula, ...]:
 
 
 def affordable_cells(keys: Sequence[str], most: int) -> int:
-    """Return how many cells a side, at most ``most``, a map may have within `MAP_BUDGET`."""
+    """Return how many cells a side, at most ``most``, a map may have within `MAP_BUDGET`.
+
+    A coarse map, of less than `FINE_CELLS`, has as much less time as it has fewer cells.
+    """
     cost = sum({item.formula: item.cost for item in find(keys)}.values())
-    return max(2, min(most, math.isqrt(int(MAP_BUDGET / cost))))
+    budget = MAP_BUDGET * min(1.0, most / FINE_CELLS) ** 2
+    return max(2, min(most, math.isqrt(int(budget / cost))))

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.drive_stiffness import drive_matrix
 from paminsa_viz.elastostatics.modes import natural_modes
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4, LoadCase, LoadFrame
+from paminsa_viz.model.drive import Drive
+from tests.elastostatics.linearized import linearized
+from tests.support import samples
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -69,3 +77,28 @@ def test_a_coordinate_without_mass_has_an_infinite_frequency() -> None:
 def test_matrices_that_do_not_fit_are_refused(k: np.ndarray, m: np.ndarray) -> None:
     with pytest.raises(InvalidInput):
         natural_modes(k, m)
+
+
+@pytest.mark.parametrize("frame", list(LoadFrame))
+def test_drives_alone_vibrate_as_mujoco_does(frame: LoadFrame) -> None:
+    """Springs at the actuators of MuJoCo's model, which hold weight and load."""
+    pytest.importorskip("mujoco")
+    rng = np.random.default_rng(7)
+    load = LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04, frame=frame)
+    for design in (replace(APPENDIX_4, load=load), samples.random_design(rng)):
+        springs = np.diagonal(drive_matrix(design))
+        for pose in samples.random_poses(rng, design, 3):
+            stiffness, mass = linearized(design, pose, springs)
+            expected = natural_modes(0.5 * (stiffness + stiffness.T), mass)
+            found = drive_modes(design, pose)
+            assert found.stable == expected.stable
+            assert found.frequencies == pytest.approx(expected.frequencies, rel=1e-7, nan_ok=True)
+
+
+def test_inertia_of_locked_motors_has_no_part() -> None:
+    motor = Drive("servo", gear_ratio=100.0, rotor_inertia=1e-4)
+    pose = np.array([0.02, -0.03, 0.2, -0.5])
+    driven = replace(APPENDIX_4, drives=(motor, motor, motor, None))
+    assert any(driven.drive_inertia)
+    found = drive_modes(driven, pose).frequencies
+    assert found.tolist() == drive_modes(APPENDIX_4, pose).frequencies.tolist()

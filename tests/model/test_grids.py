@@ -257,6 +257,7 @@ def test_units() -> None:
         **angles,
         **dict.fromkeys([f"stiffness_{axis}" for axis in ("x", "y", "z", "horizontal")], "N/m"),
         **dict.fromkeys(("stiffness_theta", "stiffness_tilt"), "N m/rad"),
+        **dict.fromkeys(("frequency_1", "frequency_drives"), "Hz"),
         "deflection": "m",
         "deflection_tilt": "rad",
         **dict.fromkeys(places, "m:um"),

@@ -9,9 +9,11 @@ import numpy as np
 from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
 from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
 from paminsa_viz.elastostatics.stiffness import platform_stiffness
 from paminsa_viz.elastostatics.utilization import utilization
+from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.model import (
     Design,
     Limit,
@@ -51,6 +53,8 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
     deflection = stiff.deflection()
     further = {
         **{f"stiffness_{name}": stiff.along(i) for name, i in AXES.items()},
+        "frequency_1": first_frequencies(design, pose),
+        "frequency_drives": drive_modes(design, pose).frequencies[..., 0],
         "stiffness_tilt": stiff.tilt,
         "stiffness_horizontal": stiff.horizontal,
         "deflection": np.linalg.norm(deflection[..., :3], axis=-1),

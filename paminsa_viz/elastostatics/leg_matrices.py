@@ -1,0 +1,287 @@
+"""Stiffness and mass of a leg for many poses at once: matrices that are the same for all of them.
+
+A bar turned by an angle of cosine c and sine s has terms in c^2, c s, s^2, c, s and 1, whose
+matrices do not depend on the pose. So a leg's matrix is a sum of 16 constant ones, for the bars
+along B8, those along B4, the arm, and what never turns; all poses are one product of matrices. Only
+B10, whose length from leg axis to slider changes, is built pose by pose.
+
+Freedoms, elements and joints are those of `leg_model`, so that the stiffness is that of
+`structure`. The masses are Appendix 4's: bars uniform (`beam_mass`), pins, slider and
+counterweights as point masses. What of B10 is beyond the slider is rigid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.elastostatics.beam_mass import beam_mass, body_mass, point_mass
+from paminsa_viz.elastostatics.beams import beam_stiffness
+from paminsa_viz.elastostatics.leg_frame import LegFrame
+from paminsa_viz.elastostatics.leg_model import FIXED, SPANS, LegModel, leg_model
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+
+RETAINED = 4
+"""First freedoms of a leg here: joint 5 along u, w, z, and the carriage's height Z."""
+
+MOST_DIVISIONS = 16
+"""Most elements of a bar between two joints."""
+
+TERMS = 16
+"""Five of each direction that turns, and the constant one."""
+
+TURNS: Mapping[str, int] = {"b8": 0, "b3": 0, "b4": 5, "b7": 5, "b1": 10}
+"""First term of the bars that turn; B2 and B10 do not."""
+
+JOINTS = dict(SPANS)
+"""Joints along each bar."""
+
+_PINS = {9: "b8", 4: "b4", 5: "b4", 3: "b3", 7: "b3", 2: "b2"}
+"""Bar that the mass of a joint sits on; that of joint 8 is the slider's."""
+
+
+class BarMass(NamedTuple):
+    """Lengths of a bar's spans [m], and its mass [kg/m] and inertias along and across it [kg m]."""
+
+    spans: tuple[float, ...]
+    mass: float
+    axial: float
+    rotary: float
+
+
+def bar_masses(design: Design) -> dict[str, BarMass]:
+    """Return what every bar of a leg weighs per length.
+
+    Where Appendix 4 gives no transverse inertia, for B1 and B2, the bar is slender.
+    """
+    g, links, inertias = design.geometry, design.links, design.inertias
+    k = g.magnification
+    crank, coupler = g.crank_length, g.coupler_length
+    spans = {
+        "b8": (crank,),
+        "b7": (coupler / k,),
+        "b4": (coupler / k, coupler * (k - 1) / k),
+        "b3": (crank / k, crank * (k - 1) / k),
+        "b2": (g.shaft_length,),
+        "b1": (g.arm_length,),
+        "b10": (g.guide_link_length,),
+    }
+    axial = {"b2": inertias.b2_vertical}
+    across = {"b10": inertias.b10_vertical}
+    for bar in ("b3", "b4", "b7", "b8"):
+        axial[bar] = getattr(inertias, f"{bar}_axial")
+        across[bar] = getattr(inertias, f"{bar}_transverse")
+    found = {}
+    for bar, lengths in spans.items():
+        mass, length = getattr(links, bar), sum(lengths)
+        slender = mass * length**2 / 12
+        rotary = across.get(bar, slender) - slender
+        found[bar] = BarMass(lengths, mass / length, axial.get(bar, 0.0) / length, rotary / length)
+    return found
+
+
+def inertia_ratios(design: Design) -> dict[str, float]:
+    """Return the transverse inertia of each bar over that of a slender one, where it is given.
+
+    Tubes that weigh as much as the bars cannot have more than a few percent above 1.
+    """
+    found = {}
+    for bar, own in bar_masses(design).items():
+        slender = own.mass * sum(own.spans) ** 2 / 12
+        if bar not in ("b1", "b2") and slender > 0:
+            found[bar] = 1 + own.rotary / slender
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class LegMatrices:
+    """A design's legs as sums of constant matrices.
+
+    The freedoms are those of the model, `RETAINED` ones first.
+
+    Attributes:
+        design, model, divisions: What they were built for.
+        order: (size,) place of the model's freedoms here.
+        stiffness, mass: (`TERMS`, size, size).
+    """
+
+    design: Design
+    model: LegModel
+    divisions: int
+    shear: bool
+    order: NDArray[np.intp]
+    stiffness: Array
+    mass: Array
+
+    @property
+    def size(self) -> int:
+        """Number of freedoms of a leg."""
+        return self.model.size
+
+    def places(self, freedoms: tuple[int, ...]) -> NDArray[np.intp]:
+        """Return where freedoms of the model are here, `FIXED` where the base holds them."""
+        return np.array([f if f == FIXED else self.order[f] for f in freedoms], dtype=np.intp)
+
+    def assemble(self, frame: LegFrame) -> tuple[Array, Array]:
+        """Return stiffness and mass of the legs in their frames, (..., 3 legs, size, size) each."""
+        pairs = (frame.phi, frame.psi, frame.arm)
+        parts = [
+            part
+            for c, s in (np.moveaxis(pair, -1, 0) for pair in pairs)
+            for part in (c * c, c * s, s * s, c, s)
+        ]
+        terms = np.stack([*parts, np.ones_like(parts[0])], axis=-1)
+        flat, n = terms.reshape(-1, TERMS), self.size
+        k = (flat @ self.stiffness.reshape(TERMS, -1)).reshape(-1, n, n)
+        m = (flat @ self.mass.reshape(TERMS, -1)).reshape(-1, n, n)
+        self._add_guide(k, m, -frame.points[8][..., 0].reshape(-1))
+        shape = (*terms.shape[:-1], n, n)
+        return k.reshape(shape), m.reshape(shape)
+
+    def _add_guide(self, k: Array, m: Array, length: Array) -> None:
+        """Add B10 from the leg axis to the slider, and what of it is beyond."""
+        design = self.design
+        whole, own = design.geometry.guide_link_length, bar_masses(design)["b10"]
+        turn = _turned("b10", 12)
+        step = length / self.divisions
+        section = design.elastic.section("b10")
+        stiff = turn @ beam_stiffness(step, section, design.elastic, shear=self.shear) @ turn.T
+        heavy = turn @ beam_mass(step, own.mass, own.axial, own.rotary) @ turn.T
+        last = None
+        for bar, first, second in self.model.elements:
+            if bar == "b10":
+                nodes = self.model.nodes[first], self.model.nodes[second]
+                places = self.places((*nodes[0].freedoms, *nodes[1].freedoms))
+                add_matrix(k, places, stiff)
+                add_matrix(m, places, heavy)
+                last = places[6:]
+        assert last is not None
+        rest = whole - length
+        beyond = body_mass(
+            own.mass * rest, own.mass * rest**2 / 2, own.mass * rest**3 / 3, own.axial * rest,
+            own.rotary * rest,
+        )  # fmt: skip
+        add_matrix(m, last, turn[:6, :6] @ beyond @ turn[:6, :6].T)
+
+
+@lru_cache(maxsize=16)
+def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> LegMatrices:
+    """Build the constant matrices of a design's legs.
+
+    Args:
+        design: The robot with its elastic data.
+        divisions: Elements of a bar between two joints.
+        shear: Whether bars deform by shear (Timoshenko).
+
+    Raises:
+        InvalidInput: If arm or shaft has no length, or ``divisions`` is not possible.
+    """
+    if not 1 <= divisions <= MOST_DIVISIONS:
+        raise InvalidInput("divisions", f"1 to {MOST_DIVISIONS} are possible, not {divisions}")
+    for name in ("arm_length", "shaft_length"):
+        if getattr(design.geometry, name) == 0:
+            raise InvalidInput(f"geometry.{name}", "a bar without length is no beam element")
+    model = leg_model(design.elastic, divisions)
+    kept = [*model.joint5, model.carriage]
+    order = np.empty(model.size, dtype=np.intp)
+    order[kept] = np.arange(RETAINED)
+    order[np.setdiff1d(np.arange(model.size), kept)] = np.arange(RETAINED, model.size)
+    stiffness, mass = np.zeros((2, TERMS, model.size, model.size))
+    made = LegMatrices(design, model, divisions, shear, order, stiffness, mass)
+    own = bar_masses(design)
+    for bar, first, second in model.elements:
+        if bar != "b10":
+            nodes = model.nodes[first], model.nodes[second]
+            places = made.places((*nodes[0].freedoms, *nodes[1].freedoms))
+            whole = own[bar].spans[_span(bar, nodes[1].first, nodes[1].second)]
+            length = whole / divisions
+            section = design.elastic.section(bar)
+            stiff = beam_stiffness(length, section, design.elastic, shear=shear)
+            _add_turned(stiffness, bar, places, stiff)
+            _add_turned(mass, bar, places, beam_mass(length, *own[bar][1:]))
+    for joint, bar in _PINS.items():
+        places = made.places(model.node(bar, joint).freedoms)
+        _add_turned(mass, bar, places, point_mass(getattr(design.joints, f"j{joint}")))
+    slider = made.places(model.node("slider", 8).freedoms)
+    add_matrix(mass[-1], slider, point_mass(design.joints.j8))
+    for weight in design.counterweights:
+        ahead = weight.beyond if weight.joint == JOINTS[weight.bar][-1] else -weight.beyond
+        places = made.places(model.node(weight.bar, weight.joint).freedoms)
+        _add_turned(mass, weight.bar, places, point_mass(weight.mass, ahead))
+    for spring in model.springs:
+        stiff = getattr(design.elastic, spring.stiffness)
+        pair = made.places((spring.first, spring.second))
+        add_matrix(stiffness[-1], pair, stiff * np.array([[1.0, -1.0], [-1.0, 1.0]]))
+    return made
+
+
+def _span(bar: str, first: int, second: int) -> int:
+    """Return which span of a bar an element is in whose second node is between two joints."""
+    joints = JOINTS[bar]
+    return joints.index(second) - 1
+
+
+def add_matrix(out: Array, places: NDArray[np.intp], matrix: Array) -> None:
+    """Add matrices (..., n, n) to the larger ones (..., size, size) where their freedoms are."""
+    kept = np.flatnonzero(places != FIXED)
+    target = places[kept]
+    out[(..., *np.ix_(target, target))] += matrix[(..., *np.ix_(kept, kept))]
+
+
+def _axes_parts(bar: str) -> tuple[Array, Array, Array]:
+    """Return A, B, C: the element axes e, n, b in the leg frame are the columns of c A + s B + C.
+
+    c and s are cosine and sine of the bar's elevation, or for B1 of its direction.
+    """
+    a, b, c = np.zeros((3, 3, 3))
+    if bar == "b1":  # e = (c, s, 0), n = (0, 0, -1), b = (-s, c, 0)
+        a[0, 0] = a[1, 2] = b[1, 0] = 1.0
+        b[0, 2] = c[2, 1] = -1.0
+    else:  # e = (c, 0, s), n = (s, 0, -c), b = (0, 1, 0)
+        a[0, 0] = b[2, 0] = b[0, 1] = c[1, 2] = 1.0
+        a[2, 1] = -1.0
+    return a, b, c
+
+
+def _turned(bar: str, size: int) -> Array:
+    """Return the turn of a bar that never turns: B2 points up, B10 outward; (size, size)."""
+    a, b, c = _axes_parts(bar)
+    return np.kron(np.eye(size // 3), c + b if bar == "b2" else c - a)
+
+
+def _add_turned(terms: Array, bar: str, places: NDArray[np.intp], matrix: Array) -> None:
+    """Add a matrix in element axes to the terms of its bar."""
+    size = len(matrix)
+    if bar not in TURNS:
+        turn = _turned(bar, size)
+        add_matrix(terms[-1], places, turn @ matrix @ turn.T)
+        return
+    a, b, c = (np.kron(np.eye(size // 3), part) for part in _axes_parts(bar))
+    products = (
+        a @ matrix @ a.T,
+        a @ matrix @ b.T + b @ matrix @ a.T,
+        b @ matrix @ b.T,
+        a @ matrix @ c.T + c @ matrix @ a.T,
+        b @ matrix @ c.T + c @ matrix @ b.T,
+    )
+    for offset, product in enumerate(products):
+        add_matrix(terms[TURNS[bar] + offset], places, product)
+    add_matrix(terms[-1], places, c @ matrix @ c.T)
+
+
+def axes_of(bar: str, frame: LegFrame) -> Array:
+    """Return the element axes of a bar in the leg frames, columns e, n, b, (..., 3 legs, 3, 3)."""
+    a, b, c = _axes_parts(bar)
+    if bar not in TURNS:
+        fixed = c + b if bar == "b2" else c - a
+        return np.broadcast_to(fixed, (*frame.rho.shape, 3, 3))
+    pair = (frame.phi, frame.psi, frame.arm)[TURNS[bar] // 5]
+    cosine, sine = pair[..., :1, None], pair[..., 1:, None]
+    return cosine * a + sine * b + c

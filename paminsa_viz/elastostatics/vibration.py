@@ -1,0 +1,218 @@
+"""Natural frequencies and modes of the whole robot with locked motors.
+
+Legs in finite elements (`leg_matrices`), carriage and platform rigid. The coordinates that the legs
+share are the platform's twist at P and the carriage's height Z. What is inside the legs follows
+
+* statically (Guyan 1965): K and M in the shared coordinates alone, from the shapes that the legs
+  take when these are displaced. M has too much of it where a leg vibrates by itself.
+* by one step of subspace iteration (Bathe 1996, section 11.6) from those modes: the legs then bend
+  under their own inertia as well. `first_frequencies` does this.
+* as its own coordinates: `whole_modes` solves all of them together.
+
+Weight and load soften or stiffen (`geometric_stiffness`) as they do with rigid bars, in the
+platform's x, y, theta and z.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.elastostatics.drive_modes import geometric_stiffness
+from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
+from paminsa_viz.elastostatics.leg_matrices import RETAINED, LegMatrices, leg_matrices
+from paminsa_viz.elastostatics.modes import Modes, natural_modes
+from paminsa_viz.elastostatics.structure import joint5_map
+from paminsa_viz.model.arrays import Array, as_vectors
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.reach import Limit
+
+SHARED = 7
+"""Shared coordinates: the platform's six, and the carriage's Z."""
+
+POSE_AXES = [0, 1, 5, 2]
+"""Where the pose's (x, y, theta, z) are in the platform's twist."""
+
+BLOCK = 128
+"""Poses worked on at a time; their matrices take some 15 MB."""
+
+
+def platform_mass(design: Design) -> Array:
+    """Return the mass matrix of platform and payload at P, (6, 6) [kg, kg m^2].
+
+    Both are discs: their inertia about x and y is half that about z.
+    """
+    mass = design.platform.mass + design.payload.mass
+    inertia = design.platform.inertia + design.payload.inertia
+    return np.diag([mass, mass, mass, inertia / 2, inertia / 2, inertia])
+
+
+def shared_map(frame: LegFrame) -> Array:
+    """Return joint 5 (u, w, z) and Z of each leg from the shared coordinates, (..., 3, 4, 7)."""
+    found = np.zeros((*frame.rho.shape, RETAINED, SHARED))
+    found[..., :3, :6] = joint5_map(frame)
+    found[..., 3, 6] = 1.0
+    return found
+
+
+def _join(design: Design, pose: Array, stiffness: Array, mass: Array, loaded: bool = True) -> None:
+    """Add what is not in the legs to matrices of the shared coordinates (..., 7, 7)."""
+    if loaded:
+        stiffness[(..., *np.ix_(POSE_AXES, POSE_AXES))] += geometric_stiffness(design, pose)
+    stiffness[..., 6, 6] += design.elastic.drive_linear
+    mass[..., :6, :6] += platform_mass(design)
+
+
+def _to_shared(ends: Array, matrix: Array) -> Array:
+    """Sum matrices of the legs' ends (n, 3, 4, 4) in the shared coordinates, (n, 7, 7)."""
+    return (np.swapaxes(ends, -1, -2) @ matrix @ ends).sum(axis=1)
+
+
+@dataclass(frozen=True)
+class ReducedRobot:
+    """The robot at n poses in its shared coordinates, and the inertia inside its legs.
+
+    Attributes:
+        stiffness, mass: Condensed statically, (n, 7, 7).
+        inner: (n, 3, 4, 4) Y^T F of every leg: F the inertia of its static shapes, Y = K^-1 F how
+            it bends under it with its ends held.
+        inner_mass: (n, 3, 4, 4) Y^T M Y.
+        ends: See `shared_map`.
+    """
+
+    stiffness: Array
+    mass: Array
+    inner: Array
+    inner_mass: Array
+    ends: Array
+
+
+def reduced_robot(matrices: LegMatrices, pose: Array) -> ReducedRobot:
+    """Condense the robot at poses (n, 4) that it can take."""
+    frame = leg_frame(matrices.design.geometry, pose)
+    k, m = matrices.assemble(frame)
+    ends, r = shared_map(frame), RETAINED
+    k_in, k_side = k[..., r:, r:], k[..., r:, :r]
+    m_in, m_side = m[..., r:, r:], m[..., r:, :r]
+    shape = -np.linalg.solve(k_in, k_side)
+    force = m_in @ shape + m_side
+    bend = np.linalg.solve(k_in, force)
+    own_k = k[..., :r, :r] + np.swapaxes(k_side, -1, -2) @ shape
+    own_m = (
+        m[..., :r, :r] + np.swapaxes(shape, -1, -2) @ force + np.swapaxes(m_side, -1, -2) @ shape
+    )
+    stiffness, mass = _to_shared(ends, own_k), _to_shared(ends, own_m)
+    _join(matrices.design, pose, stiffness, mass)
+    bent = np.swapaxes(bend, -1, -2)
+    return ReducedRobot(stiffness, mass, bent @ force, bent @ m_in @ bend, ends)
+
+
+def guyan_modes(robot: ReducedRobot, count: int = SHARED) -> Modes:
+    """Return modes of the statically condensed robot; shapes (n, 7, count)."""
+    return natural_modes(robot.stiffness, robot.mass, count)
+
+
+@np.errstate(all="ignore")
+def iterated_modes(robot: ReducedRobot, count: int = 1) -> Modes:
+    """Return the lowest modes after a step of subspace iteration; shapes (n, 7, count)."""
+    start = guyan_modes(robot)
+    x = start.shapes * (2 * np.pi * start.frequencies[:, None, :])  # x^T K x = 1
+    real = np.isfinite(x).all(axis=1)  # not those without mass
+    x = np.where(real[:, None, :], x, 0.0)
+    firm = np.where(start.stable[:, None, None], robot.stiffness, np.eye(SHARED))
+    inertia = robot.mass @ x
+    y = np.linalg.solve(firm, inertia)
+    x_t, y_t = np.swapaxes(x, 1, 2), np.swapaxes(y, 1, 2)
+    inner = _to_shared(robot.ends, robot.inner) @ x
+    mixed = y_t @ inner
+    stiffness = y_t @ inertia + x_t @ inner
+    mass = y_t @ robot.mass @ y + mixed + np.swapaxes(mixed, 1, 2)
+    mass = mass + x_t @ _to_shared(robot.ends, robot.inner_mass) @ x
+    stiffness[~start.stable] = np.nan
+    stiffness += np.where(real, 0.0, 1.0)[:, :, None] * np.eye(SHARED)
+    found = natural_modes(stiffness, mass, count)
+    return replace(found, shapes=y @ found.shapes)
+
+
+@np.errstate(invalid="ignore")
+def first_frequencies(design: Design, pose: ArrayLike) -> Array:
+    """Return the first natural frequency of the whole robot, (...) [Hz].
+
+    Each bar is one element between two joints; see `iterated_modes`.
+
+    Args:
+        design: The robot with its elastic data, payload and load.
+        pose: (..., 4) [m, m, rad, m].
+
+    Returns:
+        NaN where the pose cannot be taken or is singular, and where weight or load push the
+        platform away harder than it is held.
+
+    Raises:
+        InvalidInput: If arm or shaft has no length.
+    """
+    pose = as_vectors(pose, "pose")
+    matrices, flat = leg_matrices(design), pose.reshape(-1, 4)
+    found = np.full(len(flat), np.nan)
+    usable = np.flatnonzero(can_vibrate(design, flat))
+    for start in range(0, len(usable), BLOCK):
+        block = usable[start : start + BLOCK]
+        robot = reduced_robot(matrices, flat[block])
+        found[block] = iterated_modes(robot).frequencies[:, 0]
+    return found.reshape(pose.shape[:-1])
+
+
+def can_vibrate(design: Design, pose: Array) -> Array:
+    """Return at which poses (n, 4) the robot is in reach and held, (n,)."""
+    held = np.isfinite(geometric_stiffness(design, pose)).all(axis=(-1, -2))
+    return held & (leg_frame(design.geometry, pose).status == Limit.OK)
+
+
+def whole_matrices(
+    matrices: LegMatrices, pose: ArrayLike, *, loaded: bool = True
+) -> tuple[Array, Array]:
+    """Return stiffness and mass in all coordinates at one pose (4,), (n, n) each.
+
+    The shared ones come first, then those inside each of the legs. Without ``loaded`` the stiffness
+    is that of bars, joints and drives alone.
+    """
+    pose = as_vectors(pose, "pose")
+    frame = leg_frame(matrices.design.geometry, pose)
+    legs, ends = matrices.assemble(frame), shared_map(frame)
+    inside = matrices.size - RETAINED
+    size = SHARED + 3 * inside
+    found = np.zeros((2, size, size))
+    shared = slice(0, SHARED)
+    _join(matrices.design, pose, found[0, shared, shared], found[1, shared, shared], loaded)
+    for leg in range(3):
+        spread = np.zeros((matrices.size, size))
+        spread[:RETAINED, :SHARED] = ends[leg]
+        first = SHARED + leg * inside
+        spread[RETAINED:, first : first + inside] = np.eye(inside)
+        for out, part in zip(found, legs, strict=True):
+            out += spread.T @ part[leg] @ spread
+    return found[0], found[1]
+
+
+def whole_modes(matrices: LegMatrices, pose: ArrayLike, count: int = 6) -> Modes:
+    """Return the lowest modes in all coordinates at one pose (4,), see `whole_matrices`."""
+    from scipy.linalg import eigh  # takes longer to import than a page may wait
+
+    stiffness, mass = whole_matrices(matrices, pose)
+    size = len(stiffness)
+    count = min(count, size)
+    lost = Modes(np.full(count, np.nan), np.full((size, count), np.nan), np.array(False))
+    diagonal = np.diagonal(stiffness)
+    if not (np.isfinite(stiffness).all() and (diagonal > 0).all()):
+        return lost
+    scale = 1 / np.sqrt(diagonal)
+    unit, heavy = (part * scale[:, None] * scale for part in (stiffness, mass))
+    try:
+        inertia, vectors = eigh(heavy, unit, subset_by_index=[size - count, size - 1])
+    except np.linalg.LinAlgError:  # not positive definite
+        return lost
+    inertia, vectors = inertia[::-1], vectors[:, ::-1]
+    shapes = scale[:, None] * vectors / np.sqrt(inertia)
+    return Modes(1 / (2 * np.pi * np.sqrt(inertia)), shapes, np.array(True))

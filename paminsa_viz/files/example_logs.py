@@ -1,0 +1,27 @@
+"""Logs that come with the program: of a robot in MuJoCo, made by ``examples/record_logs.py``."""
+
+from __future__ import annotations
+
+from enum import Enum
+from importlib.resources import files
+
+from paminsa_viz.files.log_table import parse_log
+from paminsa_viz.identification.log import Log
+
+
+class ExampleLog(Enum):
+    """The logs, each 20 s at 250 Hz; values are the names of the files."""
+
+    BEST = "example_log.csv"
+    """On the motion of largest information."""
+    OTHER = "example_log_other.csv"
+    """On another motion."""
+    PAYLOAD = "example_log_payload.csv"
+    """On the first motion, with 2 kg on the platform."""
+
+
+def example_log(kind: ExampleLog = ExampleLog.BEST) -> Log:
+    """Return a log that comes with the program."""
+    place = files("paminsa_viz.files").joinpath(kind.value)
+    with place.open(encoding="utf-8", newline="") as lines:
+        return parse_log(lines, kind.value)

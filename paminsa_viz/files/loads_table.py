@@ -1,0 +1,122 @@
+"""Joint forces and bar loads as tables in SI units: of a pose, along a bar, along a motion."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.elastostatics.bar_loads import bar_loads
+from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, JOINTS, NEEDS_STIFFNESS, JointForces
+from paminsa_viz.elastostatics.motion_loads import MotionLoads
+from paminsa_viz.files.columns import TIME
+from paminsa_viz.files.tables import DataTable, provenance
+from paminsa_viz.files.trajectory_table import parameter_facts, robot_facts
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.elastic import BARS
+
+JOINTS_FORMAT = "paminsa_viz joint forces 1"
+"""Name and version of the layout of a pose's table."""
+
+BARS_FORMAT = "paminsa_viz bar loads 1"
+
+MOTION_FORMAT = "paminsa_viz loads of a motion 1"
+
+SUMMARY_FORMAT = "paminsa_viz bearing loads 1"
+
+SECTIONS = 101
+"""Places along a bar that a table has."""
+
+LEGS = (0, 1, 2)
+
+Columns = dict[str, NDArray[Any]]
+
+
+def joint_table(forces: JointForces, pose: NDArray[np.float64]) -> DataTable:
+    """Return the forces at the joints in one pose, a row for each joint of each leg."""
+    rows = [(leg, index) for leg in LEGS for index in range(len(JOINTS))]
+    force = np.array([forces.force[leg, index] for leg, index in rows])
+    columns: Columns = {
+        "leg": _texts(str(leg + 1) for leg, _ in rows),
+        "joint": _texts(JOINTS[index].key for _, index in rows),
+        "on": _texts(JOINTS[index].on for _, index in rows),
+        "by": _texts(JOINTS[index].by for _, index in rows),
+        "radial_N": force[:, 0],
+        "tangential_N": force[:, 1],
+        "vertical_N": force[:, 2],
+        "moment_Nm": np.array([forces.moment[leg, index] for leg, index in rows]),
+    }
+    facts = {
+        "pose [m, m, rad, m]": " ".join(map(repr, pose.tolist())),
+        "tangential": NEEDS_STIFFNESS,
+    }
+    return DataTable(columns, provenance(JOINTS_FORMAT, facts | _design(forces.design)))
+
+
+def bar_table(forces: JointForces, pose: NDArray[np.float64], bar: str) -> DataTable:
+    """Return N, V and M along a bar of every leg in one pose; see `bar_diagram` for signs."""
+    loads = bar_loads(forces, bar)
+    s = np.linspace(0.0, loads.length, SECTIONS)
+    columns: Columns = {"s_m": s}
+    for leg in LEGS:
+        inner = loads.at(s)[leg]
+        for index, name in enumerate(("N_N", "V_N", "M_Nm")):
+            columns[f"leg{leg + 1}_{name}"] = inner[:, index]
+    facts = {"bar": bar.upper(), "pose [m, m, rad, m]": _pose(pose)}
+    return DataTable(columns, provenance(BARS_FORMAT, facts | _design(forces.design)))
+
+
+def motion_loads_table(loads: MotionLoads) -> DataTable:
+    """Return forces at the joints and the largest loads of the bars at every sample."""
+    force, moment = loads.forces.force, loads.forces.moment
+    columns: Columns = {TIME: loads.trajectory.t, "axial_N": loads.forces.axial}
+    for leg in LEGS:
+        for index, joint in enumerate(JOINTS):
+            name = f"leg{leg + 1}_{joint.key}"
+            columns[f"{name}_radial_N"] = force[:, leg, index, 0]
+            if joint.key == "5":
+                columns[f"{name}_tangential_N"] = force[:, leg, index, 1]
+            columns[f"{name}_vertical_N"] = force[:, leg, index, 2]
+            if joint.key in ("m", "2"):
+                columns[f"{name}_moment_Nm"] = moment[:, leg, JOINT_INDEX[joint.key]]
+        for index, bar in enumerate(BARS):
+            name = f"leg{leg + 1}_{bar}"
+            for place, part in enumerate(("N_N", "V_N", "M_Nm")):
+                columns[f"{name}_{part}"] = loads.bars[:, leg, index, place]
+            columns[f"{name}_utilization"] = loads.utilization[:, leg, index]
+    facts = {"trajectory": loads.trajectory.name, "tangential": NEEDS_STIFFNESS}
+    return DataTable(columns, provenance(MOTION_FORMAT, facts | _design(loads.design)))
+
+
+def bearing_table(loads: MotionLoads) -> DataTable:
+    """Return peak, RMS and equivalent load of every joint, a row each."""
+    rows = [(leg, index) for leg in LEGS for index in range(len(JOINTS))]
+
+    def column(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.array([values[row] for row in rows])
+
+    columns: Columns = {
+        "leg": _texts(str(leg + 1) for leg, _ in rows),
+        "joint": _texts(JOINTS[index].key for _, index in rows),
+        "peak_N": column(loads.peak),
+        "peak_t_s": column(loads.peak_time),
+        "rms_N": column(loads.rms),
+        "equivalent_N": column(loads.equivalent),
+        "travel": column(loads.travel),
+        "travel_unit": _texts("rad" if JOINTS[index].turning else "m" for _, index in rows),
+    }
+    facts = {"trajectory": loads.trajectory.name}
+    return DataTable(columns, provenance(SUMMARY_FORMAT, facts | _design(loads.design)))
+
+
+def _texts(words: Any) -> NDArray[Any]:
+    return np.array(list(words))
+
+
+def _pose(pose: NDArray[np.float64]) -> str:
+    return " ".join(map(repr, pose.tolist()))
+
+
+def _design(design: Design) -> dict[str, str]:
+    return robot_facts(design) | parameter_facts(design)

@@ -1,0 +1,249 @@
+"""Vibration of the whole robot: rigid limit, convergence, reductions, symmetry, lost poses."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.beam_mass import beam_mass, body_mass, point_mass
+from paminsa_viz.elastostatics.beams import beam_stiffness
+from paminsa_viz.elastostatics.center_lines import POINTS, center_lines
+from paminsa_viz.elastostatics.drive_modes import drive_modes
+from paminsa_viz.elastostatics.leg_frame import leg_frame
+from paminsa_viz.elastostatics.leg_matrices import inertia_ratios, leg_matrices
+from paminsa_viz.elastostatics.modes import natural_modes
+from paminsa_viz.elastostatics.structure import structure
+from paminsa_viz.elastostatics.vibration import (
+    first_frequencies,
+    guyan_modes,
+    iterated_modes,
+    reduced_robot,
+    whole_matrices,
+    whole_modes,
+)
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, LoadCase, inverse_kinematics
+from paminsa_viz.model.parameters import Counterweight, Payload
+from tests.support import samples
+
+POSES = np.array([[0.0, 0.0, 0.0, -0.5], [0.05, -0.03, 0.4, -0.6], [-0.06, 0.08, -0.5, -0.45]])
+SOFT = replace(
+    APPENDIX_4,
+    elastic=replace(
+        APPENDIX_4.elastic, bearing_radial=1e7, bearing_axial=2e7, bearing_tilt=1e4, ball=2e7,
+        guide=1e7, guide_tilt=5e4, b4_inertia_in=3e-8,
+    ),
+)  # fmt: skip
+LOADED = replace(
+    APPENDIX_4,
+    payload=Payload(mass=4.0, inertia=0.02),
+    load=LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04),
+    counterweights=(
+        Counterweight("b8", 8, 0.1, 0.7), Counterweight("b4", 9, 0.15, 0.4),
+        Counterweight("b3", 7, 0.05, 0.3), Counterweight("b7", 7, 0.02, 0.2),
+    ),
+)  # fmt: skip
+
+
+def stiffer(design: Design, times: float) -> Design:
+    """The same robot with stiffer bars."""
+    own = design.elastic
+    young, shear = times * own.young_modulus, times * own.shear_modulus
+    return replace(design, elastic=replace(own, young_modulus=young, shear_modulus=shear))
+
+
+def test_beam_has_the_mass_and_the_inertia_of_the_bar() -> None:
+    length, mass, axial, inertia = 0.6, 0.7, 0.001, 0.05
+    rotary = (inertia - mass * length**2 / 12) / length
+    m = beam_mass(length, mass / length, axial / length, rotary)
+    for axis in range(3):
+        both = np.zeros(12)
+        both[[axis, axis + 6]] = 1.0
+        assert both @ m @ both == pytest.approx(mass, rel=1e-12)
+    for axis, sign in ((1, -1.0), (2, 1.0)):  # turns about the middle, displaced along z or y
+        turn = np.zeros(12)
+        across = 2 if axis == 1 else 1
+        turn[[3 + axis, 9 + axis]] = 1.0
+        turn[[across, across + 6]] = sign * np.array([-length / 2, length / 2])
+        assert turn @ m @ turn == pytest.approx(inertia, rel=1e-12)
+    roll = np.zeros(12)
+    roll[[3, 9]] = 1.0
+    assert roll @ m @ roll == pytest.approx(axial, rel=1e-12)
+    assert np.array_equal(m, m.T)
+
+
+def test_rigid_body_is_its_point_masses() -> None:
+    places, masses = np.array([0.1, -0.2, 0.35]), np.array([0.3, 0.5, 0.2])
+    expected = sum(point_mass(m, x) for m, x in zip(masses, places, strict=True))
+    found = body_mass(masses.sum(), masses @ places, masses @ places**2)
+    assert found == pytest.approx(expected, abs=1e-15)
+
+
+def test_cantilever_vibrates_as_in_closed_form() -> None:
+    """cos(a) cosh(a) = -1: a = 1.8751, 4.6941 (Bernoulli beam); axially (2 i - 1) pi/2."""
+    length, count, own = 0.8, 12, APPENDIX_4.elastic
+    section = own.section("b8")._replace(inertia_out=1e-6)
+    step, mass = length / count, 1.3
+    k, m = np.zeros((2, 6 * (count + 1), 6 * (count + 1)))
+    for i in range(count):
+        part = slice(6 * i, 6 * i + 12)
+        k[part, part] += beam_stiffness(step, section, own)
+        m[part, part] += beam_mass(step, mass, 0.01, 0.0)
+    free = np.setdiff1d(np.arange(6, len(k)), np.arange(3, len(k), 6))  # held root, no roll
+    found = natural_modes(k[np.ix_(free, free)], m[np.ix_(free, free)]).frequencies
+    bending = own.young_modulus * section.inertia_in / (mass * length**4)
+    for a in (1.87510407, 4.69409113):
+        expected = a**2 * np.sqrt(bending) / (2 * np.pi)
+        assert np.abs(found / expected - 1).min() < 3e-5
+    axial = np.sqrt(own.young_modulus * section.area / mass) / (4 * length)
+    assert np.abs(found / axial - 1).min() < 1e-3
+
+
+@pytest.mark.parametrize("design", [APPENDIX_4, SOFT], ids=["rigid", "elastic"])
+@pytest.mark.parametrize("divisions", [1, 3])
+@pytest.mark.parametrize("shear", [False, True], ids=["bernoulli", "timoshenko"])
+def test_stiffness_is_that_of_the_structure(design: Design, divisions: int, shear: bool) -> None:
+    matrices = leg_matrices(design, divisions, shear)
+    found, mass = matrices.assemble(leg_frame(design.geometry, POSES))
+    own = structure(design, POSES, divisions=divisions, shear=shear).stiffness
+    order = np.argsort(matrices.order)
+    expected = own[..., order[:, None], order]
+    assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
+    assert np.abs(mass - np.swapaxes(mass, -1, -2)).max() < 1e-15
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_stiff_bars_vibrate_as_the_drives_alone(knee: KneeBranch) -> None:
+    """Masses, inertias, weight and load are those of the rigid robot's own dynamics."""
+    rng = np.random.default_rng(3)
+    drawn = [samples.random_design(rng) for _ in range(3)]
+    for design in (d.with_knee(knee) for d in (LOADED, *drawn)):
+        poses = samples.random_poses(rng, design, 4)
+        rigid = drive_modes(design, poses)
+        robot = reduced_robot(leg_matrices(stiffer(design, 1e6)), poses)
+        count = int(rigid.stable.sum())
+        assert count > 0
+        found = iterated_modes(robot, 3).frequencies[rigid.stable]
+        assert found == pytest.approx(rigid.frequencies[rigid.stable, :3], rel=2e-5)
+
+
+def test_more_elements_converge() -> None:
+    found = [whole_modes(leg_matrices(LOADED, n), POSES[1], 3).frequencies for n in (1, 2, 3)]
+    assert (found[0] > found[1]).all()
+    assert (found[1] > found[2]).all()
+    assert found[0] == pytest.approx(found[2], rel=2e-5)
+    assert found[1] == pytest.approx(found[2], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("design", "error"), [(APPENDIX_4, 1.5e-4), (LOADED, 1.5e-4), (SOFT, 2e-3)],
+    ids=["rigid", "loaded", "elastic"],
+)  # fmt: skip
+def test_reductions_are_upper_bounds_of_the_whole(design: Design, error: float) -> None:
+    robot = reduced_robot(leg_matrices(design), POSES)
+    whole = [float(whole_modes(leg_matrices(design), p, 1).frequencies[0]) for p in POSES]
+    iterated = iterated_modes(robot).frequencies[:, 0]
+    static = guyan_modes(robot).frequencies[:, 0]
+    assert (static > iterated).all()
+    assert (iterated >= np.array(whole) * (1 - 1e-12)).all()
+    assert iterated == pytest.approx(whole, rel=error)
+    assert first_frequencies(design, POSES).tolist() == iterated.tolist()
+
+
+def test_whole_modes_solve_the_matrices() -> None:
+    matrices = leg_matrices(LOADED)
+    k, m = whole_matrices(matrices, POSES[1])
+    found = whole_modes(matrices, POSES[1], 4)
+    squared = (2 * np.pi * found.frequencies) ** 2
+    residual = k @ found.shapes - m @ found.shapes * squared
+    assert np.abs(residual).max() < 1e-8 * np.abs(k @ found.shapes).max()
+    assert found.shapes.T @ m @ found.shapes == pytest.approx(np.eye(4), abs=1e-9)
+
+
+def test_a_third_of_a_turn_changes_no_frequency() -> None:
+    turned = POSES.copy()
+    c, s = np.cos(2 * np.pi / 3), np.sin(2 * np.pi / 3)
+    turned[:, :2] = POSES[:, :2] @ np.array([[c, s], [-s, c]])
+    found = first_frequencies(APPENDIX_4, turned)
+    assert found == pytest.approx(first_frequencies(APPENDIX_4, POSES), rel=1e-9)
+
+
+def test_lost_poses_have_no_frequency() -> None:
+    """Out of reach, singular by turn and by place, and pushed away by a large load."""
+    turn = float(np.arccos(0.1 / 0.35))
+    poses = np.array(
+        [[0.0, 0.0, 0.0, -0.5], [2.0, 0.0, 0.0, -0.5], [0.0, 0.0, turn, -0.5],
+         [0.25, 0.0, 0.0, -0.5], [np.nan, 0.0, 0.0, -0.5]]
+    )  # fmt: skip
+    found = first_frequencies(APPENDIX_4, poses)
+    assert np.isfinite(found).tolist() == [True, False, False, False, False]
+    weak = replace(APPENDIX_4, elastic=replace(APPENDIX_4.elastic, drive_rotary=1.0))
+    pushed = replace(weak, payload=Payload(mass=20.0))
+    assert np.isnan(first_frequencies(pushed, np.array([0.08, 0.05, 0.6, -0.5])))
+
+
+def test_batches_give_what_single_poses_give() -> None:
+    whole = first_frequencies(APPENDIX_4, POSES.reshape(3, 1, 4))
+    single = [float(first_frequencies(APPENDIX_4, pose)) for pose in POSES]
+    assert whole.shape == (3, 1)
+    assert whole[:, 0] == pytest.approx(single, rel=1e-12)
+
+
+def test_bars_without_length_or_too_many_elements_are_refused() -> None:
+    design = replace(APPENDIX_4, geometry=replace(APPENDIX_4.geometry, shaft_length=0.0))
+    with pytest.raises(InvalidInput, match="shaft_length"):
+        leg_matrices(design)
+    for divisions in (0, 17):
+        with pytest.raises(InvalidInput, match="divisions"):
+            leg_matrices(APPENDIX_4, divisions)
+
+
+def test_published_inertias_are_multiples_of_slender_bars() -> None:
+    """Appendix 4: 0.02 for B3 is 3.4 times m l^2/12; tubes of this mass cannot have it."""
+    found = inertia_ratios(APPENDIX_4)
+    assert found["b3"] == pytest.approx(0.02 / (0.406 * 0.42**2 / 12), rel=1e-12)
+    assert set(found) == {"b3", "b4", "b7", "b8", "b10"}
+    assert all(2.0 < ratio < 8.0 for ratio in found.values())
+
+
+def test_center_lines_meet_at_the_joints_and_move_with_the_platform() -> None:
+    matrices = leg_matrices(SOFT, 2)
+    rigid = leg_matrices(APPENDIX_4, 2)
+    pose = POSES[1]
+    lines = center_lines(rigid, pose, whole_modes(rigid, pose, 3).shapes)
+    by = {name: i for i, name in enumerate(lines.names[:8])}
+    joints = inverse_kinematics(APPENDIX_4.geometry, pose).points
+    ends = (("b8", -1, 9), ("b4", 0, 9), ("b8", 0, 8), ("b7", 0, 8), ("b7", -1, 7), ("b3", 0, 7),
+            ("b3", -1, 4), ("b2", 0, 3), ("b4", -1, 5), ("platform", -1, 5))  # fmt: skip
+    moves: dict[int, np.ndarray] = {}
+    for bar, end, joint in ends:
+        line = by[bar if bar == "platform" else f"leg1/{bar}"]
+        assert lines.points[line, end] == pytest.approx(joints[joint][0], abs=1e-12)
+        moved = lines.moves[line, end]
+        assert moved == pytest.approx(moves.setdefault(joint, moved), abs=1e-12)
+    assert lines.points.shape == (24, POINTS, 3)
+    soft = center_lines(matrices, pose, whole_modes(matrices, pose, 1).shapes)
+    gap = soft.moves[by["leg1/b4"], -1] - soft.moves[by["platform"], -1]
+    assert 1e-6 < np.abs(gap).max() < 0.1 * soft.largest[0]  # the elastic ball joint gives way
+
+
+def test_center_lines_of_a_static_shape_are_the_structure_s() -> None:
+    """The platform moves by 1 mm along x: nodes as of `Structure.displacements`, cubic between."""
+    matrices = leg_matrices(APPENDIX_4, 2)
+    pose, twist = POSES[1], np.array([1e-3, 0, 0, 0, 0, 0])
+    own = structure(APPENDIX_4, pose, divisions=2)
+    freedoms = own.displacements(twist)
+    inside = [np.empty(matrices.size) for _ in range(3)]
+    for leg in range(3):
+        inside[leg][matrices.order] = freedoms[leg]
+    vector = np.concatenate([twist, inside[0][3:4], *(part[4:] for part in inside)])
+    lines = center_lines(matrices, pose, vector[:, None])
+    b4 = lines.names.index("leg2/b4")
+    node = own.model.node("b4", 4)
+    along = APPENDIX_4.geometry.short_coupler_length / APPENDIX_4.geometry.coupler_length
+    expected = freedoms[1][list(node.freedoms[:3])] @ own.frame.axes[1]
+    index = along * (POINTS - 1)
+    near, far = lines.moves[b4, int(index), :, 0], lines.moves[b4, int(index) + 1, :, 0]
+    assert near + (index % 1) * (far - near) == pytest.approx(expected, abs=2e-6)
