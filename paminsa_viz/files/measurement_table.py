@@ -33,8 +33,9 @@ def parse_measurements(
 ) -> MeasurementTable:
     """Read measured poses from an open table.
 
-    Columns are ``x_m, y_m, theta_rad, z_m``, with ``tiltx_rad, tilty_rad`` if the tilt was measured
-    too, and ``theta1_rad .. theta3_rad, Z_m``, in any order; other units as ``x_mm``, ``theta_deg``.
+    Columns are ``x_m, y_m, theta_rad, z_m`` and ``theta1_rad .. theta3_rad, Z_m``, with
+    ``tiltx_rad, tilty_rad`` if the tilt was measured too, in any order; other units as ``x_mm``,
+    ``theta_deg``.
 
     Args:
         lines: The text, opened with ``newline=""``.
