@@ -1,4 +1,4 @@
-"""Sideways forces at the joints of a leg at rest: what equilibrium leaves open and elasticity decides.
+"""Sideways forces at the joints of a leg at rest, which elasticity decides and not equilibrium.
 
 Across its plane a leg has five constraints more than it needs. What loads it there is the force of
 the platform on joint 5, the shaft's force and moment on the arm, and the arm's own weight, as the
@@ -41,8 +41,8 @@ _SECTIONS: dict[str, tuple[int, float, tuple[float, float, float]]] = {
     "2": (2, 1.0, (0.0, 1.0, 0.0)),
     "5": (5, -1.0, (1.0, 0.0, 0.0)),
 }
-"""By joint: where it is, the sign of the force on its first body, and which of the loads at 5, 2 and
-7 it carries."""
+"""By joint: where it is, the sign of the force on its first body, and which of the loads at 5, 2
+and 7 it carries."""
 
 
 @dataclass(frozen=True, eq=False)

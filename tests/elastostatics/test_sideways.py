@@ -1,4 +1,4 @@
-"""Forces at the joints across the legs' planes, against the assembled structure under its weight."""
+"""Forces at the joints across the planes, against the assembled structure under its weight."""
 
 from __future__ import annotations
 
