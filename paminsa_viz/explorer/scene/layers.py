@@ -139,6 +139,12 @@ register(
           "Horizontal forces that the actuators hold with no moment", _POLYTOPE),
     Layer("wrench_solid", "Wrench polytope",
           "Horizontal forces and M_z / R_pl that the actuators hold", _POLYTOPE),
+    Layer("mode_shape", "Mode shape", "The natural mode chosen in the tab Stiffness, animated",
+          "elasticity:ModeShape"),
+    Layer("deflection", "Deflection", "Displaced by the load case of the tab Stiffness, enlarged",
+          "elasticity:Deflection"),
+    Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
+          "elasticity:ComplianceEllipsoid"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(
