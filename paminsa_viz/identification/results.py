@@ -98,6 +98,7 @@ class Identification:
         notes: What was done to the log, and warnings, in words.
         model, solution, blocks: The fit itself.
         numbers: (m,) block of each sample.
+        lag: By what the torques were shifted before the fit [s]; 0 unless a delay is fitted.
     """
 
     design: Design
@@ -114,6 +115,7 @@ class Identification:
     solution: FitSolution
     blocks: NormalBlocks
     numbers: NDArray[np.int64]
+    lag: float = 0.0
 
     @property
     def measured(self) -> Array:
