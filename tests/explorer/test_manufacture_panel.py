@@ -13,6 +13,7 @@ from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.inputs import Number
 from paminsa_viz.explorer.manufacture import draw_robots
 from paminsa_viz.explorer.panels import manufacture_panel as panel
+from paminsa_viz.explorer.panels import monte_carlo_panel as robots
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import APPENDIX_4, singular_rotation
 from paminsa_viz.model.leg_deviations import NO_DEVIATIONS
@@ -47,7 +48,7 @@ def test_errors_by_tolerances_are_listed_with_the_tilt(moved: State) -> None:
 
 def test_bars_are_the_shares_of_the_chosen_coordinate(moved: State) -> None:
     shares = tolerance_errors(APPENDIX_4, POSE).shares
-    for index, name in enumerate(panel.NAMES):
+    for index, name in enumerate(robots.NAMES):
         text = panel.shares_html(compute(moved.updated("manufacture", coordinate=index)))
         assert f"{100 * shares[index].max():.1f} %" in text.partition("</tr>")[0]
         assert text.count("<tr") == (shares[index] >= panel.LEAST_SHARE).sum()
@@ -63,26 +64,26 @@ def test_a_singular_pose_has_no_numbers() -> None:
 
 
 def test_random_robots_come_from_the_seed_and_go_stale(moved: State) -> None:
-    started = panel.start(moved.updated("manufacture", robots=300, seed=7))
+    started = robots.start(moved.updated("manufacture", robots=300, seed=7))
     job = started.manufacture.running
     assert job is not None
-    done = panel.receive(started, draw_robots(job, lambda _: False))
+    done = robots.receive(started, draw_robots(job, lambda _: False))
     expected = monte_carlo(APPENDIX_4, POSE, robots=300, seed=7)
     outcome = done.manufacture.outcome
     assert outcome is not None
     assert outcome.result is not None
     np.testing.assert_array_equal(outcome.result.errors, expected.errors)
-    text = panel.monte_carlo_html(compute(done))
+    text = robots.monte_carlo_html(compute(done))
     assert "300 robots, seed 7" in text
     assert "have changed since" not in text
     heavier = actions.vary(done, {"links.b3": 1.0})
-    assert "have changed since" not in panel.monte_carlo_html(compute(heavier))
+    assert "have changed since" not in robots.monte_carlo_html(compute(heavier))
     for changed in (
         actions.move(done, x=0.02),
         actions.vary(done, {"tolerances.bar": 1e-5}),
         actions.vary(done, {"leg2.shaft": 1e-5}),
     ):
-        assert "have changed since" in panel.monte_carlo_html(compute(changed))
+        assert "have changed since" in robots.monte_carlo_html(compute(changed))
 
 
 def test_a_job_reports_progress_and_can_be_stopped(moved: State) -> None:
@@ -106,7 +107,7 @@ def test_too_many_robots_are_a_problem_and_no_failure(moved: State) -> None:
     assert job is not None
     outcome = draw_robots(replace(job, robots=10**8), lambda _: False)
     assert "robots" in outcome.problem
-    assert "robots" in panel.monte_carlo_html(compute(panel.receive(moved, outcome)))
+    assert "robots" in robots.monte_carlo_html(compute(robots.receive(moved, outcome)))
 
 
 def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: State) -> None:
@@ -120,7 +121,7 @@ def test_a_deviation_is_set_in_its_unit_saved_and_tilts_the_platform(moved: Stat
     assert entry.shown(state) == 0.05
     assert persistence.load(persistence.dump(state.document)).design == design
     found, text = manufactured_pose(design, POSE), panel.legs_html(compute(state))
-    assert f"tilt about x <b>{panel._row('', 'rad:arcsec', found.tilt[0])[2][0]}</b>" in text
+    assert f"tilt about x <b>{robots.error_row('', 'rad:arcsec', found.tilt[0])[2][0]}</b>" in text
     assert panel.equal_legs(state).document.design.deviations == NO_DEVIATIONS
 
 
@@ -142,7 +143,7 @@ def test_buttons_set_all_tolerances(moved: State) -> None:
 def test_the_button_draws_robots_on_the_page(server: viser.ViserServer) -> None:
     with desk_with(server, panel.MANUFACTURE) as desk:
         desk.dispatch(lambda s: s.updated("manufacture", robots=50))
-        desk.dispatch(panel.start)
+        desk.dispatch(robots.start)
         desk.until(lambda: desk.state.manufacture.outcome is not None)
         assert desk.state.manufacture.running is None
         desk.until(lambda: "50 robots" in desk.handle("manufacture.found").content)

@@ -4,33 +4,28 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import lru_cache, partial
-from typing import Any
 
 import numpy as np
-from viser import Icon
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.entries import (
-    Button,
     ButtonGroup,
-    Custom,
     Effect,
     Folder,
     Html,
-    Progress,
 )
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
-from paminsa_viz.explorer.manufacture import (
-    MOST_ROBOTS,
-    MonteCarloJob,
-    MonteCarloOutcome,
-    draw_robots,
-)
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.panels.monte_carlo_panel import (
+    MONTE_CARLO,
+    NAMES,
+    SHOWN,
+    UNITS,
+    error_row,
+    shown_lengths,
+)
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, Design
 from paminsa_viz.model.leg_deviations import LEG_NAMES, NO_DEVIATIONS
@@ -38,26 +33,10 @@ from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
 from paminsa_viz.precision.leg_lengths import LENGTHS
 from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
 from paminsa_viz.precision.unequal_legs import Closure
-from paminsa_viz.units import display_unit, fixed, number, symbol_text
-
-NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
-UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
-"""Names and units of `unequal_legs.COORDINATES`."""
-
-SHOWN = (0, 1, 3, 2, 4, 5)
-"""The order that they are shown in."""
+from paminsa_viz.units import display_unit, symbol_text
 
 LEAST_SHARE = 0.005
 """Smallest share that has a bar."""
-
-
-def _key(frame: Frame) -> tuple[Design, Pose]:
-    """Return what errors by manufacture depend on: lengths and tolerances, and the pose."""
-    x, y, theta, z = frame.configuration.pose.tolist()
-    shown = frame.shown_design
-    legs = dict(zip(LEG_NAMES, shown.deviations, strict=True))
-    design = Design(geometry=shown.geometry, tolerances=shown.tolerances, **legs)
-    return design, (x, y, theta, z)
 
 
 @lru_cache(maxsize=4)
@@ -67,29 +46,20 @@ def _tolerance_errors(design: Design, pose: Pose) -> ToleranceErrors:
 
 def tolerances_html(frame: Frame) -> str:
     """Return the errors by tolerances and clearances at the pose."""
-    found = _tolerance_errors(*_key(frame))
+    found = _tolerance_errors(*shown_lengths(frame))
     columns = (found.worst, found.clearance, found.rms)
-    rows = [_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
-    rows.insert(2, _row("in the plane", "m:um", found.horizontal, np.nan, found.rms_horizontal))
-    rows.append(_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
-    return render("manufacture_errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()))
-
-
-def _row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
-    """Return a row of a table: name, unit, and numbers of three figures, or whole ones."""
-    shown = display_unit(unit)
-    numbers = [float(value) * shown.factor for value in values]
-    return (
-        name,
-        shown.text,
-        [fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3) for one in numbers],
+    rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
+    rows.insert(
+        2, error_row("in the plane", "m:um", found.horizontal, np.nan, found.rms_horizontal)
     )
+    rows.append(error_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
+    return render("manufacture_errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()))
 
 
 def shares_html(frame: Frame) -> str:
     """Return the share of each length in the variance of a coordinate, as bars."""
     index = frame.state.manufacture.coordinate
-    share = _tolerance_errors(*_key(frame)).shares[index]
+    share = _tolerance_errors(*shown_lengths(frame)).shares[index]
     order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
     bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
     return render("manufacture_shares.j2", name=NAMES[index], bars=bars)
@@ -97,75 +67,15 @@ def shares_html(frame: Frame) -> str:
 
 def legs_html(frame: Frame) -> str:
     """Return where the design's own legs put the platform, if they are not alike."""
-    design, pose = _key(frame)
+    design, pose = shown_lengths(frame)
     if design.deviations == NO_DEVIATIONS:
         return render("manufacture_legs.j2", rows=[], reason="")
     found = manufactured_pose(design, pose)
     if not found.ok:
         return render("manufacture_legs.j2", rows=[], reason=Closure(int(found.closure)).reason)
     off = [*(found.pose - np.array(pose)), *found.tilt]
-    rows = [_row(NAMES[i], UNITS[i], off[i]) for i in SHOWN]
+    rows = [error_row(NAMES[i], UNITS[i], off[i]) for i in SHOWN]
     return render("manufacture_legs.j2", rows=rows, reason="")
-
-
-def start(state: State) -> State:
-    """Draw robots at random, for the pose where the robot is."""
-    design, pose = state.document.design, state.last_reachable.pose
-    geometry = state.last_reachable.geometry
-    return replace(
-        state, manufacture=state.manufacture.started(replace(design, geometry=geometry), pose)
-    )
-
-
-def stop(state: State) -> State:
-    """Stop drawing robots."""
-    return state.updated("manufacture", running=None)
-
-
-def receive(state: State, outcome: MonteCarloOutcome) -> State:
-    """Take over a result."""
-    return state.updated("manufacture", running=None, outcome=outcome)
-
-
-def _progress(state: State, job: MonteCarloJob, done: float) -> State:
-    if state.manufacture.running is not job:
-        return state
-    return state.updated("manufacture", done=done)
-
-
-class _Drawer:
-    """Runs the jobs of a session."""
-
-    def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[MonteCarloJob, MonteCarloOutcome] = BackgroundJob(
-            session, "manufacture", draw_robots, receive,
-            failed=lambda job, problem: MonteCarloOutcome(job, None, problem),
-            progress=_progress, undo=False,
-        )  # fmt: skip
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Start the job that is wanted."""
-        self._job.request(frame.state.manufacture.running)
-
-
-def monte_carlo_html(frame: Frame) -> str:
-    """Return what was found of random robots."""
-    outcome = frame.state.manufacture.outcome
-    if outcome is None:
-        return ""
-    rows, result, solved = [], outcome.result, 1.0
-    if result is not None:
-        half, most, nearly_all = (result.quantile(share) for share in (0.5, 0.95, 0.997))
-        solved = float(result.solved)
-        rows = [
-            _row(NAMES[i], UNITS[i], half[i], most[i], nearly_all[i], result.rms[i]) for i in SHOWN
-        ]
-    design, pose = _key(frame)
-    return render(
-        "manufacture_robots.j2", rows=rows, problem=outcome.problem, job=outcome.job,
-        robots=0 if result is None else len(result.errors), solved=100 * solved,
-        stale=not outcome.job.serves(design, pose),
-    )  # fmt: skip
 
 
 def set_tolerances(state: State, tolerances: Tolerances) -> State:
@@ -239,10 +149,6 @@ def _slider(name: str) -> Slider:
     )  # fmt: skip
 
 
-def _busy(state: State) -> bool:
-    return state.manufacture.running is not None
-
-
 MANUFACTURE = (
     Html("manufacture.errors", content=tolerances_html, idle=True),
     Dropdown(
@@ -259,33 +165,7 @@ MANUFACTURE = (
         ),
     ),
     Folder(
-        "manufacture.robots", "Random robots (Monte Carlo)",
-        entries=(
-            Number(
-                "manufacture.count", "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0,
-                read=lambda state: state.manufacture.robots,
-                apply=lambda state, value: state.updated("manufacture", robots=round(value)),
-                undo=False,
-            ),
-            Number(
-                "manufacture.seed", "Seed", range=(0.0, 1e9), step=1.0,
-                hint="The same seed draws the same robots",
-                read=lambda state: state.manufacture.seed,
-                apply=lambda state, value: state.updated("manufacture", seed=round(value)),
-                undo=False,
-            ),
-            Button(
-                "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=start, undo=False,
-                visible=lambda state: not _busy(state),
-                hint="Draws lengths within the tolerances and solves each robot, at this pose",
-            ),
-            Progress(
-                "manufacture.progress", read=lambda state: state.manufacture.done, visible=_busy
-            ),
-            Button("manufacture.stop", "Stop", color="gray", visible=_busy, effect=stop),
-            Custom("manufacture.job", make=_Drawer),
-            Html("manufacture.found", content=monte_carlo_html, idle=True),
-        ),
+        "manufacture.robots", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
     ),
     Folder(
         "manufacture.legs", "Deviations of each leg", open=False,
