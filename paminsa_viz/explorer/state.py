@@ -13,6 +13,7 @@ from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 
 
 @dataclass(frozen=True)
@@ -103,6 +104,8 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         simulating, balancing, driving, engine_answer: Jobs of the session and what came of them.
+        condition_limit: Largest condition number of a pose that counts, see
+            `paminsa_viz.model.singular_limit`.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
     """
@@ -118,6 +121,7 @@ class State:
     balancing: Balancing = field(default_factory=Balancing)
     driving: Driving = field(default_factory=Driving)
     engine_answer: Answer | None = None
+    condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
 

@@ -148,18 +148,15 @@ class FitSolution:
         return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
 
     @cached_property
-    def covariance(self) -> Array:
-        """Covariance of x, (n, n): least squares', widened for correlation as the jackknife finds.
+    def widening(self) -> float:
+        """How much wider the jackknife's standard errors are than those of uncorrelated samples.
 
-        The widening is one factor, the median over the excited directions: a jackknife of forty
-        blocks has no covariance of twenty numbers.
+        One factor, the median over the excited directions: a jackknife of forty blocks has no
+        covariance of twenty numbers.
         """
         inner = np.linalg.inv(self.excited.T @ self.information @ self.excited)
-        plain = self.excited @ inner @ self.excited.T
-        rows = np.linalg.pinv(self.excited)
-        usual = np.sqrt(np.diag(inner))
-        ratio = self.deviation(rows) / usual
-        return plain * float(np.median(ratio)) ** 2
+        spread = self.deviation(np.linalg.pinv(self.excited))
+        return float(np.median(spread / np.sqrt(np.diag(inner))))
 
 
 def solve(blocks: NormalBlocks, noise: Array | None = None) -> FitSolution:

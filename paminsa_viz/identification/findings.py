@@ -9,9 +9,10 @@ from numpy.typing import ArrayLike
 
 from paminsa_viz.identification.causes import Causes, find_causes
 from paminsa_viz.identification.columns import IdentificationSettings
-from paminsa_viz.identification.identify import Identification, identify
+from paminsa_viz.identification.identify import identify
 from paminsa_viz.identification.log import Log
 from paminsa_viz.identification.nearest import NearestMasses, nearest_masses
+from paminsa_viz.identification.results import Identification
 from paminsa_viz.identification.second_log import (
     PayloadEstimate,
     Validation,

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from paminsa_viz.identification.findings import Findings
-from paminsa_viz.identification.identify import Identification
+from paminsa_viz.identification.results import Identification
 from paminsa_viz.palette import ACTUATOR_COLORS, INK
 from paminsa_viz.plots.series import EngineTorques, SeriesData, SeriesSources, Trace
 from paminsa_viz.plots.series_builders import SYMBOLS, UNITS, build_series

@@ -13,6 +13,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.balance_text import weights_by_place
 from paminsa_viz.explorer.panels.design_layout import DIGITS, STROKE, is_changed
+from paminsa_viz.explorer.panels.pose_panel import of_pose
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -98,7 +99,8 @@ def _torques(frame: Frame) -> str:
     last_reachable = frame.state.last_reachable
     # The frame's own torques are None both without a reference and where it cannot be.
     held = static_torques(reference, last_reachable.pose)
-    return torques_html(frame.torques, held, frame.state.document.design, reference, title)
+    text = torques_html(frame.torques, held, frame.state.document.design, reference, title)
+    return of_pose(frame, text)
 
 
 def _differences(frame: Frame) -> str:

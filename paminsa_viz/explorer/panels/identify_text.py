@@ -7,7 +7,7 @@ import math
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.identification.causes import Cause
-from paminsa_viz.identification.identify import Estimate
+from paminsa_viz.identification.results import Estimate
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.units import format_value, interval_text, number
 

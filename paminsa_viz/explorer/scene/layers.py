@@ -139,6 +139,9 @@ register(
           "Horizontal forces that the actuators hold with no moment", _POLYTOPE),
     Layer("wrench_solid", "Wrench polytope",
           "Horizontal forces and M_z / R_pl that the actuators hold", _POLYTOPE),
+    Layer("drive_errors", "Drive errors",
+          "Where the platform's center may be within the drives' errors, to a stated scale",
+          "drive_errors:DriveErrorView"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(
