@@ -34,6 +34,7 @@ from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.multi_sine import MultiSine
 from paminsa_viz.identification.nearest import MassEstimate, NearestMasses, nearest_masses
 from paminsa_viz.identification.results import Estimate, Identification, Identity
+from paminsa_viz.identification.validation import Validation, Weighing, validate, weigh_payload
 
 __all__ = [
     "BASE_PARAMETERS",
@@ -57,6 +58,8 @@ __all__ = [
     "MultiSine",
     "NearestMasses",
     "NoExcitation",
+    "Validation",
+    "Weighing",
     "base_matrix",
     "base_parameters",
     "base_regressor",
@@ -68,4 +71,6 @@ __all__ = [
     "make_log",
     "nearest_masses",
     "optimize_excitation",
+    "validate",
+    "weigh_payload",
 ]

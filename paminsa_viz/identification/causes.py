@@ -15,7 +15,7 @@ import numpy as np
 
 from paminsa_viz.identification.base_parameters import identity_row
 from paminsa_viz.identification.cause_columns import SPRING, PossibleCause, possible_causes
-from paminsa_viz.identification.estimate import NormalBlocks, normal_blocks
+from paminsa_viz.identification.estimate import NormalBlocks, jackknife, normal_blocks
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
 
@@ -163,7 +163,7 @@ def _tried(
     score = force[:, tried] - np.einsum("bqk,bq->bk", cross, solved[..., -1])
     visible = left[0] > SPANNED * own[0]
     size = np.where(visible, score / np.where(visible, left, 1.0), 0.0)
-    count, error = len(size) - 1, _jackknife(size[1:])
+    count, error = len(size) - 1, jackknife(size[1:])
     residual = square - float(force[0, base] @ span @ solved[0, :, -1])
     explains = np.where(visible, size[0] * score[0], 0.0) / residual
     spring = places.get(SPRING)
@@ -174,7 +174,7 @@ def _tried(
         row[:11] = -identity_row(design.geometry, design.gravity)
         row = row @ span
         size[:, i] = solved[..., -1] @ row
-        error[i] = _jackknife(size[1:, i : i + 1])[0]
+        error[i] = jackknife(size[1:, i : i + 1])[0]
         visible[i] = np.isfinite(identification.identity.z)
         explains[i] = size[0, i] ** 2 / float(row @ np.linalg.solve(inner[0], row)) / residual
     critical = float(student.isf(0.5 * SIGNIFICANCE / tries, count - 1))
@@ -192,13 +192,6 @@ def _tried(
             )
         )  # fmt: skip
     return found
-
-
-def _jackknife(without: Array) -> Array:
-    """Return standard errors from sizes (B, K) without each block."""
-    count = len(without)
-    spread = ((without - without.mean(axis=0)) ** 2).sum(axis=0)
-    return np.asarray(np.sqrt((count - 1) / count * spread))
 
 
 def _span(matrix: Array) -> Array:

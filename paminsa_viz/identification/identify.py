@@ -93,7 +93,7 @@ def identify(
     settings = IdentificationSettings() if settings is None else settings
     prepared = prepare(log, design, start)
     signals = filtered(prepared, design, settings)
-    _require_motion(signals)
+    require_motion(signals)
     model, blocks, solution, numbers, lag = _fit(design, signals, settings)
     quantile, error = solution.quantile, solution.deviation(model.report)
     values = model.report @ solution.x
@@ -120,7 +120,7 @@ def identify(
         None if start is None else tuple(np.asarray(start, np.float64).tolist()),
         estimates, _identity(design, model, solution, settings),
         signals, model.columns @ solution.x + model.known, solution.noise, tuple(notes),
-        model, solution, blocks, numbers,
+        model, solution, blocks, numbers, lag,
     )  # fmt: skip
 
 
@@ -129,20 +129,20 @@ def _fit(
 ) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
     numbers = block_numbers(signals.t, signals.segment, settings.block)
-    lag, shifted = 0.0, signals
+    lag, moved = 0.0, signals
     rounds = 3 if settings.delay else 1
     for turn in range(rounds):
-        model = fit_model(design, shifted, settings)
+        model = fit_model(design, moved, settings)
         blocks = normal_blocks(model.columns, model.torque, numbers)
         solution = solve(blocks)
         if turn < rounds - 1:
             place = [item.kind == "delay" for item in model.parameters].index(True)
             lag += float(model.report[place] @ solution.x)
-            shifted = _shifted(signals, lag)
+            moved = shifted(signals, lag)
     return model, blocks, solution, numbers, lag
 
 
-def _shifted(signals: Signals, lag: float) -> Signals:
+def shifted(signals: Signals, lag: float) -> Signals:
     """Return the signals with torques from a time later, as a second-order series."""
     curve = np.empty_like(signals.torque)
     for number in np.unique(signals.segment):
@@ -155,7 +155,7 @@ def _shifted(signals: Signals, lag: float) -> Signals:
     )
 
 
-def _require_motion(signals: Signals) -> None:
+def require_motion(signals: Signals) -> None:
     """Refuse a log in which nothing moves: its columns would be noise."""
     travel = np.ptp(signals.position, axis=0)
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:

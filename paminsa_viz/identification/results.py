@@ -98,6 +98,7 @@ class Identification:
         notes: What was done to the log, and warnings, in words.
         model, solution, blocks: The fit itself.
         numbers: (m,) block of each sample.
+        lag: By what the torques were shifted before the fit [s]; 0 unless a delay is fitted.
     """
 
     design: Design
@@ -114,6 +115,7 @@ class Identification:
     solution: FitSolution
     blocks: NormalBlocks
     numbers: NDArray[np.int64]
+    lag: float = 0.0
 
     @property
     def measured(self) -> Array:
@@ -129,6 +131,15 @@ class Identification:
     def unknown(self) -> tuple[Estimate, ...]:
         """The estimates that the log does not tell."""
         return tuple(item for item in self.estimates if not item.known)
+
+    @property
+    def advice(self) -> str:
+        """One line on what stays unknown and what motion would tell it; empty if nothing does."""
+        motions: dict[str, list[str]] = {}
+        for item in self.unknown:
+            motions.setdefault(item.parameter.motion, []).append(item.symbol)
+        parts = [f"{', '.join(symbols)} ({motion})" for motion, symbols in motions.items()]
+        return f"unknown, with what would tell it: {'; '.join(parts)}" if parts else ""
 
     def estimate(self, symbol: str) -> Estimate:
         """Return the estimate with a symbol, for example ``"M_p2"``.
