@@ -38,6 +38,7 @@ LATER_TABS = (
     "Drives",
     "Accuracy",
     "Stiffness",
+    "Identify",
     "Compare",
     "View",
     "File",
