@@ -16,6 +16,7 @@ from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
@@ -61,13 +62,15 @@ def build_tabs(
         motion = MotionPanel(session, motions)
     with places["Drives"]:
         drives = Panel(session, DRIVES)
+    with places["Loads"]:
+        loads = Panel(session, loads_entries(motions))
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.fast += [design, balance, motion, drives, view]
+    session.fast += [design, balance, motion, drives, loads, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     register_commands(session)

@@ -32,7 +32,7 @@ BRAND = "#0b6e99"
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
 
-LATER_TABS = ("Design", "Balance", "Motion", "Drives", "Compare", "View", "File")
+LATER_TABS = ("Design", "Balance", "Motion", "Drives", "Loads", "Compare", "View", "File")
 """Tabs after the first one; they are filled when the page is there."""
 
 

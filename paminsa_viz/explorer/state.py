@@ -8,6 +8,7 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.drives import Driving
+from paminsa_viz.explorer.loads import LoadsState
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
@@ -102,7 +103,7 @@ class State:
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
-        simulating, balancing, driving, engine_answer: Jobs of the session and what came of them.
+        simulating, balancing, driving, loads, engine_answer: Jobs of the session and their results.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
     """
@@ -117,6 +118,7 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     driving: Driving = field(default_factory=Driving)
+    loads: LoadsState = field(default_factory=LoadsState)
     engine_answer: Answer | None = None
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
