@@ -61,7 +61,7 @@ def power_of_ten(exponent: int) -> str:
 
 def percent_change(before: float, after: float) -> str:
     """Return a change as a percentage of the value before."""
-    if math.isnan(before) or math.isnan(after):
+    if not (math.isfinite(before) and math.isfinite(after)):
         return NONE
     if before == 0:
         return "new" if after else "0 %"

@@ -18,6 +18,7 @@ from paminsa_viz.cli.output import print_error, print_json
 from paminsa_viz.cli.sweep_report import print_report, progress_bar, report
 from paminsa_viz.interrupts import on_interrupt
 from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.quantities import find
 from paminsa_viz.studies import (
     DesignAxis,
@@ -97,7 +98,7 @@ class Sweep(JsonFlags, MotionFlags, DesignFlags):
     """A measured height [mm]; can be repeated. In the middle of the workspace if left out."""
     cells: int = 40
     """Positions along the disc's diameter."""
-    max_condition: float = 10.0
+    max_condition: float = CONDITION_LIMIT
     """Largest condition number at which torques count; beyond it they grow without bound."""
 
     index: Annotated[tuple[str, ...], tyro.conf.arg(metavar="QUANTITY")] = ()

@@ -12,10 +12,11 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 from paminsa_viz.model.reach import check_reach, workspace_height, workspace_radius
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.model.singularity import measure_singularity, singular_rotation
 from paminsa_viz.units import format_ascii
 
-WORST_CONDITION = 10.0
+WORST_CONDITION = CONDITION_LIMIT
 """Largest condition number of a drawn pose. Torques grow without bound toward a singularity, and
 relative to the largest of them every difference would look small."""
 

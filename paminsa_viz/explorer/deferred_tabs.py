@@ -11,6 +11,7 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
@@ -64,13 +65,15 @@ def build_tabs(
         drives = Panel(session, DRIVES)
     with places["Loads"]:
         loads = Panel(session, loads_entries(motions))
+    with places["Accuracy"]:
+        accuracy = Panel(session, ACCURACY)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.fast += [design, balance, motion, drives, loads, view]
+    session.fast += [design, balance, motion, drives, loads, accuracy, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     register_commands(session)

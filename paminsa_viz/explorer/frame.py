@@ -7,7 +7,6 @@ from enum import Enum
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
@@ -24,30 +23,17 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.singular_limit import near_by_reach
 from paminsa_viz.trajectory import Locus
 from paminsa_viz.trajectory.crossing import locus_distances
-
-NEAR_POSITION = 0.02
-"""Closer than this to the singular circle, the pose counts as near a singularity [m]."""
-NEAR_ROTATION = np.radians(5.0)
-"""Closer than this to a singular rotation, the pose counts as near a singularity [rad]."""
-NEAR_SERIAL = 0.01
-"""Less room than this to a stretched or folded pantograph counts as near a singularity [m]."""
-
-
-def near_singularity(singularity: Singularity) -> NDArray[np.bool_]:
-    """Return which poses count as near a singularity, in the shape of the distances."""
-    return (
-        (np.abs(singularity.position_distance) < NEAR_POSITION)
-        | (np.abs(singularity.rotation_distance) < NEAR_ROTATION)
-        | (np.asarray(singularity.serial_distance) < NEAR_SERIAL)
-    )
+from paminsa_viz.units import number
 
 
 class Health(Enum):
     """Status of the requested pose."""
 
     OK = "reachable"
+    BEYOND = "beyond a singularity"
     NEAR = "near a singularity"
     UNREACHABLE = "unreachable"
 
@@ -88,7 +74,15 @@ class Frame:
         """Status of the request."""
         if not self.requested.ok.all():
             return Health.UNREACHABLE
-        return Health.NEAR if near_singularity(self.singularity).all() else Health.OK
+        if self.near:
+            return Health.NEAR
+        return Health.BEYOND if self.barriers else Health.OK
+
+    @cached_property
+    def near(self) -> bool:
+        """Whether the last reachable pose is too close to a singularity to count."""
+        limit = self.state.condition_limit
+        return bool(near_by_reach(self.singularity.condition, self.configuration.reach, limit))
 
     @cached_property
     def explanation(self) -> str:
@@ -99,14 +93,25 @@ class Frame:
             if leg >= 0:
                 text += f" (leg {leg + 1}, by {1e3 * float(self.requested.excess):.1f} mm)"
             return text
-        s = self.singularity
         if self.health is Health.NEAR:
-            return (
-                f"{1e3 * abs(float(s.position_distance)):.0f} mm from the singular circle, "
-                f"{np.degrees(abs(float(s.rotation_distance))):.1f}° from a singular rotation, "
-                f"{1e3 * float(s.serial_distance):.0f} mm from a pantograph's limit"
-            )
+            limit = self.state.condition_limit
+            condition = float(self.singularity.condition)
+            sign = ">" if condition > limit else "≤"
+            return f"κ = {number(condition, 3)} {sign} {limit:g}; {self.distances}"
+        if self.health is Health.BEYOND:
+            return self.distances
         return "all legs within their limits"
+
+    @cached_property
+    def distances(self) -> str:
+        """How far the last reachable pose is from each singularity."""
+        s = self.singularity
+        found = [f"{1e3 * abs(float(s.position_distance)):.0f} mm from the singular circle"]
+        if np.isfinite(s.rotation_distance):
+            turn = np.degrees(abs(float(s.rotation_distance)))
+            found.append(f"{turn:.1f}° from a singular rotation")
+        found.append(f"{1e3 * float(s.serial_distance):.0f} mm from a pantograph's limit")
+        return ", ".join(found)
 
     @cached_property
     def barriers(self) -> tuple[Locus, ...]:

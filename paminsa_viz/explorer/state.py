@@ -14,6 +14,7 @@ from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 
 
 @dataclass(frozen=True)
@@ -104,6 +105,8 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         simulating, balancing, driving, loads, engine_answer: Jobs of the session and their results.
+        condition_limit: Largest condition number of a pose that counts, see
+            `paminsa_viz.model.singular_limit`.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
     """
@@ -120,6 +123,7 @@ class State:
     driving: Driving = field(default_factory=Driving)
     loads: LoadsState = field(default_factory=LoadsState)
     engine_answer: Answer | None = None
+    condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
 

@@ -19,6 +19,7 @@ from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.drives_section import drives_section
 from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
+from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
@@ -44,6 +45,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     sections.append(maps_section(request))
     progress("forces and capability")
     sections.append(forces_section(request))
+    progress("stiffness")
+    sections.append(stiffness_section(request))
     progress("trajectory")
     sections.append(trajectory_section(analysis))
     if (drives := drives_section(request.design, analysis)) is not None:

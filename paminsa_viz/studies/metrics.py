@@ -21,6 +21,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit, status_words
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
 from paminsa_viz.model.singularity import singular_radius, singular_rotation
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.quantities import Quantity, find
@@ -40,8 +41,8 @@ class Region:
         theta: Angles of the platform [rad].
         z: Heights of the platform [m].
         cells: Positions along the disc's diameter.
-        max_condition: Condition number above which a pose counts as too near to a singular one for
-            its torques to be of interest.
+        max_condition: Largest condition number of a pose whose torques count, see
+            `paminsa_viz.model.singular_limit`.
 
     Raises:
         InvalidInput: If a number is not possible.
@@ -51,7 +52,7 @@ class Region:
     theta: tuple[float, ...]
     z: tuple[float, ...]
     cells: int = 40
-    max_condition: float = 10.0
+    max_condition: float = CONDITION_LIMIT
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.radius) and self.radius > 0):
@@ -112,8 +113,8 @@ class RegionResults:
 
     @cached_property
     def usable(self) -> NDArray[np.bool_]:
-        """Where it has a good condition number as well."""
-        return self.reached & (self.field.condition <= self.region.max_condition)
+        """Where it is not too close to a singularity either."""
+        return self.reached & counting(self.field, self.region.max_condition)
 
     @cached_property
     def torques(self) -> Array:
@@ -178,7 +179,7 @@ METRICS: tuple[Metric[RegionResults], ...] = (
     Metric("reached_share", "", "share of the region that can be reached",
            lambda found: found.share(found.reached)),
     Metric("usable_share", "",
-           "share of the region that can be reached with a good condition number",
+           "share of the region that can be reached, not too close to a singularity",
            lambda found: found.share(found.usable)),
     Metric("peak_torque", "N m", "largest static torque of M1 to M3 over the usable poses",
            lambda found: _largest(found.torques[:3])),

@@ -31,6 +31,7 @@ from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
@@ -72,6 +73,7 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "plots": PLOT_INPUTS,
     "drives": DRIVES,
     "loads": tuple(loads_entries(MotionStore())),
+    "accuracy": ACCURACY,
     "view": view_entries(),
     "export": tuple(export_entries(MapStore())),
     "file": FILE,

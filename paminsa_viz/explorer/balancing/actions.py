@@ -38,7 +38,7 @@ def make_job(state: State, task: Task) -> Job:
     found = motions.planned(state)
     return Job(
         task, document.design, *document.pose[2:], found.trajectory,
-        found.problem, state.balancing.settings,
+        found.problem, state.balancing.settings, state.condition_limit,
     )  # fmt: skip
 
 

@@ -18,6 +18,7 @@ from paminsa_viz.balancing import (
 from paminsa_viz.balancing.changes import MOST
 from paminsa_viz.balancing.sensitivity import MASSES
 from paminsa_viz.model import Design, InvalidInput, PaminsaError
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.trajectory import Trajectory
 
 
@@ -140,11 +141,11 @@ class Job:
     Attributes:
         task: What is computed.
         design: The robot as it is.
-                theta, z: The plane of poses of the static torques, that of the maps
-                [rad, m].
+        theta, z: The plane of poses of the static torques, that of the maps [rad, m].
         trajectory: The current motion, or None.
         problem: Why there is no motion.
         settings: What a person set.
+        condition_limit: Largest condition number of a pose of the plane that counts.
     """
 
     task: Task
@@ -154,6 +155,7 @@ class Job:
     trajectory: Trajectory | None
     problem: str
     settings: BalanceSettings
+    condition_limit: float = CONDITION_LIMIT
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,6 @@ from paminsa_viz.explorer.balancing.jobs import (
     Task,
     changes_of,
 )
-from paminsa_viz.explorer.frame import near_singularity
 from paminsa_viz.explorer.maps import COARSE
 from paminsa_viz.model import (
     Design,
@@ -42,13 +41,12 @@ from paminsa_viz.model import (
     InvalidInput,
     Limit,
     PaminsaError,
-    measure_singularity,
-    solve_field,
     static_imbalance,
     xy_grid,
 )
 from paminsa_viz.model.parameters import Counterweight
-from paminsa_viz.plots.map_data import cell_centers, half_width
+from paminsa_viz.model.singular_limit import counting
+from paminsa_viz.plots.map_data import half_width, workspace_field
 from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights
 
@@ -210,18 +208,15 @@ def _solved(geometry: Geometry, trajectory: Trajectory, gravity: float) -> Solve
 
 
 def plane(job: Job) -> Field:
-    """Return the poses at the job's theta and z that maps show, but none near a singularity.
+    """Return the plane of the maps; poses that do not count are singular there.
 
     Torques have no bound there: a peak would be that of the cell that happens to come nearest.
     """
-    return _plane(job.design.geometry, job.theta, job.z)
+    return _plane(job.design.geometry, job.theta, job.z, job.condition_limit)
 
 
 @lru_cache(maxsize=2)
-def _plane(geometry: Geometry, theta: float, z: float) -> Field:
-    centers = cell_centers(half_width(geometry), COARSE)
-    grid = xy_grid(centers, centers, theta, z)
-    field = solve_field(geometry, grid)
-    near = near_singularity(measure_singularity(geometry, grid.poses()))
-    status = np.where(near & (field.status == Limit.OK), np.uint8(Limit.SINGULAR), field.status)
-    return replace(field, status=status)
+def _plane(geometry: Geometry, theta: float, z: float, limit: float) -> Field:
+    field = workspace_field(geometry, theta, z, COARSE)
+    near = (field.status == Limit.OK) & ~counting(field, limit)
+    return replace(field, status=np.where(near, np.uint8(Limit.SINGULAR), field.status))

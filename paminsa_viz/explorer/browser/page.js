@@ -97,7 +97,7 @@
       const host = hostOf(mark);
       if (!host) continue;
       const visible = host.clientHeight > 0 && host.getClientRects().length > 0;
-      const width = Math.floor(host.clientWidth * mark.dataset.share);
+      const width = host.clientWidth;
       found[mark.dataset.paminsaSlot] = visible ? width : 0;
     }
     const now = JSON.stringify(found);

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -13,6 +14,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.balance_text import weights_by_place
 from paminsa_viz.explorer.panels.design_layout import DIGITS, STROKE, is_changed
+from paminsa_viz.explorer.panels.pose_panel import of_pose
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -76,6 +78,8 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
 
 
 def _value(design: Design, parameter: Parameter) -> Markup:
+    if math.isinf(design.value(parameter.path)):
+        return Markup("rigid")
     text = parameter.display.format(design.value(parameter.path), DIGITS).replace(" ", "\u202f")
     follows = parameter.path == STROKE and design.geometry.guide_stroke is None
     return Markup("{} (l<sub>B10</sub>)" if follows else "{}").format(text)
@@ -98,7 +102,8 @@ def _torques(frame: Frame) -> str:
     last_reachable = frame.state.last_reachable
     # The frame's own torques are None both without a reference and where it cannot be.
     held = static_torques(reference, last_reachable.pose)
-    return torques_html(frame.torques, held, frame.state.document.design, reference, title)
+    text = torques_html(frame.torques, held, frame.state.document.design, reference, title)
+    return of_pose(frame, text)
 
 
 def _differences(frame: Frame) -> str:

@@ -12,6 +12,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Slider
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_layout import GROUPS, TABS, SliderGroup, is_changed, slider
+from paminsa_viz.explorer.panels.pose_panel import of_pose
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -107,7 +108,8 @@ def load_html(frame: Frame) -> str:
     against = load_torques(design.geometry, design.load, pose)
     rows = [(name, float(value), "N" if name == "F₄" else "N·m")
             for name, value in zip(("τ₁", "τ₂", "τ₃", "F₄"), against, strict=True)]  # fmt: skip
-    return render("load.j2", acts=design.load.acts, wrench=wrench.tolist(), rows=rows)
+    text = render("load.j2", acts=design.load.acts, wrench=wrench.tolist(), rows=rows)
+    return of_pose(frame, text)
 
 
 def _set_frame(state: State, frame: LoadFrame) -> State:

@@ -10,7 +10,7 @@ import numpy as np
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import ButtonGroup, Html, Run
 from paminsa_viz.explorer.frame import Frame, Health
-from paminsa_viz.explorer.inputs import Dropdown, Slider
+from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.state import State
 from paminsa_viz.meshes.layout import layout
@@ -19,7 +19,12 @@ from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius
 from paminsa_viz.units import display_unit
 
-LEVELS = {Health.OK: "ok", Health.NEAR: "warn", Health.UNREACHABLE: "bad"}
+LEVELS = {
+    Health.OK: "ok",
+    Health.BEYOND: "warn",
+    Health.NEAR: "warn",
+    Health.UNREACHABLE: "bad",
+}
 
 
 def status_html(frame: Frame) -> str:
@@ -41,13 +46,23 @@ def actuators_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
+AMPLE, SMALL, TINY = 0.2, 0.05, 0.01
+"""Margins to a limit [m]: of a full bar, and below which a bar is amber or red."""
+
+
+def _margin_level(margin: float) -> str:
+    return "bad" if margin < TINY else "warn" if margin < SMALL else "ok"
+
+
 def quality_html(frame: Frame) -> str:
     """Return static imbalance, condition, distances to singularities and the legs' margins."""
-    return render(
+    text = render(
         "quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
-        margins=frame.configuration.reach.margins,
+        margins=frame.configuration.reach.margins, finite=np.isfinite,
         limits={limit.label: index for index, limit in enumerate(MARGINS)},
+        level=_margin_level, share=lambda margin: f"{min(max(margin / AMPLE, 0.0), 1.0):.3f}",
     )  # fmt: skip
+    return of_pose(frame, text)
 
 
 def summary_html(frame: Frame) -> str:
@@ -57,9 +72,27 @@ def summary_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
+def of_pose(frame: Frame, *texts: str) -> str:
+    """Return numbers of the last reachable pose; grayed where another one is requested."""
+    stale = frame.health is Health.UNREACHABLE
+    return f'<div class="pv-stale">{"".join(texts)}</div>' if stale else "".join(texts)
+
+
+def pose_line_html(frame: Frame) -> str:
+    """Return the pose that numbers belong to, in mm and degrees."""
+    x, y, theta, z = frame.state.last_reachable.pose
+    return render(
+        "pose_line.j2", stale=frame.health is Health.UNREACHABLE,
+        other=frame.state.last_reachable.geometry != frame.state.document.design.geometry,
+        values=[(1e3 * x, " mm"), (1e3 * y, " mm"), (float(np.degrees(theta)), "°"),
+                (1e3 * z, " mm")],
+    )  # fmt: skip
+
+
 def strip_html(frame: Frame) -> str:
     """Return what is seen above all tabs."""
-    parts = (status_html(frame), actuators_html(frame), summary_html(frame))
+    numbers = of_pose(frame, actuators_html(frame), summary_html(frame))
+    parts = (status_html(frame), pose_line_html(frame), numbers)
     return f'<div class="pv-strip">{"".join(parts)}</div>'
 
 
@@ -69,13 +102,16 @@ STRIP = (Html("readout.strip", content=strip_html),)
 GRAIN = 10
 """Ends of ranges are multiples of this [mm or degrees]."""
 
+LEAST_STEPS = 5
+"""Least half width of the ranges of x and y over `GRAIN`."""
+
 Range = tuple[float, float]
 
 
 @lru_cache(maxsize=64)
 def pose_limits(geometry: Geometry) -> tuple[Range, Range, Range, Range]:
     """Return (lowest, highest) of the sliders for x, y, theta, z, in mm and degrees."""
-    radius = float(ceil(1e3 * workspace_radius(geometry) / GRAIN) * GRAIN)
+    radius = float(max(ceil(1e3 * workspace_radius(geometry) / GRAIN), LEAST_STEPS) * GRAIN)
     return (-radius, radius), (-radius, radius), (-180.0, 180.0), heights(geometry)
 
 
@@ -104,8 +140,10 @@ def _slider(index: int, label: str, unit: str, step: float, hint: str) -> Slider
     coordinate = COORDINATES[index]
 
     def limits(state: State) -> Range:
-        document = state.document
-        return pose_limits(document.design.geometry)[index]
+        geometry = state.document.design.geometry
+        if not workspace_radius(geometry):  # it reaches nothing: there are no ends to slide to
+            geometry = state.last_reachable.geometry
+        return pose_limits(geometry)[index]
 
     return Slider(
         f"pose.{coordinate}", label, unit=display_unit(unit), step=step, hint=hint,
@@ -142,4 +180,11 @@ POSE = (
         },
     ),
     Html("readout.quality", content=quality_html),
+    Number(
+        "pose.condition_limit", "κ counts up to", range=(1.5, 1e6), step=1.0, undo=False,
+        hint="Poses with a larger condition number, and those whose pantograph is stretched or "
+        "folded but for 10 mm, are too close to a singularity: torques grow without bound. The "
+        "status warns of them, and statistics and the balance leave them out.",
+        **attribute("condition_limit"),
+    ),
 )  # fmt: skip

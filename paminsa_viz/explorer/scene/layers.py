@@ -144,6 +144,9 @@ register(
           "Forces at the joints in the legs' planes, at rest or of the motion, to a stated scale",
           _JOINT_FORCES),
     Layer("utilization", "Bars by load", "Stress of the bars over the yield stress", _JOINT_FORCES),
+    Layer("drive_errors", "Drive errors",
+          "Where the platform's center may be within the drives' errors, to a stated scale",
+          "drive_errors:DriveErrorView"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(

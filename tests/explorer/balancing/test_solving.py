@@ -14,7 +14,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot, FreeMasses, Goal, Task
 from paminsa_viz.explorer.balancing.solving import plane, run, static_torque, tidied
-from paminsa_viz.explorer.frame import compute, near_singularity
+from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.maps import COARSE, MapStore, hold_range, toggle_difference
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.panels.balance_text import details_html
@@ -74,7 +74,9 @@ def test_static_torque_is_that_of_all_poses_away_from_singularities() -> None:
     poses = field.grid.poses()
     assert used.any()
     assert (poses[..., 2] == 0.5).all()
-    assert not near_singularity(measure_singularity(field.geometry, poses[used])).any()
+    measured = measure_singularity(APPENDIX_4.geometry, poses[used])
+    assert (measured.condition <= 10).all()
+    assert (measured.serial_distance >= 0.01).all()
     torque = field.torques(APPENDIX_4)[:3][:, used]
     wanted = np.abs(torque).max(), np.sqrt(np.mean(torque**2))
     assert static_torque(job, APPENDIX_4) == pytest.approx(wanted)

@@ -1,0 +1,77 @@
+"""Which poses count: one definition for single poses and for fields."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.model import APPENDIX_4, check_reach, measure_singularity, solve_field, xy_grid
+from paminsa_viz.model.reach import MARGINS, Limit, home_pose
+from paminsa_viz.model.singular_limit import (
+    CONDITION_LIMIT,
+    SERIAL_CLEARANCE,
+    counting,
+    near_by_reach,
+    near_singularity,
+)
+from tests.support.samples import random_design
+
+SIDE = np.linspace(-0.4, 0.4, 15)
+
+
+@given(seed=st.integers(0, 10**6), theta=st.floats(-1.3, 1.3), limit=st.floats(2.0, 200.0))
+def test_fields_and_poses_agree_and_are_clear_of_singularities(
+    seed: int, theta: float, limit: float
+) -> None:
+    geometry = random_design(np.random.default_rng(seed)).geometry
+    grid = xy_grid(SIDE, SIDE, theta, home_pose(geometry)[3])
+    field = solve_field(geometry, grid)
+    counts = counting(field, limit)
+    reach, measured = (
+        check_reach(geometry, grid.poses()),
+        measure_singularity(geometry, grid.poses()),
+    )
+    near = near_by_reach(measured.condition, reach, limit)
+    np.testing.assert_array_equal(counts, reach.ok & ~near)
+    assert (measured.condition[counts] <= limit).all()
+    # The nearest limit decides: where that is the end of a guide, others may be as near.
+    nearest = reach.margins.reshape(*counts.shape, 12).argmin(axis=-1) % 4
+    serial = counts & (nearest != MARGINS.index(Limit.GUIDE))
+    assert (measured.serial_distance[serial] >= SERIAL_CLEARANCE).all()
+    left_out = reach.ok & ~counts & (measured.condition <= limit)
+    assert (reach.margins.min(axis=(-1, -2))[left_out] < SERIAL_CLEARANCE).all()
+
+
+def test_higher_limit_lets_more_poses_count() -> None:
+    field = solve_field(APPENDIX_4.geometry, xy_grid(SIDE, SIDE, np.pi / 3, -0.552))
+    few, more, all_of_them = (counting(field, limit) for limit in (3.0, CONDITION_LIMIT, np.inf))
+    assert few.sum() < more.sum() < all_of_them.sum()
+    assert (more | ~few).all()
+    # What does not count is what made the largest torque of Fig. 3 any number.
+    torque = np.abs(field.torques(APPENDIX_4)[:3])
+    assert torque[:, more].max() < 10 < 50 < np.nanmax(torque)
+
+
+@pytest.mark.parametrize(
+    ("pose", "near"),
+    [
+        ((0.0, 0.0, 0.0, -0.552), False),
+        ((0.215, 0.175, np.pi / 3, -0.552), True),  # 35 mm from the circle, 101.7 N m
+        ((0.0, 0.0, 1.27, -0.552), True),
+        ((9.0, 0.0, 0.0, -0.552), True),
+    ],
+    ids=["home", "Fig. 3", "rotation", "unreachable"],
+)
+def test_known_poses(pose: tuple[float, ...], near: bool) -> None:
+    reach = check_reach(APPENDIX_4.geometry, pose)
+    measured = measure_singularity(APPENDIX_4.geometry, pose)
+    assert near_by_reach(measured.condition, reach) == near
+
+
+def test_end_of_a_guide_is_no_singularity() -> None:
+    guide, fold = MARGINS.index(Limit.GUIDE), MARGINS.index(Limit.FOLDED)
+    assert not near_singularity(2.0, 0.0, 4 + guide)
+    assert near_singularity(2.0, 0.0, 4 + fold)
+    assert near_singularity(np.nan, 1.0, fold)

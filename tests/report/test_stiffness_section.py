@@ -1,0 +1,58 @@
+"""The report's section on stiffness: the library's numbers, and what it says without a load."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+
+import pytest
+
+from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
+from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.report.blocks import Note, Table
+from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.report.stiffness_section import stiffness_section
+from paminsa_viz.trajectory import PRESET
+from paminsa_viz.units import format_value
+
+POSE = (0.05, 0.02, 0.5, -0.6)
+MADE = datetime(2026, 1, 2, tzinfo=UTC)
+MOTION = PRESET["arch"].build(APPENDIX_4.geometry).sample(200)
+
+
+def blocks(design: Design, pose=POSE) -> tuple[list[Table], list[Note]]:
+    found = stiffness_section(ReportRequest(design, pose, MOTION, MADE, "")).blocks
+    tables = [block for block in found if isinstance(block, Table)]
+    return tables, [block for block in found if isinstance(block, Note)]
+
+
+def test_stiffness_and_shares_are_the_librarys() -> None:
+    design = APPENDIX_4.vary({"payload.mass": 10.0, "elastic.b4_outer": 0.05})
+    (data, stiffness, shares), (note,) = blocks(design)
+    assert ("B4", "tube 50/33.1 mm") in [row.cells[:2] for row in data.rows]
+    found = platform_stiffness(design, POSE)
+    shown = {row.cells[0]: row.cells[2] for row in stiffness.rows}
+    assert shown["K_z"] == format_value(float(found.along(2)), "N/m")
+    assert shown["K_tilt"] == format_value(float(found.tilt), "N m/rad")
+    assert all(len(row.cells) == len(stiffness.head) for row in stiffness.rows)
+    best = strain_shares(design, POSE).share.max()
+    assert shares.rows[0].cells == ("B1", f"{100 * best:.1f} %")
+    assert format_value(float(found.deflection()[2]), "m", 3) in note.text
+    assert "a tilt of" in note.text
+
+
+def test_without_a_load_nothing_is_deflected() -> None:
+    (_, _, shares), (note,) = blocks(APPENDIX_4)
+    assert "nothing is deflected" in note.text
+    assert shares.head == ("Part", "1 N along x", "1 N along z")
+    for column in (1, 2):
+        total = sum(float(row.cells[column].removesuffix(" %")) for row in shares.rows)
+        assert total == pytest.approx(100, abs=0.5)
+
+
+def test_singular_pose_has_a_reason() -> None:
+    radius = float(singular_radius(APPENDIX_4.geometry, 0.5))
+    tables, (note,) = blocks(APPENDIX_4, (radius, 0.0, 0.5, -0.5))
+    assert len(tables) == 1
+    assert "singular" in note.text
+    assert note.kind == "warn"
