@@ -10,6 +10,7 @@ import numpy as np
 from paminsa_viz.elastostatics.bar_loads import bar_loads
 from paminsa_viz.elastostatics.joint_forces import JointForces, joint_forces
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
+from paminsa_viz.elastostatics.sideways import sideways_forces
 from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.model.arrays import Array
@@ -139,3 +140,14 @@ def bars_at(found: Instant) -> tuple[Array, Array]:
     forces = forces_at(found)
     inner = np.stack([bar_loads(forces, bar).extremes() for bar in BARS], axis=1)
     return inner, utilization(forces)
+
+
+@lru_cache(maxsize=8)
+def sideways_at(found: Instant) -> Array | None:
+    """Return the sideways forces at the joints, (3 legs, 10) [N], or None for a moving robot.
+
+    The legs' elasticity decides them; with inertia they are not known.
+    """
+    if found.time is not None:
+        return None
+    return sideways_forces(found.design, found.pose).force

@@ -32,8 +32,17 @@ SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic 
 """Parts of the names of what draws in the absence of a graphics card."""
 
 LATER_TABS = (
-    "Design", "Balance", "Motion", "Drives", "Loads", "Accuracy", "Compare", "View", "File",
-)  # fmt: skip
+    "Design",
+    "Balance",
+    "Motion",
+    "Drives",
+    "Loads",
+    "Accuracy",
+    "Stiffness",
+    "Compare",
+    "View",
+    "File",
+)
 """Tabs after the first one; they are filled when the page is there."""
 
 

@@ -16,7 +16,14 @@ from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
-from paminsa_viz.explorer.loads import LoadsJob, LoadsOutcome, bars_at, find_loads, forces_at
+from paminsa_viz.explorer.loads import (
+    LoadsJob,
+    LoadsOutcome,
+    bars_at,
+    find_loads,
+    forces_at,
+    sideways_at,
+)
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.export_panel import Exporter
@@ -53,10 +60,12 @@ class LoadsEntries(NamedTuple):
         """Return the table of the joints of the chosen leg."""
         if self.problem(frame):
             return ""
-        forces, leg = forces_at(shown(frame.state, self.motions)), frame.state.loads.leg
+        at, leg = shown(frame.state, self.motions), frame.state.loads.leg
+        forces, sideways = forces_at(at), sideways_at(at)
         rows = []
         for index, joint in enumerate(JOINTS):
             r, t, z = forces.force[leg, index].tolist()
+            t = t if sideways is None else float(sideways[leg, index])
             moment = float(forces.moment[leg, index])
             rows.append(
                 (
