@@ -39,6 +39,7 @@ LATER_TABS = (
     "Loads",
     "Accuracy",
     "Stiffness",
+    "Identify",
     "Compare",
     "View",
     "File",

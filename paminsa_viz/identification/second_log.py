@@ -14,8 +14,9 @@ import numpy as np
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.columns import fit_model
 from paminsa_viz.identification.filtering import Signals
-from paminsa_viz.identification.identify import Identification, filtered, identify, prepare
+from paminsa_viz.identification.identify import filtered, identify, prepare
 from paminsa_viz.identification.log import Log
+from paminsa_viz.identification.results import Identification
 from paminsa_viz.model.arrays import Array
 
 
