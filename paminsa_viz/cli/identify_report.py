@@ -12,7 +12,7 @@ from paminsa_viz.cli.output import print_table, print_written
 from paminsa_viz.identification.causes import Cause
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.identification.results import Estimate, Identity
-from paminsa_viz.identification.second_log import PayloadEstimate, Validation
+from paminsa_viz.identification.validation import PayloadEstimate, Validation
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.units import format_ascii, interval_text
 

@@ -18,6 +18,7 @@ from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.identify_panel import identify_entries
+from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
@@ -64,6 +65,8 @@ def build_tabs(
         motion = MotionPanel(session, motions)
     with places["Drives"]:
         drives = Panel(session, DRIVES)
+    with places["Loads"]:
+        loads = Panel(session, loads_entries(motions))
     with places["Accuracy"]:
         accuracy = Panel(session, ACCURACY)
     with places["Stiffness"]:
@@ -76,7 +79,7 @@ def build_tabs(
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.fast += [design, balance, motion, drives, accuracy, stiffness, identify, view]
+    session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     register_commands(session)

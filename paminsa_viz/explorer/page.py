@@ -36,6 +36,7 @@ LATER_TABS = (
     "Balance",
     "Motion",
     "Drives",
+    "Loads",
     "Accuracy",
     "Stiffness",
     "Identify",

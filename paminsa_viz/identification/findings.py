@@ -13,11 +13,11 @@ from paminsa_viz.identification.identify import identify
 from paminsa_viz.identification.log import Log
 from paminsa_viz.identification.nearest import NearestMasses, nearest_masses
 from paminsa_viz.identification.results import Identification
-from paminsa_viz.identification.second_log import (
+from paminsa_viz.identification.validation import (
     PayloadEstimate,
     Validation,
-    payload_between,
     validate,
+    weigh_payload,
 )
 from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory.sampled import Trajectory
@@ -102,8 +102,5 @@ def investigate(
     done("second log")
     validation = None if other is None else validate(found, other)
     done("payload")
-    estimate = None
-    if loaded is not None:
-        with_load = identify(loaded, design, settings, start=start)
-        estimate = payload_between(found, with_load, payload)
+    estimate = None if loaded is None else weigh_payload(found, loaded, known=payload)
     return Findings(found, nearest, causes, validation, estimate)
