@@ -21,6 +21,9 @@ from paminsa_viz.precision.unequal_legs import Closure, UnequalPose, nominal_pos
 COUNT = 3 * len(LENGTHS)
 """Number of lengths."""
 
+GAP = 1e-8
+"""Singular value, over the largest, below which equal legs do not show a combination."""
+
 FARTHEST = 0.3
 """Farthest that a measured pose may be from the predicted one, over R_b."""
 
