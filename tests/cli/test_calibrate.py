@@ -114,4 +114,6 @@ def test_a_pose_in_wrong_units_is_refused_with_its_row(log: Measurements, capsys
     write_bytes(LOG, table_bytes(measurement_table(Measurements(log.actuators, poses)), "csv"))
     lines = LOG.read_text().splitlines()
     row = next(i for i, line in enumerate(lines, 1) if line.startswith("x_m")) + 5
-    check_refused("calibrate", capsys, "log.csv", place=f"log.csv, row {row}: is")
+    check_refused(
+        "calibrate", capsys, "log.csv", place=f"log.csv, row {row}: the design has no such"
+    )
