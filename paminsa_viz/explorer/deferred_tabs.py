@@ -19,6 +19,7 @@ from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.file_panel import FILE
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
+from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
@@ -64,13 +65,15 @@ def build_tabs(
         drives = Panel(session, DRIVES)
     with places["Accuracy"]:
         accuracy = Panel(session, ACCURACY)
+    with places["Stiffness"]:
+        stiffness = Panel(session, STIFFNESS)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.fast += [design, balance, motion, drives, accuracy, view]
+    session.fast += [design, balance, motion, drives, accuracy, stiffness, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     register_commands(session)

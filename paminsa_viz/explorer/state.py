@@ -8,6 +8,7 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.drives import Driving
+from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
@@ -103,7 +104,8 @@ class State:
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
-        simulating, balancing, driving, engine_answer: Jobs of the session and what came of them.
+        simulating, balancing, driving, elastic_view, engine_answer: Jobs of the session and what
+            came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
@@ -120,6 +122,7 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     driving: Driving = field(default_factory=Driving)
+    elastic_view: ElasticView = field(default_factory=ElasticView)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)

@@ -132,6 +132,15 @@ class Identification:
         """The estimates that the log does not tell."""
         return tuple(item for item in self.estimates if not item.known)
 
+    @property
+    def advice(self) -> str:
+        """One line on what stays unknown and what motion would tell it; empty if nothing does."""
+        motions: dict[str, list[str]] = {}
+        for item in self.unknown:
+            motions.setdefault(item.parameter.motion, []).append(item.symbol)
+        parts = [f"{', '.join(symbols)} ({motion})" for motion, symbols in motions.items()]
+        return f"unknown, with what would tell it: {'; '.join(parts)}" if parts else ""
+
     def estimate(self, symbol: str) -> Estimate:
         """Return the estimate with a symbol, for example ``"M_p2"``.
 

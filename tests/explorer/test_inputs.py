@@ -41,6 +41,7 @@ from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entrie
 from paminsa_viz.explorer.panels.motion_panel import motion_entries
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.panels.pose_panel import POSE
+from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import view_entries
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
@@ -72,6 +73,7 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "plots": PLOT_INPUTS,
     "drives": DRIVES,
     "accuracy": ACCURACY,
+    "stiffness": STIFFNESS,
     "view": view_entries(),
     "export": tuple(export_entries(MapStore())),
     "file": FILE,

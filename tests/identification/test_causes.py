@@ -10,19 +10,15 @@ import numpy as np
 import pytest
 
 from paminsa_viz.identification import (
-    LEG_PARAMETERS,
     IdentificationSettings,
     base_parameters,
     base_regressor,
     find_causes,
     identify,
-    leg_base_regressor,
     make_log,
 )
-from paminsa_viz.identification.base_parameters import mass_columns
 from paminsa_viz.identification.cause_columns import SPRING, possible_causes
 from paminsa_viz.model import APPENDIX_4, Friction
-from paminsa_viz.model.lumped import MASS_PATHS
 from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
 
 DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
@@ -39,21 +35,6 @@ def causes(position: Any, torque: Any) -> Any:
     t = signals()[0]
     log = make_log(t, *noisy(t, position, torque, np.random.default_rng(0)))
     return find_causes(identify(log, APPENDIX_4, QUICK))
-
-
-@pytest.mark.parametrize("leg", [0, 1, 2])
-def test_the_leg_with_the_heavier_bar_is_named_first(leg: int) -> None:
-    t, position, torque = signals()
-    motion = multi_sine(1, DESIGN)(t)
-    share = np.zeros(11)
-    for path in ("links.b4", "inertias.b4_axial", "inertias.b4_transverse"):
-        share += mass_columns(DESIGN)[0][:, MASS_PATHS.index(path)] * DESIGN.value(path)
-    own = leg_base_regressor(DESIGN.geometry, *motion)[:, :, leg] @ share[list(LEG_PARAMETERS)]
-    common = base_regressor(DESIGN.geometry, *motion)[..., [0, 6, 10]] @ share[[0, 6, 10]] / 3
-    found = causes(position, torque + 0.2 * (own + common))
-    assert found.named[0].label == f"leg {leg + 1}: B4 heavier"
-    assert found.named[0].value == pytest.approx(0.2, abs=0.03)
-    assert abs(found.named[0].value - 0.2) < 1.5 * found.named[0].half_width
 
 
 @pytest.mark.parametrize("actuator", [0, 1, 2])

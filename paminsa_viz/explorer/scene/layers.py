@@ -142,6 +142,12 @@ register(
     Layer("drive_errors", "Drive errors",
           "Where the platform's center may be within the drives' errors, to a stated scale",
           "drive_errors:DriveErrorView"),
+    Layer("mode_shape", "Mode shape", "The natural mode chosen in the tab Stiffness, animated",
+          "elasticity:ModeShape"),
+    Layer("deflection", "Deflection", "Displaced by the load case of the tab Stiffness, enlarged",
+          "elasticity:Deflection"),
+    Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
+          "elasticity:ComplianceEllipsoid"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(
