@@ -32,6 +32,7 @@ COMMANDS: dict[str, str] = {
     "loads": "forces at the joints and in the bars, at rest or along a motion; bearing loads",
     "accuracy": "errors of the pose that the drives leave",
     "excite": "find the motion that shows masses and friction best, for identify",
+    "identify": "find masses, balance and friction of the built robot from a log",
     "stiffness": "stiffness, deflection under load and what to stiffen first, at a pose",
     "sweep": "measure many designs over the workspace, into a resumable table",
     "balance": "find the masses that balance the robot best, certified optimal",
