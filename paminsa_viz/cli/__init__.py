@@ -33,6 +33,7 @@ COMMANDS: dict[str, str] = {
     "accuracy": "errors of the pose that the drives leave",
     "calibrate": "identify each leg's lengths from measured poses; the corrected design",
     "excite": "find the motion that shows masses and friction best, for identify",
+    "identify": "find masses, balance and friction of the built robot from a log",
     "stiffness": "stiffness, deflection under load and what to stiffen first, at a pose",
     "sweep": "measure many designs over the workspace, into a resumable table",
     "balance": "find the masses that balance the robot best, certified optimal",
