@@ -11,6 +11,7 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Design, check_reach, inverse_kinematics
 from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
+from paminsa_viz.precision.calibration_problem import CalibrationProblem
 from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
     InvalidMeasurement,
@@ -136,6 +137,13 @@ def test_a_homing_error_is_found_at_its_motor() -> None:
     assert np.allclose(deviation_array(found.design), true, atol=1e-9)
 
 
+def test_angles_count_by_full_turns() -> None:
+    data = measure(APPENDIX_4, random_deviations(0), 20, SIX, 1e-5)
+    poses = data.poses + np.array([0, 0, 2 * np.pi, 0, 0, 0])
+    found = calibrate(APPENDIX_4, replace(data, poses=poses))
+    assert found.noise < 2e-5
+
+
 def test_combinations_are_named_by_their_leading_lengths() -> None:
     data = measure(APPENDIX_4, random_deviations(0), 30, SIX, 1e-5)
     first = calibrate(APPENDIX_4, data).combinations[0]
@@ -168,6 +176,11 @@ def test_too_few_or_unusable_measurements_are_refused() -> None:
         Measurements(more.actuators[:4], more.poses)
 
 
+def candidates6(poses: Any) -> Any:
+    """Return level poses (n, 4) with their tilt of zero, (n, 6)."""
+    return np.concatenate([poses, np.zeros((len(poses), 2))], axis=-1)
+
+
 def test_proposed_poses_show_more_than_random_ones() -> None:
     design = APPENDIX_4
     chosen = measuring_poses(design, 20)
@@ -175,6 +188,18 @@ def test_proposed_poses_show_more_than_random_ones() -> None:
     assert np.array_equal(chosen[:10], measuring_poses(design, 10))
     assert check_reach(design.geometry, chosen).ok.all()
     assert len(np.unique(chosen, axis=0)) == 20
+    # those that show most one by one are too much alike
+    candidates = measuring_poses(design, 300)
+    actuators = inverse_kinematics(design.geometry, candidates).actuators
+    rows = CalibrationProblem(design, Measurements(actuators, candidates6(candidates))).equal_legs()
+    left = np.linalg.svd(rows, full_matrices=False)[0][:, :30].reshape(300, -1, 30)
+    leverage = (left**2).sum(axis=(1, 2))
+
+    def information(of: Any) -> float:
+        picked = left[of].reshape(-1, 30)
+        return float(np.linalg.slogdet(picked.T @ picked)[1])
+
+    assert information(np.arange(20)) > information(np.argsort(-leverage)[:20]) + 1
     random = random_poses(np.random.default_rng(0), design, 20)
     widths = []
     for poses in (chosen, random):
