@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
@@ -147,7 +148,7 @@ class Diff(JsonFlags):
         rows = [("", "", *(str(file or APPENDIX_4.name) for file in files), "change", "")]
         for table, name, a, b, what in changed:
             change = ""
-            if isinstance(a, float) and isinstance(b, float) and a != 0:
+            if isinstance(a, float) and isinstance(b, float) and a != 0 and abs(a + b) < math.inf:
                 change = f"{100 * (b / a - 1):+.3g} %"
             rows.append((table, name, _text(a), _text(b), change, what))
         if weighted:
@@ -189,7 +190,9 @@ def _rows(first: Design, second: Design) -> list[Row]:
 
 
 def _text(value: float | str) -> str:
-    return value if isinstance(value, str) else f"{value:.10g}"
+    if isinstance(value, str):
+        return value
+    return f"{value:.10g}" if math.isfinite(value) else "rigid"
 
 
 def _load(file: Path | None) -> Design:

@@ -22,6 +22,7 @@ from paminsa_viz.elastostatics.joint_forces import (
     joint_forces,
 )
 from paminsa_viz.elastostatics.motion_loads import MotionLoads, motion_loads
+from paminsa_viz.elastostatics.sideways import SidewaysForces, sideways_forces
 from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
@@ -42,8 +43,8 @@ Forces at the joints in the legs' planes, N, V and M of the bars, bearing loads 
   paminsa-viz loads --preset arch --bearings --out bearings.csv
 
 With --preset or --file it is along that motion: peak, RMS and equivalent load of every bearing.
-Without, at rest. Signs and conventions are those of docs/loads.md. The sideways forces of a leg's
-joints, but for joint 5, are statically indeterminate and are left out.
+Without, at rest. Signs and conventions are those of docs/loads.md. Sideways, joints share forces by
+the elasticity of the legs; those shares are given at rest, from the design's elastic data.
 
 Exit code: 0 done; 1 the pose is singular, or the robot cannot run the whole motion; 2 a wrong
 argument or file, or a pose out of reach."""
@@ -100,9 +101,9 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
             print_error(ImpossiblePose(str(status_words(forces.status, forces.leg))))
             return 1
         if self.json:
-            print_json(_pose_data(design, pose, forces))
+            print_json(_pose_data(design, pose, forces, sideways_forces(design, pose)))
         else:
-            _print_pose(forces)
+            _print_pose(forces, sideways_forces(design, pose))
         if self.out:
             bar = self.bar
             self._write(joint_table(forces, pose) if bar is None else bar_table(forces, pose, bar))
@@ -136,7 +137,7 @@ class ImpossiblePose(PaminsaError):
         super().__init__(f"there are no joint forces in this pose: {word}")
 
 
-def _print_pose(forces: JointForces) -> None:
+def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
     head = ("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in ("r", "z", "M")))
     rows = [head]
     for index, joint in enumerate(JOINTS):
@@ -147,10 +148,18 @@ def _print_pose(forces: JointForces) -> None:
         rows.append((joint.label, *cells))
     print("forces [N] and moments [N m] in the planes of legs 1 to 3, at rest\n")
     print_table(rows, right=True)
-    across = ", ".join(_number(value) for value in forces.of("5")[:, 1])
-    print(f"\nsideways at joints 5: {across} N; at the others {NEEDS_STIFFNESS}")
+    parts = ("w", "M_u", "M_z")
+    rows = [("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in parts))]
+    for index, joint in enumerate(JOINTS):
+        cells = []
+        for leg in range(3):
+            moment = sideways.moment[leg, index]
+            cells += [_number(value) for value in (sideways.force[leg, index], *moment)]
+        rows.append((joint.label, *cells))
+    print("\nacross the planes, shared by elasticity: forces [N], moments [N m] about r and z\n")
+    print_table(rows, right=True)
     tau = ", ".join(_number(value) for value in forces.torque[:3])
-    print(f"torques {tau} N m, force of M4 {_number(forces.torque[3])} N\n")
+    print(f"\ntorques {tau} N m, force of M4 {_number(forces.torque[3])} N\n")
     use = utilization(forces)
     rows = [("bar", *(f"{part} {leg}" for leg in (1, 2, 3) for part in (*COMPONENTS, "use")))]
     for number, (bar, loads) in enumerate(all_bar_loads(forces).items()):
@@ -193,7 +202,9 @@ def _number(value: float) -> str:
     return "0" if abs(value) < ROUNDING else f"{value:.4g}"
 
 
-def _pose_data(design: Design, pose: Any, forces: JointForces) -> dict[str, Any]:
+def _pose_data(
+    design: Design, pose: Any, forces: JointForces, sideways: SidewaysForces
+) -> dict[str, Any]:
     use = utilization(forces)
     return {
         "made_by": f"paminsa_viz {__version__}",
@@ -201,7 +212,7 @@ def _pose_data(design: Design, pose: Any, forces: JointForces) -> dict[str, Any]
         "pose": pose.tolist(),
         "torque": forces.torque.tolist(),
         "axial_N": float(forces.axial),
-        "tangential": NEEDS_STIFFNESS,
+        "sideways": NEEDS_STIFFNESS,
         "legs": [
             {
                 "joints": {
@@ -209,6 +220,8 @@ def _pose_data(design: Design, pose: Any, forces: JointForces) -> dict[str, Any]
                         "on": joint.on, "by": joint.by,
                         "force_N": forces.force[leg, index].tolist(),
                         "moment_Nm": float(forces.moment[leg, index]),
+                        "sideways_N": float(sideways.force[leg, index]),
+                        "sideways_moments_Nm": sideways.moment[leg, index].tolist(),
                     }
                     for index, joint in enumerate(JOINTS)
                 },

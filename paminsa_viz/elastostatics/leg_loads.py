@@ -132,7 +132,7 @@ Plane = dict[int, tuple[Array, Array]]
 """Joints of legs, r and z by the paper's number [m]."""
 
 
-def _carried(
+def carried(
     points: Plane, r: Array, z: Array, loads: tuple[float, float, float]
 ) -> tuple[dict[int, Number], dict[int, Number], dict[int, Number]]:
     """Return force f along w and moments m_u, m_z at a point (r, z) of the plane, by column.
@@ -173,7 +173,7 @@ def _add_across(
         length = np.hypot(r2 - r1, z2 - z1)
         inverse = np.where(length > 0, 1 / np.where(length > 0, length, 1.0), 0.0)
         c, s = (r2 - r1) * inverse, (z2 - z1) * inverse
-        force, mu, mz = _carried(points, 0.5 * (r1 + r2), 0.5 * (z1 + z2), loads)
+        force, mu, mz = carried(points, 0.5 * (r1 + r2), 0.5 * (z1 + z2), loads)
         section, part = sections[bar], bar.upper()
         rows.append(Row(part, material.twist(section, length), _mixed(mu, c, mz, s)))
         bend = material.bend(section.inertia_out, length)
@@ -257,7 +257,7 @@ def _add_plane(
 def _add_joints(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic) -> None:
     """Add the drive of M_k, and the joints that are not rigid."""
     k = frame.geometry.magnification
-    force, mu, mz = _carried(points, *points[0], (1.0, 1.0, 0.0))
+    force, mu, mz = carried(points, *points[0], (1.0, 1.0, 0.0))
     rows.append(Row("drive", 1 / elastic.drive_rotary, mz))
     _add_revolutes(rows, frame, points, elastic)
     if elastic.bearing_radial is not None:  # of joint 2 and of M_k, about vertical axes
@@ -273,7 +273,7 @@ def _add_joints(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic) -
     if elastic.ball is not None:
         rows.put("ball joint", 1 / elastic.ball, w=1.0)
         rows.put("ball joint", 1 / elastic.ball, z=1.0)
-    force, mu, mz = _carried(points, *points[8], (1.0, 1.0, 0.0))
+    force, mu, mz = carried(points, *points[8], (1.0, 1.0, 0.0))
     if elastic.guide is not None:
         rows.append(Row("guide", 1 / elastic.guide, force))
         rows.put("guide", 1 / elastic.guide, z=k - 1)
@@ -289,7 +289,7 @@ def _add_revolutes(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic
     at_4 = np.hypot(forces.b8 * cos_phi, 1 + forces.b8 * sin_phi)
     pins = (forces.b8, forces.b7, forces.b8, at_4, forces.b7, frame.geometry.magnification)
     for (joint, loads), pin in zip(_REVOLUTES, pins, strict=True):
-        force, mu, mz = _carried(points, *points[joint], loads)
+        force, mu, mz = carried(points, *points[joint], loads)
         if elastic.bearing_radial is not None:
             rows.put("bearings", 1 / elastic.bearing_radial, z=pin)
         if elastic.bearing_axial is not None:

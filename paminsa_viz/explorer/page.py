@@ -8,31 +8,42 @@ from __future__ import annotations
 import logging
 from dataclasses import replace
 
+import numpy as np
 import viser
 
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.browser.style import style_html
+from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
+from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import initial_state
+from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.palette import rgb
 
 log = logging.getLogger(__name__)
-
-PANEL_WIDTH = 380
-"""Width of the control panel [px]; fits labels and numbers at a laptop's 1280 px."""
 
 BRAND = "#0b6e99"
 
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
 
-LATER_TABS = ("Design", "Balance", "Motion", "Drives", "Compare", "View", "File")
+LATER_TABS = (
+    "Design",
+    "Balance",
+    "Motion",
+    "Drives",
+    "Loads",
+    "Accuracy",
+    "Stiffness",
+    "Identify",
+    "Compare",
+    "View",
+    "File",
+)
 """Tabs after the first one; they are filled when the page is there."""
 
 
@@ -42,13 +53,26 @@ def has_graphics_card(renderer: object) -> bool:
     return bool(name) and not any(word in name for word in SOFTWARE_RENDERERS)
 
 
+OPENING = (0.08, 0.05, np.pi / 3)
+"""x, y [m] and theta [rad] that a new page opens at: the angle of the paper's Fig. 3, and a
+position at which gravity loads all actuators."""
+
+
+def opening_state(design: Design) -> State:
+    """Return the state a page opens with: at home, if the robot cannot be at `OPENING`."""
+    start = initial_state(design)
+    x, y, theta = OPENING
+    moved = actions.move(start, x=x, y=y, theta=theta)
+    return moved if compute(moved).health is Health.OK else start
+
+
 def build(client: viser.ClientHandle, design: Design) -> Session:
     """Build the page of a tab that has just connected, and start its worker.
 
     The first tab comes first, then the robot; the rest follows when the browser shows them, so that
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
-    session = Session(client, initial_state(design))
+    session = Session(client, opening_state(design))
     bridge = Bridge(client)
     gui = client.gui
     gui.configure_theme(
@@ -56,7 +80,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     )
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
-    gui.main_panel.set_width(PANEL_WIDTH)
+    gui.main_panel.set_width(CONTROLS_WIDTH)
 
     gui.add_html(style_html())
     strip = Panel(session, STRIP)
@@ -70,9 +94,10 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     def build_robot() -> None:
         if session.immediate:
             return
-        from paminsa_viz.explorer.scene.cameras import look
+        from paminsa_viz.explorer.scene.cameras import follow_resizes, look
 
         look(session, "3D")
+        follow_resizes(session)
         session.immediate += build_views(context, animated=True)
         session.dispatch("robot", replace)
 

@@ -18,7 +18,6 @@ import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.actions import Action
-from paminsa_viz.explorer.browser.style import start_width
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.motion.actions import advance_time
 from paminsa_viz.explorer.state import Document, State
@@ -96,7 +95,8 @@ class Session:
         fast: Views drawn a moment after that: numbers and inputs.
         deferred: Views drawn last, in turns if new states come faster: maps and other figures.
         built: Set when all of the page is there.
-        panel_width: Width of the map panel at the start [px].
+        window: Width and height of the browser's window at the start [px].
+        camera: The camera preset chosen last, and its position [m].
     """
 
     def __init__(self, client: viser.ClientHandle, state: State) -> None:
@@ -105,8 +105,8 @@ class Session:
         self.fast: list[View] = []
         self.deferred: list[View] = []
         self.built = threading.Event()
-        # Asked now: later the control panel takes its part of the window.
-        self.panel_width = start_width(client.camera.image_width, client.camera.image_height)
+        # Asked now: later the panels take their part of it.
+        self.window = (float(client.camera.image_width), float(client.camera.image_height))
         self._state = state
         self._history = History()
         self._actions: dict[str, tuple[Action, bool]] = {}
@@ -114,6 +114,7 @@ class Session:
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closed = False
+        self.camera: tuple[str, tuple[float, float, float]] = ("", (0.0, 0.0, 0.0))
         self._turn = 0
         self._frame_due: float | None = None
         self._thread = threading.Thread(target=self._run, name="paminsa-session", daemon=True)

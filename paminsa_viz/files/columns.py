@@ -94,6 +94,10 @@ LOG = TableKind(
     (("torque", MEASURED, MEASURED), ("current", CURRENTS, CURRENTS)),
     any_unit=True,
 )
+TILT = ("tiltx_rad", "tilty_rad")
+MEASUREMENTS = TableKind(
+    "a measured pose", (*POSE, *ACTUATORS), (("tilt", TILT, TILT),), any_unit=True
+)
 
 
 @dataclass(frozen=True)

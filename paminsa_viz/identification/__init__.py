@@ -18,6 +18,7 @@ from paminsa_viz.identification.base_parameters import (
     identity_row,
     leg_base_regressor,
 )
+from paminsa_viz.identification.causes import Cause, Causes, find_causes
 from paminsa_viz.identification.columns import FitParameter, IdentificationSettings
 from paminsa_viz.identification.excitation import (
     Excitation,
@@ -26,16 +27,27 @@ from paminsa_viz.identification.excitation import (
     NoExcitation,
     optimize_excitation,
 )
-from paminsa_viz.identification.identify import Estimate, Identification, Identity, identify
+from paminsa_viz.identification.identify import identify
 from paminsa_viz.identification.information import ExcitationLimits
-from paminsa_viz.identification.log import InvalidLog, Log, log_poses, make_log
+from paminsa_viz.identification.log import InvalidLog, Log, make_log
+from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.multi_sine import MultiSine
+from paminsa_viz.identification.nearest import MassEstimate, NearestMasses, nearest_masses
+from paminsa_viz.identification.results import Estimate, Identification, Identity
+from paminsa_viz.identification.validation import (
+    PayloadEstimate,
+    Validation,
+    validate,
+    weigh_payload,
+)
 
 __all__ = [
     "BASE_PARAMETERS",
     "BASE_SYMBOLS",
     "LEG_PARAMETERS",
     "BaseParameter",
+    "Cause",
+    "Causes",
     "Estimate",
     "Excitation",
     "ExcitationLimits",
@@ -47,15 +59,23 @@ __all__ = [
     "InvalidLog",
     "KeptLimit",
     "Log",
+    "MassEstimate",
     "MultiSine",
+    "NearestMasses",
     "NoExcitation",
+    "PayloadEstimate",
+    "Validation",
     "base_matrix",
     "base_parameters",
     "base_regressor",
+    "find_causes",
     "identify",
     "identity_row",
     "leg_base_regressor",
     "log_poses",
     "make_log",
+    "nearest_masses",
     "optimize_excitation",
+    "validate",
+    "weigh_payload",
 ]

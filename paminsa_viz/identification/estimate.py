@@ -53,6 +53,13 @@ class NormalBlocks(NamedTuple):
     count: Array
 
 
+def jackknife(without: Array) -> Array:
+    """Return standard errors (n,) from values (B, n) without each block."""
+    count = len(without)
+    spread = ((without - without.mean(axis=0)) ** 2).sum(axis=0)
+    return np.asarray(np.sqrt((count - 1) / count * spread))
+
+
 def block_numbers(t: Array, segment: NDArray[np.int64], length: float) -> NDArray[np.int64]:
     """Return the number of the block that each sample is in, (m,); blocks are equally long.
 
@@ -133,9 +140,7 @@ class FitSolution:
 
     def deviation(self, rows: Array) -> Array:
         """Return the standard errors of rows x, (r,) for rows (r, n); of the jackknife."""
-        values = self.without @ rows.T
-        spread = ((values - values.mean(axis=0)) ** 2).sum(axis=0)
-        return np.sqrt((self.blocks - 1) / self.blocks * spread)
+        return jackknife(self.without @ rows.T)
 
     def known(self, rows: Array) -> NDArray[np.bool_]:
         """Whether the motion excites all of rows x, (r,)."""
@@ -148,18 +153,15 @@ class FitSolution:
         return 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
 
     @cached_property
-    def covariance(self) -> Array:
-        """Covariance of x, (n, n): least squares', widened for correlation as the jackknife finds.
+    def widening(self) -> float:
+        """How much wider the jackknife's standard errors are than those of uncorrelated samples.
 
-        The widening is one factor, the median over the excited directions: a jackknife of forty
-        blocks has no covariance of twenty numbers.
+        One factor, the median over the excited directions: a jackknife of forty blocks has no
+        covariance of twenty numbers.
         """
         inner = np.linalg.inv(self.excited.T @ self.information @ self.excited)
-        plain = self.excited @ inner @ self.excited.T
-        rows = np.linalg.pinv(self.excited)
-        usual = np.sqrt(np.diag(inner))
-        ratio = self.deviation(rows) / usual
-        return plain * float(np.median(ratio)) ** 2
+        spread = self.deviation(np.linalg.pinv(self.excited))
+        return float(np.median(spread / np.sqrt(np.diag(inner))))
 
 
 def solve(blocks: NormalBlocks, noise: Array | None = None) -> FitSolution:

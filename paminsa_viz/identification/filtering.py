@@ -23,7 +23,7 @@ from paminsa_viz.model.kinematics import nearest_solution
 ORDER = 4
 """Order of the Butterworth filter; forward and backward it is twice that."""
 
-OVERSAMPLING = 20.0
+OVERSAMPLING = 10.0
 """Samples that are kept, per period of the cut-off."""
 
 SETTLING = 3.0

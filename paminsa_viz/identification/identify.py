@@ -11,7 +11,6 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.base_parameters import BASE_SYMBOLS, identity_row
 from paminsa_viz.identification.columns import (
     FitModel,
-    FitParameter,
     IdentificationSettings,
     fit_model,
 )
@@ -23,7 +22,9 @@ from paminsa_viz.identification.estimate import (
     solve,
 )
 from paminsa_viz.identification.filtering import Signals, filter_log, thinning_for
-from paminsa_viz.identification.log import InvalidLog, Log, log_poses
+from paminsa_viz.identification.log import InvalidLog, Log
+from paminsa_viz.identification.log_poses import log_poses
+from paminsa_viz.identification.results import Estimate, Identification, Identity
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 
@@ -38,133 +39,6 @@ LEAST_MOVE = 0.05
 
 FEW_SECONDS = 20.0
 """Shorter logs than this get a note [s]."""
-
-IDENTITY_Z = 3.0
-"""Size of the identity's z from which on the masses alone do not explain the log."""
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """One number of the robot with its 95 % interval.
-
-    Attributes:
-        parameter: What it is, with the design's value.
-        value: The estimate.
-        half_width: Half of the 95 % interval; infinite if the motion does not excite it.
-        known: Whether the log says it: its half width is below `FitParameter.most`.
-    """
-
-    parameter: FitParameter
-    value: float
-    half_width: float
-    known: bool
-
-    @property
-    def symbol(self) -> str:
-        """Symbol of the number."""
-        return self.parameter.symbol
-
-    @property
-    def low(self) -> float:
-        """Lower end of the interval."""
-        return self.value - self.half_width
-
-    @property
-    def high(self) -> float:
-        """Upper end of the interval."""
-        return self.value + self.half_width
-
-    @property
-    def reason(self) -> str:
-        """Why it is unknown and what motion would tell it, or an empty string."""
-        if self.known:
-            return ""
-        motion = f"{self.parameter.motion} would tell it"
-        if not np.isfinite(self.half_width):
-            return f"the motion does not excite it; {motion}"
-        return f"the interval is wider than ± {self.parameter.most:.3g}; {motion}"
-
-
-@dataclass(frozen=True)
-class Identity:
-    """What is left of the identity of the masses, M_p2 - 2 g (b_3 - (k-1)/2 b_4 + k/2 b_5) = 0.
-
-    Attributes:
-        value: What is left [N]; a constant upward force at every joint 9 makes it negative.
-        half_width: Half of its 95 % interval [N].
-        z: Value over standard error; NaN if the motion does not excite it, or it was held.
-    """
-
-    value: float
-    half_width: float
-    z: float
-
-    @property
-    def holds(self) -> bool | None:
-        """Whether masses alone explain the log; None if the log does not say."""
-        return None if np.isnan(self.z) else abs(self.z) < IDENTITY_Z
-
-
-@dataclass(frozen=True, eq=False)
-class Identification:
-    """What a log says about a robot.
-
-    Attributes:
-        design: The design it was compared with: its geometry, load and drives.
-        log: The log.
-        settings: How it was done.
-        start: Pose that chose the assembly, or None for the home pose.
-        estimates: Base parameters, friction, offsets and what else was asked for.
-        identity: The check of the masses' identity.
-        signals: The filtered signals.
-        predicted: (m, 4) torques that the estimates give at ``signals.t`` [N m, N].
-        noise: (4,) standard deviation of the filtered residuals [N m, N].
-        notes: What was done to the log, and warnings, in words.
-        model, solution, blocks: The fit itself.
-        numbers: (m,) block of each sample.
-    """
-
-    design: Design
-    log: Log
-    settings: IdentificationSettings
-    start: tuple[float, ...] | None
-    estimates: tuple[Estimate, ...]
-    identity: Identity
-    signals: Signals
-    predicted: Array
-    noise: Array
-    notes: tuple[str, ...]
-    model: FitModel
-    solution: FitSolution
-    blocks: NormalBlocks
-    numbers: NDArray[np.int64]
-
-    @property
-    def measured(self) -> Array:
-        """Filtered measured torques at ``signals.t``, (m, 4) [N m, N]."""
-        return self.signals.torque
-
-    @property
-    def residual(self) -> Array:
-        """Measured less predicted torques, (m, 4) [N m, N]."""
-        return self.signals.torque - self.predicted
-
-    @property
-    def unknown(self) -> tuple[Estimate, ...]:
-        """The estimates that the log does not tell."""
-        return tuple(item for item in self.estimates if not item.known)
-
-    def estimate(self, symbol: str) -> Estimate:
-        """Return the estimate with a symbol, for example ``"M_p2"``.
-
-        Raises:
-            InvalidInput: If there is none.
-        """
-        for item in self.estimates:
-            if item.symbol == symbol:
-                return item
-        known = ", ".join(item.symbol for item in self.estimates)
-        raise InvalidInput("symbol", f"there is no {symbol!r}; there are {known}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,7 +93,7 @@ def identify(
     settings = IdentificationSettings() if settings is None else settings
     prepared = prepare(log, design, start)
     signals = filtered(prepared, design, settings)
-    _require_motion(signals)
+    require_motion(signals)
     model, blocks, solution, numbers, lag = _fit(design, signals, settings)
     quantile, error = solution.quantile, solution.deviation(model.report)
     values = model.report @ solution.x
@@ -246,7 +120,7 @@ def identify(
         None if start is None else tuple(np.asarray(start, np.float64).tolist()),
         estimates, _identity(design, model, solution, settings),
         signals, model.columns @ solution.x + model.known, solution.noise, tuple(notes),
-        model, solution, blocks, numbers,
+        model, solution, blocks, numbers, lag,
     )  # fmt: skip
 
 
@@ -255,20 +129,20 @@ def _fit(
 ) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
     numbers = block_numbers(signals.t, signals.segment, settings.block)
-    lag, shifted = 0.0, signals
+    lag, moved = 0.0, signals
     rounds = 3 if settings.delay else 1
     for turn in range(rounds):
-        model = fit_model(design, shifted, settings)
+        model = fit_model(design, moved, settings)
         blocks = normal_blocks(model.columns, model.torque, numbers)
         solution = solve(blocks)
         if turn < rounds - 1:
             place = [item.kind == "delay" for item in model.parameters].index(True)
             lag += float(model.report[place] @ solution.x)
-            shifted = _shifted(signals, lag)
+            moved = shifted(signals, lag)
     return model, blocks, solution, numbers, lag
 
 
-def _shifted(signals: Signals, lag: float) -> Signals:
+def shifted(signals: Signals, lag: float) -> Signals:
     """Return the signals with torques from a time later, as a second-order series."""
     curve = np.empty_like(signals.torque)
     for number in np.unique(signals.segment):
@@ -281,7 +155,7 @@ def _shifted(signals: Signals, lag: float) -> Signals:
     )
 
 
-def _require_motion(signals: Signals) -> None:
+def require_motion(signals: Signals) -> None:
     """Refuse a log in which nothing moves: its columns would be noise."""
     travel = np.ptp(signals.position, axis=0)
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:

@@ -59,8 +59,9 @@ class LiveMaps:
         width: int,
         ratio: float = 1.0,
         path: FloorPath | None = None,
+        columns: int | None = None,
     ) -> NDArray[np.uint8]:
-        """Draw all panels side by side, as RGB (height, width * ratio, 3).
+        """Draw all panels in rows, as RGB (height, width * ratio, 3).
 
         The pose is left out: a marker over the image can follow a slider alone, at
         `MapLayout.positions`.
@@ -71,11 +72,12 @@ class LiveMaps:
             width: Width [page pixels].
             ratio: Device pixels for one page pixel.
             path: A motion to draw on every panel.
+            columns: Panels in a row; all if None.
 
         Raises:
             InvalidInput: If the width is not enough for the panels.
         """
-        layout = map_layout(data, scales, width, PAGE_EM)
+        layout = map_layout(data, scales, width, PAGE_EM, columns=columns)
         key = (layout, ratio, data.extent, data.names, data.colors, data.display)
         with drawing_lock:
             figure = self._figures.pop(key, None)

@@ -59,6 +59,15 @@ class MapLayout:
     panels: tuple[Rectangle, ...]
     bars: tuple[Rectangle, ...]
     vertical: bool
+    columns: int
+
+    def leftmost(self, index: int) -> bool:
+        """Whether a panel is the first of its row, with numbers at its y axis."""
+        return index % self.columns == 0
+
+    def lowest(self, index: int) -> bool:
+        """Whether no panel is below a panel; its x axis then has numbers."""
+        return index + self.columns >= len(self.panels)
 
     def positions(self, data: MapData) -> list[tuple[float, float]]:
         """Return where the pose lies on each panel, as shares of the figure's width and height.
@@ -80,12 +89,17 @@ class MapLayout:
 
 
 def map_layout(
-    data: MapData, scales: Sequence[Scale], width: float, em: float, head: float = 0.0
+    data: MapData,
+    scales: Sequence[Scale],
+    width: float,
+    em: float,
+    head: float = 0.0,
+    columns: int | None = None,
 ) -> MapLayout:
-    """Place all panels in one row, at equal x and y scale.
+    """Place all panels in rows, at equal x and y scale.
 
-    A shared color bar is at the right, or below in a narrow figure of several maps; bars
-    of their own lie below the panels.
+    A shared color bar is at the right of a single row, or below in a narrow figure of several
+    maps; a last row that is not full has room for it. Bars of their own lie below the panels.
 
     Args:
         data: The maps.
@@ -93,36 +107,52 @@ def map_layout(
         width: Width of the figure [points].
         em: Size of the letters [points].
         head: Room above everything [points].
+        columns: Panels in a row; all if None.
 
     Raises:
         InvalidInput: If the width is not enough for the panels.
     """
     count = data.panels
-    left, right, bottom, top = data.extent
+    columns = count if columns is None else min(columns, count)
+    rows = math.ceil(count / columns)
     own_bars = len(set(scales)) > 1
-    vertical = not own_bars and (count == 1 or width >= _VERTICAL * em)
+    vertical = not own_bars and rows == 1 and (count == 1 or width >= _VERTICAL * em)
     right_of = (_BAR_GAP + _BAR + _BAR_TEXT) * em if vertical else 0.0
-    free = width - (_LEFT + _RIGHT + _GAP * (count - 1)) * em - right_of
-    each = min(free / count, _PANELS[1] * em)
+    free = width - (_LEFT + _RIGHT + _GAP * (columns - 1)) * em - right_of
+    each = min(free / columns, _PANELS[1] * em)
     if not each >= _PANELS[0] * em:
-        raise InvalidInput("width", f"too narrow for {count} panels side by side")
-    spare = (free - each * count) / 2  # keeps a wide figure's panels in the middle
+        raise InvalidInput("width", f"too narrow for {columns} panels side by side")
+    left, right, bottom, top = data.extent
     tall = each * (top - bottom) / (right - left)
+    spare = (free - each * columns) / 2  # keeps a wide figure's panels in the middle
+    bar_room = (_BAR_GAP + _BAR + _BAR_FOOT) * em
     first, step = _LEFT * em + spare, each + _GAP * em
-    panels = tuple(Rectangle(first + i * step, head + _TOP * em, each, tall) for i in range(count))
-    last = panels[-1]
-    foot = last.bottom + _AXIS * em
-    if vertical:
-        bars = (Rectangle(last.right + _BAR_GAP * em, last.top, _BAR * em, tall),)
-    else:
-        # Their numbers need room beyond the ends.
-        spans = [(p.left, p.width, 0.04) for p in panels]
-        if not own_bars:
-            spans = [(first, last.right - first, 0.125)]
-        bars = tuple(
-            Rectangle(start + inset * span, foot + _BAR_GAP * em, (1 - 2 * inset) * span, _BAR * em)
-            for start, span, inset in spans
+    down = tall + _TOP * em + ((_AXIS * em + bar_room) if own_bars else 0.0)
+    panels = tuple(
+        Rectangle(
+            first + i % columns * step, head + _TOP * em + i // columns * down, each, tall
         )
-        foot = bars[0].bottom + _BAR_FOOT * em
+        for i in range(count)
+    )  # fmt: skip
+    foot = panels[-1].bottom + _AXIS * em
+    if vertical:
+        last = panels[-1]
+        bars = (Rectangle(last.right + _BAR_GAP * em, last.top, _BAR * em, tall),)
+    elif own_bars:
+        bars = tuple(_bar_below(p.left, p.width, p.bottom + _AXIS * em, em, 0.04) for p in panels)
+        foot += bar_room
+    elif count % columns:  # below the panel whose place in the next row is free
+        above = panels[count - columns]
+        bars = (_bar_below(above.left, above.width, above.bottom + _AXIS * em, em, 0.125),)
+    else:
+        across = panels[-1].right - first
+        bars = (_bar_below(first, across, foot, em, 0.125),)
+        foot += bar_room
     height = math.ceil(foot + _BOTTOM * em)  # whole pixels on a page
-    return MapLayout(em, width, height, panels, bars, vertical)
+    return MapLayout(em, width, height, panels, bars, vertical, columns)
+
+
+def _bar_below(left: float, width: float, top: float, em: float, inset: float) -> Rectangle:
+    """Return a horizontal bar below something; its numbers need room beyond the ends."""
+    place = left + inset * width, top + _BAR_GAP * em
+    return Rectangle(*place, (1 - 2 * inset) * width, _BAR * em)

@@ -84,7 +84,7 @@ class MapPanel:
         )  # fmt: skip
         hatching.set_hatch_linewidth(0.045 * self._em)
         axes.add_patch(hatching)
-        self._frame(data)
+        self._frame(data, layout)
         tints, widths, strokes = zip(*_LINES.values(), strict=True)
         self._lines = LineCollection(
             [], colors=tints, linewidths=[width * self._em for width in widths],
@@ -97,7 +97,7 @@ class MapPanel:
             size=0.9 * self._em, zorder=7, animated=live,
         )  # fmt: skip
 
-    def _frame(self, data: MapData) -> None:
+    def _frame(self, data: MapData, layout: MapLayout) -> None:
         axes, em, index = self.axes, self._em, self._index
         for axis, (low, high) in ((axes.xaxis, data.extent[:2]), (axes.yaxis, data.extent[2:])):
             room = 0.08 * (high - low)  # numbers at the very ends would run into a neighbor's
@@ -112,12 +112,13 @@ class MapPanel:
             axis.set_major_formatter(FuncFormatter(lambda v, _: number(MM * v)))
         axes.tick_params(
             labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,
-            pad=0.18 * em, labelleft=index == 0,
+            pad=0.18 * em, labelleft=layout.leftmost(index), labelbottom=layout.lowest(index),
         )  # fmt: skip
         for spine in axes.spines.values():
             spine.set(color=INK, linewidth=0.07 * em)
-        axes.set_xlabel("x [mm]", size=em, color=MUTED_INK, labelpad=0.1 * em)
-        if index == 0:
+        if layout.lowest(index):
+            axes.set_xlabel("x [mm]", size=em, color=MUTED_INK, labelpad=0.1 * em)
+        if layout.leftmost(index):
             axes.set_ylabel("y [mm]", size=em, color=MUTED_INK, labelpad=0.05 * em)
         axes.set_title(
             data.names[index], size=1.15 * em, color=data.colors[index], weight="bold",

@@ -76,7 +76,8 @@ def test_show_prints_every_number(capsys) -> None:
     assert code == 0
     lines = [" ".join(line.split()) for line in out.splitlines()]
     values = {key.path: OTHER.value(key.parameter.path) for key in KEYS}
-    wanted = [f"{key.table} {key.name} {values[key.path]:.10g} ".lstrip() for key in KEYS]
+    texts = {key: f"{v:.10g}" if v < math.inf else "rigid" for key, v in values.items()}
+    wanted = [f"{key.table} {key.name} {texts[key.path]} ".lstrip() for key in KEYS]
     for words in (*wanted, "geometry knee printed ", "load frame world "):
         assert sum(line.startswith(words) for line in lines) == 1, words
     shown = run_json(capsys, "show", "d.toml")
@@ -88,6 +89,18 @@ def test_show_prints_every_number(capsys) -> None:
         p.default if p.default < math.inf else None for p in PARAMETER.values()
     ]
     assert "200 mm beyond joint 7" in run(capsys, "show", "w.toml")[1]
+
+
+def test_stiffness_that_was_rigid_has_no_change_in_percent(capsys) -> None:
+    save_design(APPENDIX_4.vary({"elastic.guide": 1e7, "elastic.b4_outer": 0.06}), "e.toml")
+    _, out, _ = run(capsys, "diff", "e.toml")
+    rows = [" ".join(line.split()) for line in out.splitlines()[1:]]
+    assert rows[0].startswith("elastic guide_N_per_m rigid 10000000 k_g")
+    assert rows[1].startswith("elastic b4_outer_m 0.04 0.06 +50 %")
+    # the tube's values follow from its diameter
+    assert len(rows) == 6
+    found = run_json(capsys, "diff", "e.toml")["differences"]["elastic.guide_N_per_m"]
+    assert found == {"first": None, "second": 1e7}
 
 
 @pytest.mark.parametrize(

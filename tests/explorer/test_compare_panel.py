@@ -72,6 +72,12 @@ def test_load_that_turns_with_the_platform_differs() -> None:
     assert row[1:3] == ["world", "platform"]
 
 
+def test_stiffness_that_was_rigid_has_no_change_in_percent() -> None:
+    design = APPENDIX_4.vary({"elastic.guide": 1e7})
+    (row,) = cells(differences_html(design, APPENDIX_4, "App. 4"))[1:]
+    assert row[1:] == ["rigid", "10000\u202fN/mm", "–"]
+
+
 def test_stroke_that_was_set_differs_from_one_that_follows_its_guide() -> None:
     design = APPENDIX_4.vary({"geometry.guide_stroke": APPENDIX_4.geometry.stroke})
     assert is_changed(design, "geometry.guide_stroke")

@@ -31,15 +31,18 @@ from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BALANCE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
 from paminsa_viz.explorer.panels.motion_panel import motion_entries
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
 from paminsa_viz.explorer.panels.pose_panel import POSE
+from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import view_entries
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
@@ -70,6 +73,9 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "motion": motion_entries(MotionStore()),
     "plots": PLOT_INPUTS,
     "drives": DRIVES,
+    "loads": tuple(loads_entries(MotionStore())),
+    "accuracy": ACCURACY,
+    "stiffness": STIFFNESS,
     "view": view_entries(),
     "export": tuple(export_entries(MapStore())),
     "file": FILE,

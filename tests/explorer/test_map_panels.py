@@ -12,9 +12,10 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.browser.bridge import NARROWEST, WIDEST, Bridge, Slots
+from paminsa_viz.explorer.browser.style import dock_width, view_width
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels.map_picture import caption
+from paminsa_viz.explorer.panels.map_picture import COLUMNS, caption
 from paminsa_viz.explorer.panels.maps_panel import (
     MapsPanel,
     choose_family,
@@ -22,9 +23,12 @@ from paminsa_viz.explorer.panels.maps_panel import (
     clicked_place,
     show_figure_3,
 )
-from paminsa_viz.explorer.session import Session, start_width
+from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
-from paminsa_viz.quantities import QUANTITIES, families
+from paminsa_viz.plots.map_figure import PAGE_EM
+from paminsa_viz.plots.map_layout import map_layout
+from paminsa_viz.plots.ranges import choose_scales
+from paminsa_viz.quantities import QUANTITIES, TORQUES, families
 from tests.support.desk import Desk
 
 
@@ -60,14 +64,24 @@ def test_clicks_are_places_in_meters_or_ignored(click: Any, place: Any) -> None:
     assert clicked_place(click) == place
 
 
-@pytest.mark.parametrize(("window", "width"), [((1400, 900), 749), ((1280, 720), 640)])
-def test_panel_takes_its_share_of_the_window(window: tuple[int, int], width: int) -> None:
-    assert start_width(*window) == width
+@pytest.mark.parametrize(
+    ("window", "side"), [((1280, 720), 190), ((1400, 900), 250), ((1920, 1080), 320)], ids=str
+)
+def test_maps_of_the_dock_are_large_and_fit_beside_robot(
+    window: tuple[int, int], side: int
+) -> None:
+    width = dock_width(*window)
+    data = MapStore().data(initial_state(), COARSE, TORQUES)
+    layout = map_layout(data, choose_scales(data), width, PAGE_EM, columns=COLUMNS)
+    assert layout.panels[0].width >= side
+    assert layout.height < window[1] - 110  # tabs and caption
+    assert view_width(*window) >= 400
 
 
 @pytest.mark.parametrize("window", [(0, 0), (-5, 10), (2**40, 2**40), (math.nan, 500)], ids=str)
-def test_any_window_has_a_usable_panel(window: tuple[float, float]) -> None:
-    assert 600 <= start_width(*window) <= 900
+def test_any_window_has_a_usable_dock(window: tuple[float, float]) -> None:
+    assert 460 <= dock_width(*window) <= 840
+    assert view_width(*window) >= 1 or math.isnan(window[0])
 
 
 @pytest.fixture

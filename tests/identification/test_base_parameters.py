@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -20,7 +19,13 @@ from paminsa_viz.identification import (
     leg_base_regressor,
 )
 from paminsa_viz.identification.base_parameters import mass_columns
-from paminsa_viz.model import APPENDIX_4, Counterweight, actuator_acceleration, lumped_coefficients
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Counterweight,
+    actuator_acceleration,
+    actuator_velocity,
+    lumped_coefficients,
+)
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.lumped import MASS_PATHS, mass_vector
 from paminsa_viz.model.regressor import torque_regressor
@@ -103,14 +108,19 @@ def test_drives_add_their_inertia_to_two_base_parameters() -> None:
     assert rank(np.concatenate([x, speeds[..., None] * np.eye(4)], axis=-1)) == 13
 
 
-@pytest.mark.parametrize(("extra", "expected"), [("speed", 15), ("sign", 15), ("one", 14)])
-def test_ranks_with_friction_or_offsets(extra: str, expected: int) -> None:
-    from paminsa_viz.model import actuator_velocity
-
-    case = Case(0, APPENDIX_4.geometry.knee)
+@given(cases())
+def test_ranks_with_friction_offsets_and_rotors(case: Case) -> None:
     pose, velocity, acceleration = case.states(STATES)
-    speed = actuator_velocity(APPENDIX_4, pose, velocity)
-    signals = {"speed": speed, "sign": np.sign(speed), "one": np.ones_like(speed)}[extra]
+    speed = actuator_velocity(case.design, pose, velocity)
     x = base_regressor(case.geometry, pose, velocity, acceleration)
-    # an offset of F_4 repeats the weight, so that three of the four count
-    assert rank(np.concatenate([x, signals[..., None] * np.eye(4)], axis=-1)) == expected
+    signals = {
+        "viscous": speed,
+        "coulomb": np.sign(speed),
+        "offset": np.ones_like(speed),
+        "rotor": actuator_acceleration(case.geometry, pose, velocity, acceleration),
+    }
+    each = {name: signal[..., None] * np.eye(4) for name, signal in signals.items()}
+    ranks = {name: rank(np.concatenate([x, part], axis=-1)) for name, part in each.items()}
+    # F_4's offset repeats the weight; the rotors' mean the spin, and M4's the mass along z.
+    assert ranks == {"viscous": 15, "coulomb": 15, "offset": 14, "rotor": 13}
+    assert rank(np.concatenate([x, *each.values()], axis=-1)) == 24

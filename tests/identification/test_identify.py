@@ -76,6 +76,8 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     assert {"b_4", "b_6", "b_8", "b_11", "c1"} <= {item.symbol for item in found.unknown}
     assert found.estimate("b_1").known
     assert "horizontal accelerations would tell it" in found.estimate("b_6").reason
+    assert "b_6 (horizontal accelerations)" in found.advice
+    assert "\n" not in found.advice
 
 
 def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:

@@ -12,7 +12,7 @@ from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.log_table import log_table, parse_log
 from paminsa_viz.files.tables import table_csv
 from paminsa_viz.identification import InvalidLog, identify, log_poses, make_log
-from paminsa_viz.identification.log import follow_pose
+from paminsa_viz.identification.log_poses import follow_pose
 from paminsa_viz.model import APPENDIX_4, KneeBranch, forward_kinematics, inverse_kinematics
 from tests.support.identification_logs import clean_signals, multi_sine
 

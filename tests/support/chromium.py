@@ -68,10 +68,20 @@ def until(condition: Callable[[], Any], what: str, timeout: float = TIMEOUT) -> 
 
 
 def watch_errors(page: Any) -> list[str]:
-    """Return a list that collects what goes wrong in a page."""
+    """Return a list that collects what goes wrong in a page.
+
+    A picture that is replaced before the browser has read it is no error: viser takes back its
+    address.
+    """
     errors: list[str] = []
+
+    def report(line: Any) -> None:
+        replaced = line.location.get("url", "").startswith("blob:")
+        if line.type == "error" and not (replaced and "ERR_FILE_NOT_FOUND" in line.text):
+            errors.append(line.text)
+
     page.on("pageerror", lambda error: errors.append(str(error)))
-    page.on("console", lambda line: errors.append(line.text) if line.type == "error" else None)
+    page.on("console", report)
     return errors
 
 

@@ -146,16 +146,15 @@ FINEST = 2.0
 """Most device pixels for one page pixel that pictures are made for."""
 
 
-def marker(name: str, share: float = 1.0, inputs: str = "") -> str:
+def marker(name: str, inputs: str = "") -> str:
     """Return the HTML that marks the container it lies in as a place of this name.
 
     Args:
         name: Name of the place.
-        share: What the picture takes of the container's width.
         inputs: Where the container's inputs are, for ``browser/page.css``.
     """
     arranged = f' data-paminsa-inputs="{inputs}"' if inputs else ""
-    return f'<span data-paminsa-slot="{name}" data-share="{share:g}"{arranged}></span>'
+    return f'<span data-paminsa-slot="{name}"{arranged}></span>'
 
 
 class Slots:

@@ -97,7 +97,7 @@
       const host = hostOf(mark);
       if (!host) continue;
       const visible = host.clientHeight > 0 && host.getClientRects().length > 0;
-      const width = Math.floor(host.clientWidth * mark.dataset.share);
+      const width = host.clientWidth;
       found[mark.dataset.paminsaSlot] = visible ? width : 0;
     }
     const now = JSON.stringify(found);
@@ -157,11 +157,19 @@
     document.documentElement.classList.add("paminsa-render-on-demand");
     if (!viewer().requestRender || !invalidator()) return;
     let timer = 0;
+    let drawn = 0;
+    const draw = () => {
+      drawn = performance.now();
+      invalidator()();
+    };
+    // An animation requests frames without end: then some are drawn every second, no more.
+    const animated = () => viewer().nodeRefFromName?.["/elastic/mode"];
     viewer().requestRender = () => {
-      const draw = () => invalidator()();
+      const wait = animated() ? Math.max(0, drawn + 125 - performance.now()) : 0;
+      if (wait && timer) return;
       clearTimeout(timer);
-      timer = setTimeout(draw, 250);
-      draw();
+      timer = setTimeout(() => ((timer = 0), draw()), wait || 250);
+      if (!wait) draw();
     };
   };
 

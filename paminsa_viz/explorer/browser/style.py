@@ -51,31 +51,34 @@ def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.rint(behind + (pixels[..., :3] - behind) * cover).astype(np.uint8)
 
 
-MARGIN = 15
-"""Room to the edges of the 3D view [px]."""
-WIDEST, NARROWEST = 900, 640
-"""Width of the panel at the start [px]."""
-CONTROLS_WIDTH = 380 + 2 * MARGIN
-"""What the control panel at the right takes, with margins [px]."""
-SHARE = 0.40
-"""Largest share of the window's height that the panel takes at the start."""
+CONTROLS_WIDTH = 380
+"""Width of the control panel [px]; fits labels and numbers at a laptop's 1280 px."""
+FOLD_BELOW = 1000
+"""Width of a window without room for the dock [px]; it is folded at the start."""
+WIDEST, NARROWEST = 840, 460
+"""Width of the dock at the start [px]."""
+VIEW_WIDTH = 420
+"""Least width of the 3D view next to the dock [px]; the robot is tall and narrow."""
+SHARE = 0.42
+"""Largest share of the window's width that the dock takes at the start."""
 
 
-def start_width(window_width: float, window_height: float) -> int:
-    """Return the width of the panel for a window [px]: as large as leaves room for the robot.
+def dock_width(window_width: float, window_height: float) -> int:
+    """Return the width of the dock for a window [px]: as large as leaves room for the robot.
 
-    Three panels side by side take a width of about three times their height, and everything else
-    in the panel about 105 px of height.
+    Its maps are two side by side, above a third, and have to fit into the window's height.
     """
-    fits = window_width - CONTROLS_WIDTH
-    by_height = 3 * (SHARE * window_height - 105 - 55) + 149
-    wanted = min(fits, by_height, WIDEST)
-    return int(max(wanted, NARROWEST)) if math.isfinite(wanted) else NARROWEST
+    by_height = 2 * ((window_height - 130) / 2 - 40) + 82
+    wanted = min(window_width - CONTROLS_WIDTH - VIEW_WIDTH, SHARE * window_width, by_height)
+    return int(min(max(wanted, NARROWEST), WIDEST)) if math.isfinite(wanted) else NARROWEST
 
 
-def covered_share(panel_width: float, window_height: float) -> float:
-    """Return the share of the 3D view's height that a panel of a width covers [px]."""
-    if not window_height:
-        return 0.0
-    height = (panel_width - 149) / 3 + 105 + 55 + MARGIN
-    return min(height / window_height, 0.6)
+def is_folded(window_width: float) -> bool:
+    """Whether the dock is folded at the start, for want of width [px]."""
+    return 0 < window_width < FOLD_BELOW
+
+
+def view_width(window_width: float, window_height: float) -> float:
+    """Return the width of the 3D view between dock and controls at the start [px]."""
+    dock = 0 if is_folded(window_width) else dock_width(window_width, window_height)
+    return max(window_width - CONTROLS_WIDTH - dock, 1.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -77,6 +78,8 @@ def differences_html(design: Design, reference: Design, title: str) -> str:
 
 
 def _value(design: Design, parameter: Parameter) -> Markup:
+    if math.isinf(design.value(parameter.path)):
+        return Markup("rigid")
     text = parameter.display.format(design.value(parameter.path), DIGITS).replace(" ", "\u202f")
     follows = parameter.path == STROKE and design.geometry.guide_stroke is None
     return Markup("{} (l<sub>B10</sub>)" if follows else "{}").format(text)

@@ -198,15 +198,17 @@ def hint(parameter: Parameter) -> str:
     if parameter.path == STROKE:
         default = "as long as l_B10, and it follows l_B10 until it is set"
     name = parameter.label[:1].upper() + parameter.label[1:]
+    if parameter.group == "elastic":
+        return f"{name}. Default: {default}."
     if parameter.group == "load":
         return f"{name}. {BEARINGS}" if parameter.path in BEARING_PATHS else f"{name}."
     return f"{name}. Appendix 4: {default}."
 
 
-def slider(parameter: Parameter) -> Slider:
-    """Return the slider of a parameter."""
+def slider(parameter: Parameter, ends: tuple[float, float, float] | None = None) -> Slider:
+    """Return the slider of a parameter; ends and step, in the unit shown, follow its default."""
     path = parameter.path
-    low, high, step = base_range(parameter)
+    low, high, step = base_range(parameter) if ends is None else ends
     default = parameter.display.from_si(parameter.default)
     return Slider(
         f"design.{path}", label(parameter), range=(low, high), step=step, unit=parameter.display,

@@ -26,21 +26,21 @@ from paminsa_viz.units import format_value
 
 Quantities = Callable[[State], Sequence[str]]
 
+COLUMNS = 2
+"""Most maps side by side: what is next to the third is room for its inputs."""
+
 LIVE_QUALITY = 88
 """Quality of the JPEG shown while dragging; the picture shown when idle is without loss."""
 
-Inputs = Literal["below", "right"]
-"""Where a picture's inputs are: side by side below it, or one below the other at its right."""
-
-SHARES: dict[Inputs, float] = {"below": 1.0, "right": 0.52}
-"""What the picture takes of the panel's width; ``browser/page.css`` makes the room."""
+Inputs = Literal["below", "inside"]
+"""Where a picture's inputs are: below it, or where its last row has room for another map."""
 
 
 class MapPicture:
     """The picture of some maps, its caption, and what lies under the pointer.
 
     Made in the current container of the page, which page.css turns into a grid; inputs that are
-    added to the container afterwards come below or at the right.
+    added to the container afterwards come there.
 
     Attributes:
         scales: The color scales drawn last, one a panel.
@@ -74,7 +74,7 @@ class MapPicture:
         self._live = LiveMaps()
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
-        gui.add_html(marker(name, SHARES[inputs], inputs))
+        gui.add_html(marker(name, inputs))
         blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
         self._markers = gui.add_html("")
@@ -104,13 +104,13 @@ class MapPicture:
         scales = self._store.scales(state, data, quantities)
         ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)
-        picture = self._live.draw(data, scales, width, ratio, path)
+        picture = self._live.draw(data, scales, width, ratio, path, COLUMNS)
         if not dragging:
             opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
         self._image.image = picture
         self.data, self.scales = data, scales
-        self._layout = map_layout(data, scales, width, PAGE_EM)
+        self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
         self._mark(state)
         self._caption.content = caption(state, data)
         # How finely the values are drawn is not part of what can be read off.

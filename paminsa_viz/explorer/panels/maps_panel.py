@@ -1,4 +1,4 @@
-"""The floating panel: torque maps, the map of one quantity, the motion's curves, the export."""
+"""The dock: torque maps, the map of one quantity, the motion's curves, the export."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots
-from paminsa_viz.explorer.browser.style import MARGIN
+from paminsa_viz.explorer.browser.style import dock_width, is_folded
 from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
@@ -222,7 +222,7 @@ TORQUE_SLOT, SINGLE_SLOT = "torques", "single"
 
 
 class MapsPanel:
-    """Four tabs over the 3D view: torque maps, single map, motion plots, export.
+    """Four tabs next to the 3D view: torque maps, single map, motion plots, export.
 
     Attributes:
         store: Where the maps come from; the floor map can share it.
@@ -232,18 +232,18 @@ class MapsPanel:
         client = session.client
         self._session = session
         self.store = MapStore()
-        width = session.panel_width
+        width = dock_width(*session.window)
         slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
             self._torques = MapPicture(
-                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "below", motions
+                session, self.store, slots, TORQUE_SLOT, lambda _: TORQUES, "inside", motions
             )
             self._torque_inputs = Panel(session, torque_entries("torque maps", self._torques))
         with panel.add_tab("Single map", viser.Icon.SQUARE_ROUNDED):
             self._single = MapPicture(
                 session, self.store, slots, SINGLE_SLOT, lambda s: (s.map_view.quantity,),
-                "right", motions,
+                "below", motions,
             )  # fmt: skip
             self._single_inputs = Panel(session, single_entries("single map", self._single))
         motion_tab = panel.add_tab("Motion plots", viser.Icon.CHART_LINE)
@@ -251,7 +251,10 @@ class MapsPanel:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
             self.export = Panel(session, export_entries(self.store))
-        panel.float(x=MARGIN, y=-MARGIN, width=width)
+        panel.dock_left()
+        panel.set_width(width)
+        if is_folded(session.window[0]):
+            panel.minimize()
         bridge.on("click", self._click)
 
     def draw(self, frame: Frame, dragging: bool) -> None:

@@ -15,8 +15,11 @@ from paminsa_viz.plots.series_uplot import (
     uplot_options,
 )
 
-HEIGHT = 158
+LOWEST, HIGHEST = 158, 340
 """Height of a chart with its heading and axis [px]."""
+
+OTHERS = 250
+"""What else is in the dock with two charts [px]: tabs, caption, numbers, inputs."""
 
 PLACE = "motion"
 """Name of the place (see `panels.slots`) of the charts."""
@@ -29,14 +32,16 @@ class MotionChart:
         gui: The tab's GUI.
         container: What it is put into, a handle that can be entered.
         order: Its place there.
+        window_height: Height of the browser's window [px]; two charts take what is free of it.
 
     Attributes:
         handle: viser's handle, or None before the first curve.
         shape: What the handle was made for, or None.
     """
 
-    def __init__(self, gui: Any, container: Any, order: float) -> None:
+    def __init__(self, gui: Any, container: Any, order: float, window_height: float) -> None:
         self._gui, self._container, self._order = gui, container, order
+        self._height = int(min(max((window_height - OTHERS) / 2, LOWEST), HIGHEST))
         self.handle: Any = None
         self.shape: ChartShape | None = None
 
@@ -58,7 +63,7 @@ class MotionChart:
         self.shape = shape
         with self._container:
             self.handle = self._gui.add_uplot(
-                series, **uplot_options(shape), height=HEIGHT, order=self._order
+                series, **uplot_options(shape), height=self._height, order=self._order
             )
 
 

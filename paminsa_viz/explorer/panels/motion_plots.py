@@ -70,7 +70,8 @@ class MotionPlots:
         self._slots, self.store = slots, store
         self._cursor = TimeCursor(bridge, lambda time: _scrub(session, time))
         gui.add_html(marker(PLACE), order=0)
-        self.charts = tuple(MotionChart(gui, container, order) for order in (1.0, 2.0))
+        height = session.window[1]
+        self.charts = tuple(MotionChart(gui, container, order, height) for order in (1.0, 2.0))
         self._caption = gui.add_html("", order=3)
         self._numbers = gui.add_html("", order=4)
         self.inputs = Panel(session, INPUTS)

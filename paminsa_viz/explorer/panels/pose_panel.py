@@ -46,12 +46,21 @@ def actuators_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
+AMPLE, SMALL, TINY = 0.2, 0.05, 0.01
+"""Margins to a limit [m]: of a full bar, and below which a bar is amber or red."""
+
+
+def _margin_level(margin: float) -> str:
+    return "bad" if margin < TINY else "warn" if margin < SMALL else "ok"
+
+
 def quality_html(frame: Frame) -> str:
     """Return static imbalance, condition, distances to singularities and the legs' margins."""
     text = render(
         "quality.j2", frame=frame, singularity=frame.singularity, degrees=np.degrees,
         margins=frame.configuration.reach.margins, finite=np.isfinite,
         limits={limit.label: index for index, limit in enumerate(MARGINS)},
+        level=_margin_level, share=lambda margin: f"{min(max(margin / AMPLE, 0.0), 1.0):.3f}",
     )  # fmt: skip
     return of_pose(frame, text)
 

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.explorer.browser.style import covered_share
+from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.meshes.frame import lift_motor_height, plinth_radius
 from paminsa_viz.meshes.layout import layout
@@ -142,7 +142,7 @@ def raised(view: CameraView, covered: float) -> CameraView:
 
 
 def look(session: Session, name: str) -> None:
-    """Move a tab's camera to a preset, with the robot in the part of the view that is free.
+    """Move a tab's camera to a preset that fits the free part of its window.
 
     Args:
         session: The tab; "Leg k" faces the leg at the robot's pose.
@@ -151,10 +151,9 @@ def look(session: Session, name: str) -> None:
     client, last_reachable = session.client, session.state.last_reachable
     configuration = inverse_kinematics(last_reachable.geometry, last_reachable.pose)
     width, height = client.camera.image_width, client.camera.image_height
-    covered = covered_share(session.panel_width, height)
-    aspect = width / (height * (1 - covered)) if height else 1.4
-    view = preset(name, last_reachable.geometry, configuration, aspect)
-    view = raised(view, covered)
+    if (width, height) == session.window:  # the panels take their part a moment later
+        width = view_width(width, height)
+    view = preset(name, last_reachable.geometry, configuration, width / height if height else 1.0)
     camera = client.camera
     with client.atomic():
         camera.up_direction = view.up
@@ -162,3 +161,24 @@ def look(session: Session, name: str) -> None:
         camera.look_at = view.look_at
         camera.fov = view.fov
     client.flush()
+    session.camera = (name, view.position)
+
+
+RESIZED = 0.01
+"""Change of the picture's shape from which on the robot is fitted again."""
+
+
+def follow_resizes(session: Session) -> None:
+    """Fit the robot to the view again when its shape changes, unless a person moved the camera."""
+    camera = session.client.camera
+    seen = [0.0]
+
+    def check(_: object) -> None:
+        shape = camera.image_width / max(camera.image_height, 1)
+        name, position = session.camera
+        if abs(shape - seen[0]) > RESIZED * shape:
+            seen[0] = shape
+            if name and np.allclose(camera.position, position, atol=1e-3):
+                session.submit(lambda: look(session, name))
+
+    camera.on_update(check)

@@ -1,0 +1,133 @@
+"""Stiffness and vibration on the page: what a person set, its jobs and what came of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.elastostatics.center_lines import CenterLines, center_lines
+from paminsa_viz.elastostatics.leg_matrices import leg_matrices
+from paminsa_viz.elastostatics.stiffness import (
+    PlatformStiffness,
+    StrainShares,
+    compensate,
+    load_wrench,
+    platform_stiffness,
+    strain_shares,
+)
+from paminsa_viz.elastostatics.vibration import SHARED, can_vibrate, whole_matrices, whole_modes
+from paminsa_viz.explorer.motion.description import Pose
+from paminsa_viz.model import Design, Limit, PaminsaError
+from paminsa_viz.model.arrays import Array
+
+MODES = 6
+"""Modes that are found."""
+
+CASES: dict[str, tuple[str, tuple[float, ...]]] = {
+    "load": ("payload and load", ()),
+    "x": ("100 N along x", (100.0, 0, 0, 0, 0, 0)),
+    "y": ("100 N along y", (0, 100.0, 0, 0, 0, 0)),
+    "z": ("100 N along z", (0, 0, 100.0, 0, 0, 0)),
+    "theta": ("10 N·m about z", (0, 0, 0, 0, 0, 10.0)),
+    "tilt_x": ("10 N·m about x", (0, 0, 0, 10.0, 0, 0)),
+    "tilt_y": ("10 N·m about y", (0, 0, 0, 0, 10.0, 0)),
+}
+"""Load cases: their names, and wrenches at P [N, N m]; the first one is the design's."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticJob:
+    """Stiffness and modes of a design at a pose.
+
+    Attributes:
+        design: With the geometry that the robot is shown with.
+        pose: The last reachable pose [m, m, rad, m].
+        case: Key of the load case.
+    """
+
+    design: Design
+    pose: Pose
+    case: str
+
+    @property
+    def wrench(self) -> Array:
+        """Wrench of the load case at P, (6,) [N, N m]."""
+        if self.case == "load":
+            return load_wrench(self.design, np.array(self.pose))
+        return np.array(CASES[self.case][1], float)
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticOutcome:
+    """What came of a job; where there is a ``problem``, nothing else.
+
+    Attributes:
+        job: The job.
+        stiffness: At the pose.
+        frequencies: Natural frequencies, lowest first [Hz]; none where weight and load push the
+            platform away.
+        shapes: Center lines with the displacements of the modes.
+        deflected: The same with that under the load case; None without a load.
+        twist: Of the platform under the load case, (6,) [m, rad].
+        residual_tilt: Angle that is left when the motors bring x, y, theta and z back [rad].
+        shares: Strain energy of the parts under the load case; None without a load.
+        problem: Why there is nothing.
+    """
+
+    job: ElasticJob
+    stiffness: PlatformStiffness | None = None
+    frequencies: tuple[float, ...] = ()
+    shapes: CenterLines | None = None
+    deflected: CenterLines | None = None
+    twist: Array | None = None
+    residual_tilt: float = 0.0
+    shares: StrainShares | None = None
+    problem: str = ""
+
+
+@dataclass(frozen=True)
+class ElasticView:
+    """Stiffness and vibration of a session.
+
+    Attributes:
+        mode: Which mode is animated, from 0.
+        case: Key of the load case.
+        outcome: The last result.
+    """
+
+    mode: int = 0
+    case: str = "load"
+    outcome: ElasticOutcome | None = None
+
+
+def analyze_elasticity(job: ElasticJob) -> ElasticOutcome:
+    """Return stiffness, modes and deflection; raises nothing that is the robot's fault."""
+    design, pose = job.design, np.array(job.pose)
+    try:
+        stiffness = platform_stiffness(design, pose)
+        status = Limit(int(stiffness.status))
+        if status is not Limit.OK:
+            return ElasticOutcome(job, problem=status.explanation)
+        matrices, wrench = leg_matrices(design), job.wrench
+        found = ElasticOutcome(job, stiffness, twist=stiffness.deflection(wrench))
+        if wrench.any():
+            plain, _ = whole_matrices(matrices, pose, loaded=False)
+            loads = np.zeros((len(plain), 1))
+            loads[: SHARED - 1, 0] = wrench
+            moved = np.linalg.solve(plain, loads)
+            found = replace(
+                found,
+                deflected=center_lines(matrices, pose, moved),
+                residual_tilt=float(compensate(design, pose, wrench).tilt),
+                shares=strain_shares(design, pose, wrench),
+            )
+        if can_vibrate(design, pose[None])[0]:
+            modes = whole_modes(matrices, pose, MODES)
+            if modes.stable:
+                shapes = center_lines(matrices, pose, modes.shapes)
+                frequencies = tuple(modes.frequencies.tolist())
+                found = replace(found, frequencies=frequencies, shapes=shapes)
+    except PaminsaError as error:
+        return ElasticOutcome(job, problem=str(error))
+    return found

@@ -1,0 +1,113 @@
+"""Accuracy: errors that the drives leave at the pose, on maps and in the scene."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.accuracy import no_bound, shown_errors
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Checkbox, Slider
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE
+from paminsa_viz.explorer.panels.maps_panel import choose_quantity
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import PARAMETER, DriveAccuracy
+from paminsa_viz.studies.drive_accuracy import error_rows
+from paminsa_viz.units import display_unit
+
+LAYER = "drive_errors"
+"""Layer of the scene that shows the errors."""
+
+MAPS = {
+    "in the plane": "error_horizontal",
+    "θ": "error_theta",
+    "linear, plane": "linear_error_horizontal",
+}
+"""What the buttons show on the single map."""
+
+Range = tuple[float, float]
+
+
+def pose_html(frame: Frame) -> str:
+    """Return the errors at the pose: worst, linear and RMS, or why there is no bound."""
+    found = shown_errors(frame)
+    rotary, _, _, linear = found.accuracy.half_widths
+    rows = []
+    for row in error_rows(found):
+        unit = display_unit(row.unit)
+        values = (float(part[0]) * unit.factor for part in (row.worst, row.linear, row.rms))
+        rows.append((row.name, unit.text, list(values)))
+    return render(
+        "accuracy_pose.j2", rows=rows, reason=no_bound(found), rotary=np.degrees(rotary),
+        linear=1e6 * linear,
+    )  # fmt: skip
+
+
+def set_accuracy(state: State, accuracy: DriveAccuracy) -> State:
+    """Change the accuracy of the drives."""
+    design = replace(state.document.design, accuracy=accuracy)
+    changed = actions.renamed_if_changed(design)
+    return actions.with_document(state, replace(state.document, design=changed))
+
+
+def _choices(state: State) -> dict[str, Effect]:
+    design = state.document.design
+    found: dict[str, Effect] = {}
+    if design.accuracy != DriveAccuracy():
+        found["Default"] = partial(set_accuracy, accuracy=DriveAccuracy())
+    measured = design.accuracy.with_encoders(design.drives)
+    if measured != design.accuracy:
+        found["Drives' encoders"] = partial(set_accuracy, accuracy=measured)
+    return found
+
+
+def _grown(ends: Range, value: float) -> Range:
+    return min(ends[0], value), max(ends[1], value)
+
+
+def _slider(name: str, label: str, high: float, step: float) -> Slider:
+    path = f"accuracy.{name}"
+    parameter = PARAMETER[path]
+    unit = display_unit("m:um" if parameter.unit == "m" else "rad")
+    return Slider(
+        path, label, range=(0.0, high), step=step, unit=unit, fit=_grown,
+        hint=f"{parameter.label[0].upper()}{parameter.label[1:]}, at the actuator [{unit.text}]",
+        read=lambda state: state.document.design.value(path),
+        apply=lambda state, value: actions.vary(state, {path: value}),
+    )  # fmt: skip
+
+
+DRIVES_ACCURACY = (
+    Html("accuracy.pose", content=pose_html),
+    Checkbox(
+        "accuracy.layer", "Show in scene",
+        hint="Where the platform's center may be, to a stated scale",
+        read=lambda state: LAYER in state.layers,
+        apply=lambda state, visible: actions.set_layers(state, **{LAYER: visible}),
+        undo=False,
+    ),
+    ButtonGroup(
+        "accuracy.map", "Single map",
+        choices={label: partial(choose_quantity, quantity=key) for label, key in MAPS.items()},
+        hint="What the single map and the floor show; the family “accuracy” has more",
+    ),
+    Folder(
+        "accuracy.drives", "Errors of the drives [°, µm]",
+        entries=(
+            _slider("resolution_rotary", "count M1–M3", 0.1, 0.001),
+            _slider("resolution_linear", "count M4", 100.0, 0.5),
+            _slider("backlash_rotary", "backlash M1–M3", 0.1, 0.001),
+            _slider("backlash_linear", "backlash M4", 100.0, 0.5),
+            _slider("control_rotary", "control M1–M3", 0.1, 0.001),
+            _slider("control_linear", "control M4", 100.0, 0.5),
+            ButtonGroup("accuracy.reset", "Set to", choices=_choices),
+        ),
+    ),
+)  # fmt: skip
+
+ACCURACY = (Tabs("accuracy.tabs", tabs={"Drives": DRIVES_ACCURACY, "Manufacture": MANUFACTURE}),)

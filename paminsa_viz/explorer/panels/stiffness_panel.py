@@ -1,0 +1,217 @@
+"""Stiffness: elastic data, stiffness and deflection at the pose, natural frequencies and modes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.elastostatics.leg_matrices import inertia_ratios
+from paminsa_viz.elastostatics.stiffness import SHARES
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.elasticity import (
+    CASES,
+    MODES,
+    ElasticJob,
+    ElasticOutcome,
+    analyze_elasticity,
+)
+from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Folder, Html
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.design_layout import is_changed, slider
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import PARAMETER
+from paminsa_viz.model.elastic import BARS, SECTION_VALUES
+from paminsa_viz.units import number
+
+LAYERS = ("mode_shape", "deflection", "compliance")
+"""Layers of the scene that need a result while something is dragged."""
+
+MATERIAL = ("young_modulus", "shear_modulus")
+DRIVE = ("drive_rotary", "drive_linear")
+
+SLIDERS: dict[str, tuple[str, float, float, float]] = {
+    "young_modulus": ("E [MPa]", 1000.0, 300_000.0, 500.0),
+    "shear_modulus": ("G [MPa]", 500.0, 120_000.0, 500.0),
+    "drive_rotary": ("k_M [N·m/rad]", 100.0, 100_000.0, 100.0),
+    "drive_linear": ("k₄ [N/mm]", 100.0, 200_000.0, 100.0),
+    **{
+        f"{bar}_{side}": (f"{bar.upper()} {side} ⌀ [mm]", low, 100.0, 0.1)
+        for bar in BARS
+        for side, low in (("outer", 1.0), ("inner", 0.0))
+    },
+}
+"""Label, ends and step of the sliders, in the unit shown."""
+
+
+def elastic_slider(name: str) -> Slider:
+    """Return the slider of a number of `Elastic`; a larger number can be typed."""
+    path = f"elastic.{name}"
+    parameter = PARAMETER[path]
+    label, low, high, step = SLIDERS[name]
+    entry = replace(slider(parameter, (low, high, step)), label=label)
+    bar, _, side = name.partition("_")
+    if side not in ("outer", "inner"):
+        return entry
+
+    def ends(state: State) -> tuple[float, float]:
+        """A tube has a wall: of a step, at least."""
+        elastic, unit = state.document.design.elastic, parameter.display
+        if side == "inner":
+            return low, round(unit.from_si(getattr(elastic, f"{bar}_outer")) - step, 6)
+        least = round(unit.from_si(getattr(elastic, f"{bar}_inner")) + step, 6)
+        return max(low, least), max(high, least + step)
+
+    return replace(entry, range=ends)
+
+
+def _resets(names: tuple[str, ...], state: State) -> dict[str, Effect]:
+    """Return a button that sets numbers back to their defaults, if one of them is another."""
+    paths = tuple(f"elastic.{name}" for name in names)
+    if not any(is_changed(state.document.design, path) for path in paths):
+        return {}
+    return {"defaults": partial(actions.reset_values, paths=paths)}
+
+
+def _folder(title: str, names: tuple[str, ...], *, opened: bool) -> Folder:
+    entries: tuple[Entry, ...] = (
+        *map(elastic_slider, names),
+        ButtonGroup(f"stiffness.reset.{names[0]}", "Reset", choices=partial(_resets, names)),
+    )
+    return Folder(f"stiffness.{names[0]}", title, entries=entries, open=opened)
+
+
+class _Analyzer:
+    """Runs the analyses of a session.
+
+    While something is dragged, only if a layer shows the result or elastic data change.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._job: BackgroundJob[ElasticJob, ElasticOutcome] = BackgroundJob(
+            session, "stiffness", lambda job, _: analyze_elasticity(job), receive,
+            failed=lambda job, problem: ElasticOutcome(job, problem=problem), undo=False,
+        )  # fmt: skip
+        self._wanted: ElasticJob | None = None
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Start the analysis of what is shown."""
+        state, before = frame.state, self._wanted
+        pose = state.last_reachable.pose
+        job = ElasticJob(frame.shown_design, pose, state.elastic_view.case)
+        if before is not None:
+            if (before.design, before.pose, before.case) == (job.design, job.pose, job.case):
+                return
+            live = job.design.elastic != before.design.elastic or job.case != before.case
+            if dragging and not (live or state.layers.intersection(LAYERS)):
+                return
+        elif dragging:
+            return
+        self._wanted = job
+        self._job.request(job)
+
+
+def receive(state: State, outcome: ElasticOutcome) -> State:
+    """Take over a result."""
+    return state.updated("elastic_view", outcome=outcome)
+
+
+def result_html(frame: Frame) -> str:
+    """Return stiffness, deflection and frequencies at the pose, or why there are none."""
+    outcome = frame.state.elastic_view.outcome
+    if outcome is None:
+        return ""
+    found = outcome.stiffness
+    if outcome.problem or found is None or outcome.twist is None:
+        text = f"No stiffness at this pose: {outcome.problem}."
+        return render("note.j2", testid="stiffness-problem", muted=False, text=text)
+    stiffness = [
+        ("x", float(found.along(0)) * 1e-3, "N/mm"),
+        ("y", float(found.along(1)) * 1e-3, "N/mm"),
+        ("z", float(found.along(2)) * 1e-3, "N/mm"),
+        ("θ", float(found.along(5)), "N·m/rad"),
+        ("tilt", float(found.tilt), "N·m/rad"),
+    ]
+    twist, tilt = outcome.twist, float(np.hypot(*outcome.twist[3:5]))
+    return render(
+        "stiffness.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
+        loaded=outcome.shares is not None, moved=(1e3 * twist[:3]).tolist(),
+        turn=1e3 * float(twist[5]), tilt=1e3 * tilt, left=1e3 * outcome.residual_tilt,
+        frequencies=outcome.frequencies, mode=frame.state.elastic_view.mode,
+    )  # fmt: skip
+
+
+def shares_html(frame: Frame) -> str:
+    """Return the share of each part in the strain energy as bars, the largest first."""
+    outcome = frame.state.elastic_view.outcome
+    if outcome is None or outcome.shares is None:
+        return ""
+    shares = np.asarray(outcome.shares.share)
+    names = [{"drive": "M1–M3"}.get(name, name) for name in SHARES]
+    rows = sorted(zip(names, shares.tolist(), strict=True), key=lambda row: -row[1])
+    rows = [row for row in rows if row[1] >= 0.0005]
+    most = max((share for _, share in rows), default=1.0)
+    return render("stiffness_shares.j2", rows=rows, most=most, case=CASES[outcome.job.case][0])
+
+
+def sections_html(frame: Frame) -> str:
+    """Return what tubes cannot match: the inertias of Appendix 4."""
+    ratios = inertia_ratios(frame.state.document.design)
+    far = {bar.upper(): ratio for bar, ratio in ratios.items() if ratio > 1.5}
+    elastic = frame.state.document.design.elastic
+    given = [
+        bar.upper()
+        for bar in BARS
+        if any(getattr(elastic, f"{bar}_{name}") is not None for name in SECTION_VALUES)
+    ]
+    return render("stiffness_sections.j2", far=far, given=given)
+
+
+def _modes(state: State) -> dict[str, int]:
+    outcome = state.elastic_view.outcome
+    found = () if outcome is None else outcome.frequencies
+    texts = {f"{i + 1}: {number(f, 3)} Hz": i for i, f in enumerate(found)}
+    return texts or {f"{i + 1}": i for i in range(MODES)}
+
+
+def _layer(key: str, label: str, hint: str) -> Checkbox:
+    return Checkbox(
+        f"stiffness.{key}", label, hint=hint,
+        read=lambda state: key in state.layers,
+        apply=lambda state, visible: actions.set_layers(state, **{key: visible}),
+    )  # fmt: skip
+
+
+def _attribute(name: str) -> dict[str, Any]:
+    return attribute(f"elastic_view.{name}")
+
+
+STIFFNESS = (
+    Html("stiffness.result", content=result_html),
+    Dropdown(
+        "stiffness.mode", "Mode", options=_modes, hint="Natural frequency of the animated mode",
+        **_attribute("mode"),
+    ),
+    _layer("mode_shape", "Animate mode", "The chosen mode in the scene, enlarged and slowed down"),
+    Dropdown(
+        "stiffness.case", "Load case", hint="Deflection and strain energy are under this load",
+        options={name: key for key, (name, _) in CASES.items()}, **_attribute("case"),
+    ),
+    _layer("deflection", "Deflection", "The robot under the load case, enlarged"),
+    _layer("compliance", "Compliance ellipsoid", "Displacements by 100 N in every direction"),
+    Html("stiffness.shares", content=shares_html),
+    _folder("Material", MATERIAL, opened=False),
+    _folder("Drives, motor locked", DRIVE, opened=True),
+    _folder(
+        "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=True
+    ),
+    Html("stiffness.sections", content=sections_html, idle=True),
+    Custom("stiffness.job", make=_Analyzer),
+)  # fmt: skip
+"""The tab's entries."""

@@ -1,0 +1,202 @@
+"""What may be wrong with the model: causes tried one by one, named only when they are significant.
+
+Each cause is one more column, its effect on the torques at the estimates. Its size comes from the
+fit with that column added, its interval from the same block jackknife, so that correlated residuals
+make nothing significant. A cause is named if its p value times the number of causes is below 0.1 %;
+the others are then tried again with it in the model. What a cause would have to be to be named says
+what the log cannot show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from paminsa_viz.identification.base_parameters import identity_row
+from paminsa_viz.identification.cause_columns import SPRING, PossibleCause, possible_causes
+from paminsa_viz.identification.estimate import NormalBlocks, jackknife, normal_blocks
+from paminsa_viz.identification.results import Identification
+from paminsa_viz.model.arrays import Array
+
+SIGNIFICANCE = 1e-3
+"""Chance of naming a cause in a log of a robot as the model has it."""
+
+MOST_NAMED = 3
+"""Most causes that are named one after the other."""
+
+SPANNED = 1e-9
+"""Share of a column's square that the model leaves, below which the cause cannot be seen at all."""
+
+NEVER_SEEN = (
+    "a common gain of all actuators (all masses and friction grow by it); a log with a known "
+    "payload shows it",
+    "an offset of F_4 (it is weight)",
+)
+"""What no log of a motion shows."""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One way in which the robot may differ from its model.
+
+    Attributes:
+        label: What it is, as ``"leg 1: B4 heavier"``.
+        unit: SI unit of its size; empty for a share.
+        leg: The leg it is about, 1 to 3, or 0.
+        value: Its size, if it alone were the reason.
+        half_width: Half of the 95 % interval.
+        p_value: Chance of a size like this in a log without it, times the number of causes tried.
+        explains: Share of the weighted squared residuals that it takes away.
+        detectable: Size from which on it would be named in such a log.
+        plausible: Size that one has to reckon with.
+        named: Whether it is named as a reason, and as which: 1 for the first; 0 for not named.
+    """
+
+    label: str
+    unit: str
+    leg: int
+    value: float
+    half_width: float
+    p_value: float
+    explains: float
+    detectable: float
+    plausible: float
+    named: int = 0
+
+    @property
+    def significant(self) -> bool:
+        """Whether the log contradicts a robot without it, or without something like it."""
+        return self.p_value < SIGNIFICANCE
+
+    @property
+    def visible(self) -> bool:
+        """Whether a plausible size of it would be named."""
+        return self.detectable <= self.plausible
+
+
+@dataclass(frozen=True)
+class Causes:
+    """Everything that was tried.
+
+    Attributes:
+        ranked: All causes, the one that explains most first.
+        named: Those that are named, each with its size when those before are in the model.
+        unseen: What the log cannot show, in words.
+    """
+
+    ranked: tuple[Cause, ...]
+    named: tuple[Cause, ...]
+    unseen: tuple[str, ...]
+
+
+def find_causes(identification: Identification) -> Causes:
+    """Return what may be wrong with the model of an identified robot, ranked."""
+    candidates = possible_causes(identification)
+    extra = np.stack([item.column for item in candidates], axis=-1)
+    model = identification.model
+    columns = np.concatenate([model.columns, extra], axis=-1)
+    blocks = normal_blocks(columns, model.torque, identification.numbers)
+    base = list(range(model.columns.shape[-1]))
+    places = {item.label: base[-1] + 1 + i for i, item in enumerate(candidates)}
+    found = _tried(identification, blocks, base, places, candidates)
+    ranked = sorted(found, key=lambda cause: -cause.explains)
+    named: list[Cause] = []
+    current = ranked
+    while len(named) < MOST_NAMED and current and current[0].significant:
+        first = replace(current[0], named=len(named) + 1)
+        named.append(first)
+        base.append(places.pop(first.label))
+        left = [item for item in candidates if item.label in places]
+        current = _tried(identification, blocks, base, places, left)
+        current.sort(key=lambda cause: -cause.explains)
+        # Sizes are those with all that is named before in the model; p values count all tries.
+    order = {cause.label: cause.named for cause in named}
+    unseen = [
+        f"{cause.label}: below {_size(cause)}"
+        for cause in sorted(found, key=lambda cause: cause.label)
+        if not cause.visible and cause.label not in order
+    ]
+    return Causes(
+        tuple(replace(cause, named=order.get(cause.label, 0)) for cause in ranked),
+        tuple(named),
+        (*NEVER_SEEN, *unseen),
+    )
+
+
+def _size(cause: Cause) -> str:
+    if not np.isfinite(cause.detectable):
+        return "any size"
+    if not cause.unit:
+        return f"{100 * cause.detectable:.2g} %"
+    return f"{cause.detectable:.2g} {cause.unit}"
+
+
+def _tried(
+    identification: Identification,
+    blocks: NormalBlocks,
+    base: list[int],
+    places: dict[str, int],
+    candidates: list[PossibleCause],
+) -> list[Cause]:
+    """Fit each cause by itself on top of the columns in ``base``."""
+    from scipy.stats import t as student  # takes a while to load
+
+    tries = max(1, len(places))  # p values are multiplied by it (Bonferroni)
+    solution = identification.solution
+    weight = 1 / solution.noise**2
+    matrix = np.einsum("j,bjac->bac", weight, blocks.matrix)
+    right = np.einsum("j,bja->ba", weight, blocks.right)
+    square = float((weight * blocks.square.sum(axis=0)).sum())
+    # the whole log first, then without each block
+    whole = np.concatenate([[matrix.sum(axis=0)], matrix.sum(axis=0) - matrix])
+    force = np.concatenate([[right.sum(axis=0)], right.sum(axis=0) - right])
+    tried = [places[item.label] for item in candidates]
+    span = _span(whole[0][np.ix_(base, base)])
+    inner = span.T @ whole[:, base][:, :, base] @ span
+    cross = span.T @ whole[:, base][:, :, tried]  # (B + 1, q, K)
+    solved = np.linalg.solve(
+        inner, np.concatenate([cross, (force[:, base] @ span)[..., None]], axis=-1)
+    )
+    own = np.einsum("bkk->bk", whole[:, tried][:, :, tried])
+    left = own - np.einsum("bqk,bqk->bk", cross, solved[..., :-1])
+    score = force[:, tried] - np.einsum("bqk,bq->bk", cross, solved[..., -1])
+    visible = left[0] > SPANNED * own[0]
+    size = np.where(visible, score / np.where(visible, left, 1.0), 0.0)
+    count, error = len(size) - 1, jackknife(size[1:])
+    residual = square - float(force[0, base] @ span @ solved[0, :, -1])
+    explains = np.where(visible, size[0] * score[0], 0.0) / residual
+    spring = places.get(SPRING)
+    if spring is not None and not identification.settings.constrain:
+        # M_p2 is free, so that a spring shows in the identity of the masses alone.
+        i, row = tried.index(spring), np.zeros(len(base))
+        design = identification.design
+        row[:11] = -identity_row(design.geometry, design.gravity)
+        row = row @ span
+        size[:, i] = solved[..., -1] @ row
+        error[i] = jackknife(size[1:, i : i + 1])[0]
+        visible[i] = np.isfinite(identification.identity.z)
+        explains[i] = size[0, i] ** 2 / float(row @ np.linalg.solve(inner[0], row)) / residual
+    critical = float(student.isf(0.5 * SIGNIFICANCE / tries, count - 1))
+    found = []
+    for i, item in enumerate(candidates):
+        seen = bool(visible[i]) and error[i] > 0
+        ratio = abs(size[0, i]) / error[i] if seen else 0.0
+        p_value = min(1.0, 2 * float(student.sf(ratio, count - 1)) * tries)
+        found.append(
+            Cause(
+                item.label, item.unit, item.leg, float(size[0, i]) if seen else 0.0,
+                solution.quantile * float(error[i]) if seen else np.inf,
+                p_value, float(explains[i]), critical * float(error[i]) if seen else np.inf,
+                item.plausible,
+            )
+        )  # fmt: skip
+    return found
+
+
+def _span(matrix: Array) -> Array:
+    """Return directions (n, q) in which a normal matrix is well conditioned."""
+    diagonal = np.diag(matrix)
+    scale = np.where(diagonal > 0, 1 / np.sqrt(np.where(diagonal > 0, diagonal, 1.0)), 1.0)
+    values, vectors = np.linalg.eigh(matrix * scale * scale[:, None])
+    return scale[:, None] * vectors[:, values > 1e-11 * values[-1]]

@@ -1,0 +1,154 @@
+"""What comes out of an identification: estimates, the identity of the masses, and the fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.identification.columns import FitModel, FitParameter, IdentificationSettings
+from paminsa_viz.identification.estimate import FitSolution, NormalBlocks
+from paminsa_viz.identification.filtering import Signals
+from paminsa_viz.identification.log import Log
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+
+IDENTITY_Z = 3.0
+"""Size of the identity's z from which on the masses alone do not explain the log."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One number of the robot with its 95 % interval.
+
+    Attributes:
+        parameter: What it is, with the design's value.
+        value: The estimate.
+        half_width: Half of the 95 % interval; infinite if the motion does not excite it.
+        known: Whether the log says it: its half width is below `FitParameter.most`.
+    """
+
+    parameter: FitParameter
+    value: float
+    half_width: float
+    known: bool
+
+    @property
+    def symbol(self) -> str:
+        """Symbol of the number."""
+        return self.parameter.symbol
+
+    @property
+    def low(self) -> float:
+        """Lower end of the interval."""
+        return self.value - self.half_width
+
+    @property
+    def high(self) -> float:
+        """Upper end of the interval."""
+        return self.value + self.half_width
+
+    @property
+    def reason(self) -> str:
+        """Why it is unknown and what motion would tell it, or an empty string."""
+        if self.known:
+            return ""
+        motion = f"{self.parameter.motion} would tell it"
+        if not np.isfinite(self.half_width):
+            return f"the motion does not excite it; {motion}"
+        return f"the interval is wider than ± {self.parameter.most:.3g}; {motion}"
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What is left of the identity of the masses, M_p2 - 2 g (b_3 - (k-1)/2 b_4 + k/2 b_5) = 0.
+
+    Attributes:
+        value: What is left [N]; a constant upward force at every joint 9 makes it negative.
+        half_width: Half of its 95 % interval [N].
+        z: Value over standard error; NaN if the motion does not excite it, or it was held.
+    """
+
+    value: float
+    half_width: float
+    z: float
+
+    @property
+    def holds(self) -> bool | None:
+        """Whether masses alone explain the log; None if the log does not say."""
+        return None if np.isnan(self.z) else abs(self.z) < IDENTITY_Z
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """What a log says about a robot.
+
+    Attributes:
+        design: The design it was compared with: its geometry, load and drives.
+        log: The log.
+        settings: How it was done.
+        start: Pose that chose the assembly, or None for the home pose.
+        estimates: Base parameters, friction, offsets and what else was asked for.
+        identity: The check of the masses' identity.
+        signals: The filtered signals.
+        predicted: (m, 4) torques that the estimates give at ``signals.t`` [N m, N].
+        noise: (4,) standard deviation of the filtered residuals [N m, N].
+        notes: What was done to the log, and warnings, in words.
+        model, solution, blocks: The fit itself.
+        numbers: (m,) block of each sample.
+        lag: By what the torques were shifted before the fit [s]; 0 unless a delay is fitted.
+    """
+
+    design: Design
+    log: Log
+    settings: IdentificationSettings
+    start: tuple[float, ...] | None
+    estimates: tuple[Estimate, ...]
+    identity: Identity
+    signals: Signals
+    predicted: Array
+    noise: Array
+    notes: tuple[str, ...]
+    model: FitModel
+    solution: FitSolution
+    blocks: NormalBlocks
+    numbers: NDArray[np.int64]
+    lag: float = 0.0
+
+    @property
+    def measured(self) -> Array:
+        """Filtered measured torques at ``signals.t``, (m, 4) [N m, N]."""
+        return self.signals.torque
+
+    @property
+    def residual(self) -> Array:
+        """Measured less predicted torques, (m, 4) [N m, N]."""
+        return self.signals.torque - self.predicted
+
+    @property
+    def unknown(self) -> tuple[Estimate, ...]:
+        """The estimates that the log does not tell."""
+        return tuple(item for item in self.estimates if not item.known)
+
+    @property
+    def advice(self) -> str:
+        """One line on what stays unknown and what motion would tell it; empty if nothing does."""
+        motions: dict[str, list[str]] = {}
+        for item in self.unknown:
+            motions.setdefault(item.parameter.motion, []).append(item.symbol)
+        parts = [f"{', '.join(symbols)} ({motion})" for motion, symbols in motions.items()]
+        return f"unknown, with what would tell it: {'; '.join(parts)}" if parts else ""
+
+    def estimate(self, symbol: str) -> Estimate:
+        """Return the estimate with a symbol, for example ``"M_p2"``.
+
+        Raises:
+            InvalidInput: If there is none.
+        """
+        for item in self.estimates:
+            if item.symbol == symbol:
+                return item
+        known = ", ".join(item.symbol for item in self.estimates)
+        raise InvalidInput("symbol", f"there is no {symbol!r}; there are {known}")

@@ -1,0 +1,203 @@
+"""Calibration: the lengths of the legs from measured poses and actuator readings.
+
+Forward kinematics with unequal legs predicts each measured pose; the 42 deviations are fitted by
+nonlinear least squares. Angles count with a length, so that all columns and rows are in meters:
+those of the platform with R_pl, as the path of its joints, those of leg axes and actuators with
+R_b.
+
+Not all 42 can be seen in the platform's pose. Of legs that are equal, the singular values of the
+scaled Jacobian fall to nothing after 30 of them with six measured coordinates, after 28 with x, y,
+theta and z. The combinations of lengths above that gap are fitted first. Real legs differ, and then
+further combinations show in second order: those are fitted as well whose interval is within
+`KNOWN`. What is left keeps its value in the design that the calibration starts from.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import t as student
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design
+from paminsa_viz.precision.calibration_problem import COUNT, GAP, CalibrationProblem
+from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array, with_deviations
+from paminsa_viz.precision.measurements import (
+    Measurements,
+    PredictionErrors,
+    coordinate_scales,
+    predict,
+    prediction_errors,
+)
+
+KNOWN = 1e-3
+"""Half interval up to which a combination that shows in second order is fitted [m]."""
+
+CONFIDENCE = 0.95
+
+_ROUNDS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Combination:
+    """A combination of lengths that the measurements show.
+
+    Attributes:
+        weights: (3, 14) its direction among the scaled lengths, of unit length.
+        singular_value: Change of the scaled pose for a change of it, root mean square over the
+            measured coordinates.
+        value: What it was found to be [m].
+        half_width: Half of its interval of confidence [m].
+    """
+
+    weights: Array
+    singular_value: float
+    value: float
+    half_width: float
+
+
+@dataclass(frozen=True, eq=False)
+class Calibration:
+    """Result of a calibration.
+
+    Attributes:
+        design: The design with the identified deviations.
+        start: The design it started from.
+        singular_values: (42,) of the scaled Jacobian with equal legs, over the measured rows.
+        rank: How many of them show with equal legs.
+        combinations: Those that were fitted, best known first.
+        covariance: (42, 42) of the scaled lengths within the combinations [m^2].
+        noise: Standard deviation of the scaled residuals [m].
+        before, after: Errors of the fitted poses with the lengths before and after.
+        before_held, after_held: The same of the poses that were held back.
+    """
+
+    design: Design
+    start: Design
+    singular_values: Array
+    rank: int
+    combinations: tuple[Combination, ...]
+    covariance: Array
+    noise: float
+    before: PredictionErrors
+    after: PredictionErrors
+    before_held: PredictionErrors
+    after_held: PredictionErrors
+
+    @property
+    def determined(self) -> NDArray[np.bool_]:
+        """Which lengths lie within what was fitted, so that they have an interval, (3, 14)."""
+        basis = np.array([item.weights.ravel() for item in self.combinations])
+        return (1 - (basis**2).sum(axis=0) < 1e-6).reshape(3, -1)
+
+    @property
+    def improved(self) -> bool:
+        """Whether held-back poses, or the fitted ones if there are none, are predicted better."""
+        old, new = self.before_held, self.after_held
+        if not new.poses:
+            old, new = self.before, self.after
+        scale = coordinate_scales(self.start)[: len(new.rms)]
+        return bool(np.linalg.norm(new.rms * scale) < np.linalg.norm(old.rms * scale))
+
+
+def calibrate(
+    design: Design, measured: Measurements, *, validate: float = 0.0, seed: int = 0
+) -> Calibration:
+    """Identify the deviations of a design's legs.
+
+    Args:
+        design: What to start from, with its own deviations.
+        measured: Poses and readings.
+        validate: Share of the poses, drawn at random, that are held back to check the result.
+        seed: Of that draw.
+
+    Raises:
+        InvalidMeasurement: If the design's legs cannot be assembled near a measured pose.
+        InvalidInput: If there are too few poses, or the share is not from 0 to 0.9.
+    """
+    if not 0 <= validate <= 0.9:
+        raise InvalidInput("validate", f"a share from 0 to 0.9 is needed, not {validate:g}")
+    count, width = measured.poses.shape
+    held = np.zeros(count, np.bool_)
+    order = np.random.default_rng(seed).permutation(count)
+    held[order[: round(validate * count)]] = True
+    fitted, kept = measured.take(~held), measured.take(held)
+    least = COUNT // width + 1
+    if len(fitted) < least:
+        back = f" besides the {held.sum()} that are held back" if held.any() else ""
+        problem = f"at least {least} poses are needed{back}, there are {len(fitted)}"
+        raise InvalidInput("measured", f"{problem}: {width} coordinates each, for {COUNT} lengths")
+    start = deviation_array(design)
+    problem = CalibrationProblem(design, fitted)
+    problem.require_near(predict(design, start, measured), measured)
+    origin = problem.scaled(start)
+    values, rank, singular = _first_fit(problem, origin)
+    values, basis, found, noise = _fit_known(problem, origin, values, rank)
+    margin = student.ppf(0.5 + CONFIDENCE / 2, problem.freedom(len(found)))
+    combinations = tuple(
+        Combination(
+            direction.reshape(3, -1), float(size / np.sqrt(problem.rows)),
+            float(direction @ values), float(margin * noise / size),
+        )
+        for direction, size in zip(basis.T, found, strict=True)
+    )  # fmt: skip
+    deviations = problem.unscaled(values)
+    return Calibration(
+        design=with_deviations(design, deviations),
+        start=design,
+        singular_values=singular / np.sqrt(problem.rows),
+        rank=rank,
+        combinations=combinations,
+        covariance=(basis * (noise / found) ** 2) @ basis.T,
+        noise=noise,
+        before=prediction_errors(design, start, fitted),
+        after=prediction_errors(design, deviations, fitted),
+        before_held=prediction_errors(design, start, kept),
+        after_held=prediction_errors(design, deviations, kept),
+    )
+
+
+def _first_fit(problem: CalibrationProblem, origin: Array) -> tuple[Array, int, Array]:
+    """Fit what equal legs show; return the values, how many those are, and singular values."""
+    _, singular, directions = np.linalg.svd(problem.equal_legs(), full_matrices=True)
+    singular = np.concatenate([singular, np.zeros(COUNT - len(singular))])
+    rank = int((singular > GAP * singular[0]).sum())
+    return problem.fit(origin, directions[:rank].T, origin), rank, singular
+
+
+def _fit_known(
+    problem: CalibrationProblem, origin: Array, values: Array, rank: int
+) -> tuple[Array, Array, Array, float]:
+    """Fit what the legs found show in second order as well.
+
+    Returns:
+        The values (42,), the basis (42, m), its singular values (m,), and the noise.
+    """
+    noise, count = problem.noise(values, rank), rank
+    for _ in range(_ROUNDS):
+        _, singular, directions = np.linalg.svd(problem.jacobian(values), full_matrices=False)
+        margin = student.ppf(0.5 + CONFIDENCE / 2, problem.freedom(count))
+        known = (margin * noise < KNOWN * singular) & (singular > GAP * singular[0])
+        before, count = count, int(known.sum())
+        basis, found = directions[:count].T, singular[:count]
+        values = problem.fit(origin, basis, values)
+        noise = problem.noise(values, count)
+        if count == before:
+            break
+    return values, basis, found, noise
+
+
+def describe(combination: Combination, most: int = 4) -> str:
+    """Return the leading lengths of a combination: ``"0.71 l_94 (leg 1) - 0.70 l_87 (leg 1)"``."""
+    weights = combination.weights.ravel()
+    order = np.argsort(-np.abs(weights), kind="stable")[:most]
+    text = ""
+    for place in order:
+        leg, length = divmod(int(place), len(LENGTHS))
+        weight = float(weights[place])
+        sign = ("- " if weight < 0 else "+ ") if text else ("-" if weight < 0 else "")
+        text += f"{' ' if text else ''}{sign}{abs(weight):.2f} {LENGTHS[length].symbol}({leg + 1})"
+    return text

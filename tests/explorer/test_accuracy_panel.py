@@ -1,0 +1,81 @@
+"""The tab of accuracy: what it says at a pose, its numbers, and the maps that it shows."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer.accuracy import shown_errors
+from paminsa_viz.explorer.entries import ButtonGroup, Folder, given
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.inputs import Slider
+from paminsa_viz.explorer.panels import accuracy_panel as panel
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotation
+from paminsa_viz.units import ARCSEC, number
+
+NEAR_FOLD = singular_rotation(APPENDIX_4.geometry) - 0.01
+
+
+def group(key: str, state: State) -> dict:
+    """The buttons of a row by their texts."""
+    inner = [
+        e for entry in panel.DRIVES_ACCURACY if isinstance(entry, Folder) for e in entry.entries
+    ]
+    row = next(entry for entry in (*panel.DRIVES_ACCURACY, *inner) if entry.key == key)
+    assert isinstance(row, ButtonGroup)
+    return dict(given(row.choices, state))
+
+
+def test_errors_of_the_pose_are_listed_in_their_units() -> None:
+    state = actions.move(initial_state(), x=0.05, theta=0.4)
+    frame = compute(state)
+    found, text = shown_errors(frame), panel.pose_html(frame)
+    assert f"<b>{number(1e6 * float(found.worst[0]), 3)}</b>" in text
+    assert number(ARCSEC * float(found.linear[2]), 3) in text
+    assert number(1e6 * float(found.rms_horizontal), 3) in text
+    assert "0.005°" in text
+    assert "No bound" not in text
+
+
+def test_no_bound_has_its_reason_and_keeps_the_linear_estimate() -> None:
+    state = actions.move(initial_state(), theta=NEAR_FOLD, z=-0.3)
+    frame = compute(state)
+    text = panel.pose_html(frame)
+    assert "No bound" in text
+    assert "cannot be assembled" in text
+    assert number(ARCSEC * float(shown_errors(frame).linear[2]), 3) in text
+
+
+def test_sliders_set_the_designs_accuracy_which_is_saved_and_shared() -> None:
+    folder = next(entry for entry in panel.DRIVES_ACCURACY if isinstance(entry, Folder))
+    sliders = {entry.key: entry for entry in folder.entries if isinstance(entry, Slider)}
+    assert len(sliders) == 6
+    state = initial_state()
+    for key, shown in (("accuracy.backlash_linear", 2.5), ("accuracy.control_rotary", 0.003)):
+        state = sliders[key].apply(state, sliders[key].parse(state, shown))
+        assert sliders[key].shown(state) == shown
+    design = state.document.design
+    assert design.accuracy.backlash_linear == 2.5e-6
+    assert design.accuracy.control_rotary == pytest.approx(np.radians(0.003))
+    assert persistence.load(persistence.dump(state.document)).design == design
+    again = group("accuracy.reset", state)["Default"](state)
+    assert again.document.design == APPENDIX_4
+
+
+def test_encoders_of_the_drives_are_offered() -> None:
+    state = initial_state()
+    assert group("accuracy.reset", state) == {}
+    drive = Drive(encoder_counts=5000, gear_ratio=20)
+    state = actions.load_design(state, replace(APPENDIX_4, drives=(drive, None, None, None)))
+    taken = group("accuracy.reset", state)["Drives' encoders"](state).document.design.accuracy
+    assert taken.resolution_rotary == pytest.approx(2 * np.pi / 1e5)
+    assert taken.resolution_linear == DriveAccuracy().resolution_linear
+
+
+def test_buttons_show_the_errors_on_the_single_map() -> None:
+    for label, effect in group("accuracy.map", initial_state()).items():
+        assert effect(initial_state()).map_view.quantity == panel.MAPS[label]

@@ -1,0 +1,134 @@
+"""The tab Stiffness: readouts, what to stiffen first, live results, and poses without any."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.elastostatics.stiffness import platform_stiffness
+from paminsa_viz.elastostatics.vibration import first_frequencies
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.elasticity import CASES, ElasticJob, analyze_elasticity
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.panels import stiffness_panel as panel
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.model.elastic import BARS
+from tests.support.scene import POSE, frame_at
+
+
+def analyzed(state: State) -> State:
+    job = ElasticJob(
+        compute(state).shown_design, state.last_reachable.pose, state.elastic_view.case
+    )
+    return panel.receive(state, analyze_elasticity(job))
+
+
+def loaded(case: str = "load") -> State:
+    design = APPENDIX_4.vary({"payload.mass": 10.0})
+    return analyzed(frame_at(POSE, design).state.updated("elastic_view", case=case))
+
+
+def test_readouts_are_the_models() -> None:
+    state = loaded()
+    design, text = state.document.design, panel.result_html(compute(state))
+    stiffness = platform_stiffness(design, POSE)
+    twist = stiffness.deflection()
+    assert f"{1e-3 * float(stiffness.along(0)):.3g}" in text
+    assert f"{-1e3 * twist[2]:.3f}" in text
+    assert f"{1e3 * np.hypot(*twist[3:5]):.3f}" in text
+    found = state.elastic_view.outcome
+    assert found is not None
+    assert found.frequencies[0] == pytest.approx(float(first_frequencies(design, POSE)), rel=1e-4)
+    assert f"<b>{found.frequencies[0]:.3g}</b>" in text
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_shares_are_sorted_and_complete(case: str) -> None:
+    state = loaded(case)
+    text = panel.shares_html(compute(state))
+    assert CASES[case][0] in text
+    shown = [float(row.split(" %")[0]) for row in text.split("</div></td><td>")[1:]]
+    assert shown == sorted(shown, reverse=True)
+    assert sum(shown) == pytest.approx(100.0, abs=1.0)
+
+
+def test_without_a_load_there_is_no_deflection() -> None:
+    state = analyzed(frame_at(POSE).state)
+    assert "No deflection" in panel.result_html(compute(state))
+    assert panel.shares_html(compute(state)) == ""
+
+
+def test_poses_that_are_not_held_say_why() -> None:
+    pose = (0.0, 0.0, float(np.arccos(0.1 / 0.35)), -0.5)
+    found = analyze_elasticity(ElasticJob(APPENDIX_4, pose, "x"))
+    assert found.stiffness is None
+    state = panel.receive(frame_at(pose).state, found)
+    assert "No stiffness at this pose" in panel.result_html(compute(state))
+    weak = APPENDIX_4.vary({"elastic.drive_rotary": 1.0, "payload.mass": 20.0})
+    pushed = analyze_elasticity(ElasticJob(weak, (0.08, 0.05, 0.6, -0.5), "load"))
+    assert pushed.stiffness is not None
+    assert pushed.frequencies == ()
+    held = frame_at((0.08, 0.05, 0.6, -0.5), weak).state
+    assert "No natural frequencies" in panel.result_html(compute(panel.receive(held, pushed)))
+
+
+def test_a_tube_without_a_wall_is_refused() -> None:
+    entry = panel.elastic_slider("b4_inner")
+    with pytest.raises(InvalidInput, match="inner diameter"):
+        entry.apply(initial_state(), 0.05)
+    changed = panel.elastic_slider("b4_outer").apply(initial_state(), 0.05)
+    assert changed.document.design.elastic.b4_outer == 0.05
+    names = ("b4_outer", "b4_inner")
+    assert set(panel._resets(names, changed)) == {"defaults"}
+    reset: Any = panel._resets(names, changed)["defaults"]
+    assert reset(changed).document.design == APPENDIX_4
+
+
+def test_what_tubes_cannot_match_is_said() -> None:
+    text = panel.sections_html(compute(initial_state()))
+    assert "3.4" in text
+    assert "section values" not in text
+    given = actions.vary(initial_state(), {"elastic.b4_inertia_in": 1e-7})
+    assert "B4: section values" in " ".join(panel.sections_html(compute(given)).split())
+
+
+class _Recorder:
+    """Takes the jobs of an analyzer instead of running them."""
+
+    def __init__(self) -> None:
+        self.jobs: list[ElasticJob] = []
+
+    def request(self, job: ElasticJob) -> None:
+        self.jobs.append(job)
+
+
+def test_only_what_is_shown_or_elastic_is_analyzed_while_dragging() -> None:
+    analyzer = panel._Analyzer.__new__(panel._Analyzer)
+    recorder: Any = _Recorder()
+    analyzer._job, analyzer._wanted = recorder, None
+    state = frame_at(POSE).state
+
+    def draw(state: State, dragging: bool) -> int:
+        analyzer.draw(compute(state), dragging)
+        return len(recorder.jobs)
+
+    assert draw(state, True) == 0
+    assert draw(state, False) == 1
+    assert draw(state, False) == 1
+    moved = actions.move(state, x=0.04)
+    assert draw(moved, True) == 1
+    assert draw(moved, False) == 2
+    thicker = actions.vary(moved, {"elastic.b4_outer": 0.045})
+    assert draw(thicker, True) == 3
+    animated = actions.set_layers(thicker, mode_shape=True)
+    assert draw(actions.move(animated, x=0.05), True) == 4
+    assert replace(recorder.jobs[-1]).design.elastic.b4_outer == 0.045
+
+
+def test_every_tube_has_its_sliders() -> None:
+    names = {name for bar in BARS for name in (f"{bar}_outer", f"{bar}_inner")}
+    assert names < set(panel.SLIDERS)

@@ -1,0 +1,108 @@
+"""Causes: named when a robot differs from its model, first among all; none for a right robot."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.identification import (
+    IdentificationSettings,
+    base_parameters,
+    base_regressor,
+    find_causes,
+    identify,
+    make_log,
+)
+from paminsa_viz.identification.cause_columns import SPRING, possible_causes
+from paminsa_viz.model import APPENDIX_4, Friction
+from tests.support.identification_logs import clean_signals, multi_sine, noisy, simulated
+
+DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
+QUICK = IdentificationSettings(robustness=False)
+RATE = 250.0
+
+
+@cache
+def signals() -> Any:
+    return clean_signals(1, DESIGN, rate=RATE)
+
+
+def causes(position: Any, torque: Any) -> Any:
+    t = signals()[0]
+    log = make_log(t, *noisy(t, position, torque, np.random.default_rng(0)))
+    return find_causes(identify(log, APPENDIX_4, QUICK))
+
+
+@pytest.mark.parametrize("actuator", [0, 1, 2])
+def test_an_encoder_zero_is_named_with_its_size(actuator: int) -> None:
+    _, position, torque = signals()
+    shift = np.radians(0.5) * np.eye(4)[actuator]
+    found = causes(position + shift, torque)
+    assert found.named[0].label == f"encoder zero of M{actuator + 1}"
+    assert np.degrees(found.named[0].value) == pytest.approx(0.5, abs=0.1)
+
+
+@pytest.mark.parametrize("actuator", [0, 1, 2])
+def test_a_gain_is_named_with_its_size(actuator: int) -> None:
+    _, position, torque = signals()
+    found = causes(position, torque * (1 + 0.05 * np.eye(4)[actuator]))
+    assert found.named[0].label == f"gain of M{actuator + 1}"
+    assert found.named[0].value == pytest.approx(0.05, abs=0.015)
+
+
+def test_a_delay_is_named_with_its_size() -> None:
+    t, position, torque = clean_signals(1, DESIGN)
+    log = make_log(t[5:], *noisy(t[5:], position[5:], torque[:-5], np.random.default_rng(0)))
+    found = find_causes(identify(log, APPENDIX_4, QUICK))
+    assert found.named[0].label == "delay of the torques"
+    assert found.named[0].value == pytest.approx(5e-3, abs=1e-3)
+
+
+@pytest.mark.parametrize("constrain", [False, True])
+def test_a_spring_breaks_the_identity_and_is_named(constrain: bool) -> None:
+    t, position, torque = clean_signals(1, DESIGN)
+    force = 0.3 * base_parameters(DESIGN)[1]
+    lifted = torque - force * base_regressor(DESIGN.geometry, *multi_sine(1, DESIGN)(t))[..., 1]
+    log = make_log(t, *noisy(t, position, lifted, np.random.default_rng(0)))
+    identified = identify(log, APPENDIX_4, replace(QUICK, constrain=constrain))
+    first = find_causes(identified).named[0]
+    assert first.label == SPRING
+    assert first.value == pytest.approx(force, abs=1.5 * first.half_width)
+    if not constrain:
+        assert identified.identity.z < -4
+        assert identified.identity.holds is False
+
+
+def test_two_causes_are_named_one_after_the_other() -> None:
+    _, position, torque = signals()
+    shifted = position + np.radians(0.5) * np.eye(4)[0]
+    found = causes(shifted, torque * (1 + 0.05 * np.eye(4)[1]))
+    assert {cause.label for cause in found.named} == {"encoder zero of M1", "gain of M2"}
+    assert [cause.named for cause in found.named] == [1, 2]
+
+
+def test_a_right_robot_names_nothing_and_says_what_it_could_not_see() -> None:
+    found = find_causes(identify(simulated(1, DESIGN, rate=RATE), APPENDIX_4, QUICK))
+    assert found.named == ()
+    unseen = " ".join(found.unseen)
+    assert "common gain" in unseen
+    assert "offset of F_4" in unseen
+    assert "gain of M4" in unseen
+    assert "l_B8 longer" in unseen
+    assert "gain of M1" not in unseen
+
+
+def test_columns_are_what_the_causes_do() -> None:
+    log = simulated(1, DESIGN, noise_seed=None, rate=RATE)
+    found = identify(log, APPENDIX_4, QUICK)
+    columns = {item.label: item.column for item in possible_causes(found)}
+    seen = []
+    for size in (-1e-3, 1e-3):
+        moved = make_log(log.t, log.position + size * np.eye(4)[1], log.torque)
+        seen.append(identify(moved, APPENDIX_4, QUICK).model.columns @ found.solution.x)
+    expected = -2e-3 * columns["encoder zero of M2"]  # measured torques stay what they are
+    np.testing.assert_allclose(seen[1] - seen[0], expected, atol=2e-3 * np.abs(expected).max())

@@ -1,0 +1,72 @@
+"""Intervals and significance over many noisy logs: what is stated is what happens."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from paminsa_viz.identification import IdentificationSettings, find_causes, identify
+from paminsa_viz.model import APPENDIX_4, Friction
+from tests.support.identification_logs import simulated
+
+DESIGN = replace(APPENDIX_4, friction=Friction(0.3, 0.4, 20.0, 8.0))
+QUICK = IdentificationSettings(robustness=False)
+MOTIONS, NOISES = 10, 30
+RATE = 200.0
+"""Samples a second. The noise is correlated over 20 ms, four samples, and the filter passes 10 Hz:
+more samples cost time and say nothing else about intervals."""
+
+SEARCHED = 10
+"""Logs of each motion that are searched for causes: 100 in all."""
+
+
+class Study(NamedTuple):
+    """Estimates of all logs: errors over half widths (300, p), z of the identity, logs accused."""
+
+    errors: Any
+    z: Any
+    accused: int
+
+
+@cache
+def study() -> Study:
+    errors, z, accused = [], [], 0
+    for motion in range(1, MOTIONS + 1):
+        for noise in range(NOISES):
+            log = simulated(motion, DESIGN, noise_seed=100 * motion + noise, rate=RATE)
+            found = identify(log, DESIGN, QUICK)
+            errors.append([(e.value - e.parameter.design) / e.half_width for e in found.estimates])
+            z.append(found.identity.z)
+            if noise < SEARCHED:
+                accused += bool(find_causes(found).named)
+    return Study(np.array(errors), np.array(z), accused)
+
+
+@pytest.mark.slow
+def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
+    coverage = (np.abs(study().errors) <= 1).mean(axis=0)
+    assert 0.93 <= coverage.mean() <= 0.97
+    assert coverage.min() >= 0.88
+
+
+@pytest.mark.slow
+def test_a_right_robot_is_hardly_ever_accused() -> None:
+    assert study().accused <= 3
+    assert (np.abs(study().z) < 3).mean() > 0.98
+    assert np.std(study().z) < 1.2
+
+
+@pytest.mark.slow
+def test_results_do_not_depend_on_the_cut_off() -> None:
+    log = simulated(1, DESIGN)
+    middle, low, high = (
+        identify(log, DESIGN, replace(QUICK, cut_off=cut_off)) for cut_off in (10.0, 8.0, 12.0)
+    )
+    error = middle.solution.deviation(middle.model.report)
+    for other in (low, high):
+        move = [b.value - a.value for a, b in zip(middle.estimates, other.estimates, strict=True)]
+        assert (np.abs(move) < error).all()

@@ -1,0 +1,104 @@
+"""Masses nearest to a design that explain a log."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.design_file import load_design, save_design
+from paminsa_viz.identification import (
+    IdentificationSettings,
+    base_parameters,
+    identify,
+    nearest_masses,
+)
+from paminsa_viz.model import APPENDIX_4, Design, Friction
+from paminsa_viz.model.drive import Drive
+from tests.support.identification_logs import simulated
+
+QUICK = IdentificationSettings(robustness=False)
+BUILT = replace(
+    APPENDIX_4.vary({"links.b4": 0.8, "joints.j9": 0.4, "platform.mass": 3.0}),
+    friction=Friction(0.3, 0.4, 20.0, 8.0),
+)
+
+
+@pytest.fixture(scope="module")
+def identified() -> Any:
+    return identify(simulated(1, BUILT, rate=500.0, noise_seed=1), APPENDIX_4, QUICK)
+
+
+def test_the_written_design_explains_the_log(identified: Any, tmp_path: Any) -> None:
+    found = nearest_masses(identified)
+    save_design(found.design, tmp_path / "built.toml")
+    design = load_design(tmp_path / "built.toml")
+    assert design == found.design
+    b = base_parameters(design)
+    for symbol, value in zip(("b_1", "M_p2", "b_6", "b_7"), b[[0, 1, 5, 6]], strict=True):
+        estimate = identified.estimate(symbol)
+        assert estimate.low < value < estimate.high
+    assert found.misfit < 1.0
+    assert design.actuator_friction.viscous == pytest.approx((0.3, 0.3, 0.3, 20.0), rel=0.5)
+    assert design.actuator_friction.coulomb == pytest.approx((0.4, 0.4, 0.4, 8.0), rel=0.2)
+    assert design.friction.transition_speed == APPENDIX_4.friction.transition_speed
+
+
+def test_masses_say_whether_the_log_adds_anything(identified: Any) -> None:
+    masses = {item.parameter.path: item for item in nearest_masses(identified).masses}
+    assert masses["platform.mass"].told
+    assert masses["links.b4"].told
+    assert not masses["joints.j2"].told  # with joint 3 and the shaft it is one weight
+    assert not masses["inertias.b4_axial"].told
+    for item in masses.values():
+        assert 0 < item.deviation <= item.prior_deviation * (1 + 1e-9)
+        assert abs(item.value - BUILT.value(item.parameter.path)) < 3 * item.deviation
+    assert "payload.mass" not in masses
+
+
+def test_an_exact_log_of_the_design_returns_the_design() -> None:
+    log = simulated(1, APPENDIX_4, rate=500.0, noise_seed=None)
+    found = nearest_masses(identify(log, APPENDIX_4, QUICK))
+    for item in found.masses:
+        assert item.value == pytest.approx(item.prior, rel=0.02)
+
+
+def test_masses_stay_possible_whatever_the_log_says(identified: Any) -> None:
+    light = APPENDIX_4.vary(
+        {"links.b4": 0.0, "inertias.b4_transverse": 0.0, "inertias.b4_axial": 0.0}
+    )
+    heavy = light.vary({"platform.mass": 9.0, "links.b8": 2.0, "inertias.b8_axial": 0.04})
+    against = replace(identified, design=heavy)
+    design = nearest_masses(against, spread=0.05).design
+    inertias = design.inertias
+    for bar in ("b3", "b4", "b7", "b8"):
+        axial = getattr(inertias, f"{bar}_axial")
+        assert 0 <= axial <= 2 * getattr(inertias, f"{bar}_transverse") + 1e-12
+    assert np.isfinite([design.value(path) for path in ("links.b4", "platform.mass")]).all()
+    with pytest.raises(InvalidInput, match="above 0"):
+        nearest_masses(identified, spread=0.0)
+
+
+def test_friction_and_rotors_go_to_the_drives() -> None:
+    ratio = 20.0
+    drives = tuple(
+        Drive(name="d", rotor_inertia=inertia, gear_ratio=ratio, viscous=1e-4)
+        for inertia in (1e-4, 1e-4, 1.6e-4)
+    )
+    built: Design = replace(BUILT, drives=(*drives, None))
+    meant: Design = replace(BUILT, drives=(drives[0],) * 3 + (None,))
+    settings = replace(QUICK, rotors=True)
+    found = identify(simulated(1, built, rate=500.0), meant, settings)
+    design = nearest_masses(found).design
+    expected = np.array(built.drive_inertia[:3])
+    differences = np.array(design.drive_inertia[:3]) - np.mean(design.drive_inertia[:3])
+    if found.estimate("ΔJ_1").known:
+        np.testing.assert_allclose(differences, expected - expected.mean(), atol=4e-3)
+    assert design.drives[0] is not None
+    assert design.drives[0].gear_ratio == ratio
+    assert design.actuator_friction.viscous[0] == pytest.approx(0.34, rel=0.2)
+    assert design.actuator_friction.coulomb[3] == pytest.approx(8.0, rel=0.3)
+    assert found.estimate("ΔJ_1").value == pytest.approx(-8e-3, abs=4e-3)

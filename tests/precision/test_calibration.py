@@ -1,0 +1,191 @@
+"""Calibration of synthetic measurements: what is found, how well, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4, Design, check_reach, inverse_kinematics
+from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
+from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
+from paminsa_viz.precision.measurements import (
+    InvalidMeasurement,
+    Measurements,
+    coordinate_scales,
+    length_scales,
+    predict,
+)
+from paminsa_viz.precision.measuring_poses import measuring_poses
+from tests.support.cases import PROTOTYPES
+from tests.support.samples import random_design, random_poses
+
+SIX, FOUR = 6, 4
+
+
+def readings(design: Design, poses: int, seed: int = 0) -> Measurements:
+    """Return well spread poses and the nominal robot's actuators, not yet measured."""
+    drawn = random_poses(np.random.default_rng(seed), design, poses)
+    return Measurements(inverse_kinematics(design.geometry, drawn).actuators, drawn)
+
+
+def measure(
+    design: Design, true: Any, poses: int, width: int, noise: float = 0.0, seed: int = 0
+) -> Measurements:
+    """Measure a robot with deviations (3, 14), with Gaussian noise [m] of the scaled poses."""
+    at = readings(design, poses, seed)
+    found = predict(design, true, at)
+    assert found.ok.all()
+    scales = coordinate_scales(design)
+    error = np.random.default_rng(seed + 1).normal(size=(poses, 6)) * noise / scales
+    return Measurements(at.actuators, (found.coordinates + error)[:, :width])
+
+
+def random_deviations(seed: int, size: float = 5e-4) -> Any:
+    return np.random.default_rng(seed).uniform(-size, size, (3, 14))
+
+
+@pytest.mark.parametrize(("width", "rank"), [(SIX, 30), (FOUR, 28)])
+def test_thirty_combinations_show_in_six_coordinates_and_28_in_four(width: int, rank: int) -> None:
+    for seed in range(2):
+        design = APPENDIX_4 if seed == 0 else random_design(np.random.default_rng(seed))
+        size = design.geometry.base_radius / 700
+        data = measure(design, random_deviations(seed, size), 20, width, 1e-5)
+        found = calibrate(design, data)
+        assert found.rank == rank
+        assert found.singular_values[rank - 1] > 1e-3 * found.singular_values[0]
+        assert found.singular_values[rank] < 1e-12 * found.singular_values[0]
+        assert found.singular_values.shape == (42,)
+
+
+@PROTOTYPES
+@pytest.mark.parametrize("width", [SIX, FOUR])
+def test_exact_measurements_predict_held_back_poses_exactly(design: Design, width: int) -> None:
+    true = random_deviations(1)
+    data = measure(design, true, 60, width)
+    found = calibrate(design, data, validate=0.3)
+    assert found.after_held.poses == 18
+    assert found.before_held.rms[:2].min() > 1e-4
+    assert found.after_held.largest.max() < 1e-12
+    assert found.improved
+    # legs that differ show all of their lengths, if the measurements are exact
+    assert len(found.combinations) == 42
+    assert found.determined.all()
+    assert np.abs(deviation_array(found.design) - true).max() < 1e-9
+    other = readings(design, 20, seed=9)
+    wanted = predict(design, true, other).coordinates
+    got = predict(design, deviation_array(found.design), other).coordinates
+    assert np.abs(got - wanted).max() < 1e-11
+
+
+@pytest.mark.parametrize("width", [SIX, FOUR])
+def test_noise_stays_what_it_is_on_held_back_poses(width: int) -> None:
+    noise = 2e-5
+    data = measure(APPENDIX_4, random_deviations(2), 100, width, noise)
+    found = calibrate(APPENDIX_4, data, validate=0.3)
+    assert found.noise == pytest.approx(noise, rel=0.15)
+    scaled = found.after_held.rms * coordinate_scales(APPENDIX_4)[:width]
+    assert (scaled < 1.8 * noise).all()
+    assert (found.after.rms < found.before.rms / 5).all()
+    assert 28 <= len(found.combinations) < 42
+    assert not found.determined.all()
+
+
+def test_intervals_cover_what_is_true() -> None:
+    """Of 95 % intervals, about 95 % hold the true value of their combination."""
+    scale, hits = length_scales(APPENDIX_4), []
+    for seed in range(8):
+        true = random_deviations(seed, 3e-4)
+        data = measure(APPENDIX_4, true, 40, SIX, 3e-5, seed=100 * seed)
+        found = calibrate(APPENDIX_4, data)
+        for item in found.combinations:
+            assert item.value == pytest.approx(
+                float((item.weights * scale * deviation_array(found.design)).sum()), abs=1e-12
+            )
+            miss = float((item.weights * scale * true).sum()) - item.value
+            hits.append(abs(miss) < item.half_width)
+            assert item.half_width < KNOWN
+    assert len(hits) > 200
+    assert 0.90 < np.mean(hits) < 0.985
+
+
+def test_what_does_not_show_keeps_the_value_of_the_start() -> None:
+    before = random_deviations(3, 2e-4)
+    start = with_deviations(APPENDIX_4, before)
+    data = measure(APPENDIX_4, before + random_deviations(4, 2e-4), 40, SIX, 5e-5)
+    found = calibrate(start, data)
+    change = ((deviation_array(found.design) - before) * length_scales(start)).ravel()
+    basis = np.array([item.weights.ravel() for item in found.combinations])
+    assert np.allclose(basis @ basis.T, np.eye(len(basis)), atol=1e-12)
+    assert np.allclose(change, basis.T @ (basis @ change), atol=1e-12)
+    assert len(basis) < 36
+    weak = found.combinations[-1].half_width
+    strong = found.combinations[0].half_width
+    assert weak > strong
+    trace = sum(item.half_width**2 for item in found.combinations)
+    assert np.trace(found.covariance) == pytest.approx(trace / 1.96**2, rel=0.05)
+
+
+def test_a_homing_error_is_found_at_its_motor() -> None:
+    true = np.zeros((3, 14))
+    true[1, INDEX["actuator_zero"]] = np.radians(0.5)
+    found = calibrate(APPENDIX_4, measure(APPENDIX_4, true, 30, SIX))
+    assert np.allclose(deviation_array(found.design), true, atol=1e-9)
+
+
+def test_combinations_are_named_by_their_leading_lengths() -> None:
+    data = measure(APPENDIX_4, random_deviations(0), 30, SIX, 1e-5)
+    first = calibrate(APPENDIX_4, data).combinations[0]
+    text = describe(first)
+    name = text.split()[1].split("(")[0]
+    assert text.count("(") == 4
+    leading = np.unravel_index(np.argmax(np.abs(first.weights)), (3, 14))
+    assert name == "l_43"
+    assert f"({leading[0] + 1})" in text
+
+
+def test_too_few_or_unusable_measurements_are_refused() -> None:
+    data = measure(APPENDIX_4, random_deviations(0), 10, FOUR)
+    with pytest.raises(InvalidInput, match="at least 11 poses are needed, there are 10: 4 coord"):
+        calibrate(APPENDIX_4, data)
+    more = measure(APPENDIX_4, random_deviations(0), 10, SIX)
+    with pytest.raises(InvalidInput, match="at least 8 poses are needed besides the 3 that are"):
+        calibrate(APPENDIX_4, more, validate=0.3)
+    with pytest.raises(InvalidInput, match=r"validate: a share from 0 to 0\.9"):
+        calibrate(APPENDIX_4, more, validate=1.0)
+    poses = more.poses.copy()
+    poses[4, 3] = -3.0
+    with pytest.raises(InvalidMeasurement, match=r"is 2\.\d* m away from what") as caught:
+        calibrate(APPENDIX_4, replace(more, poses=poses))
+    assert caught.value.index == 4
+    poses[4, 3] = np.nan
+    with pytest.raises(InvalidInput, match="poses: finite numbers"):
+        Measurements(more.actuators, poses)
+    with pytest.raises(InvalidInput, match="poses are needed"):
+        Measurements(more.actuators[:4], more.poses)
+
+
+def test_proposed_poses_show_more_than_random_ones() -> None:
+    design = APPENDIX_4
+    chosen = measuring_poses(design, 20)
+    assert np.array_equal(chosen, measuring_poses(design, 20))
+    assert np.array_equal(chosen[:10], measuring_poses(design, 10))
+    assert check_reach(design.geometry, chosen).ok.all()
+    assert len(np.unique(chosen, axis=0)) == 20
+    random = random_poses(np.random.default_rng(0), design, 20)
+    widths = []
+    for poses in (chosen, random):
+        actuators = inverse_kinematics(design.geometry, poses).actuators
+        true = random_deviations(5, 3e-4)
+        exact = predict(design, true, Measurements(actuators, poses)).coordinates
+        noise = np.random.default_rng(1).normal(size=exact.shape) * 1e-5
+        data = Measurements(actuators, exact + noise / coordinate_scales(design))
+        found = calibrate(design, data)
+        widths.append([item.half_width for item in found.combinations[:30]])
+    assert (np.array(widths[0]) < np.array(widths[1])).mean() > 0.9
+    for options in ({"poses": 0}, {"poses": 1001}, {"poses": 5, "coordinates": 5}):
+        with pytest.raises(InvalidInput, match="are possible"):
+            measuring_poses(design, **options)
