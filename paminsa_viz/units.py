@@ -186,3 +186,21 @@ def format_value(value: float, unit: str, digits: int = 4) -> str:
 def format_ascii(value: float, unit: str, digits: int = 4) -> str:
     """Return the same with an ASCII number, for terminals, tables and messages."""
     return display_unit(unit).format(value, digits, ascii_only=True)
+
+
+def interval_text(value: float, half_width: float, *, ascii_only: bool = False) -> str:
+    """Return a value and half of its interval, with two digits of the latter: 25.835 ± 0.050.
+
+    The decimals of the value follow from the interval. Without a finite interval it is a dash.
+    """
+    if not (math.isfinite(value) and math.isfinite(half_width)):
+        return "-" if ascii_only else NONE
+    if half_width <= 0.0:
+        return number(value) if not ascii_only else f"{value:.4g}"
+    decimals = max(0, 1 - math.floor(math.log10(half_width)))
+    if decimals > 9 or max(abs(value), half_width) >= 1e9:
+        text = f"{value:.4g} ± {half_width:.2g}"
+        return text.replace("±", "+-") if ascii_only else text.replace("-", "−")
+    if ascii_only:
+        return f"{value:.{decimals}f} +- {half_width:.{decimals}f}"
+    return f"{fixed(value, decimals)} ± {fixed(half_width, decimals)}"

@@ -17,6 +17,8 @@ from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.identify_panel import identify_entries
+from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
@@ -63,17 +65,21 @@ def build_tabs(
         motion = MotionPanel(session, motions)
     with places["Drives"]:
         drives = Panel(session, DRIVES)
+    with places["Loads"]:
+        loads = Panel(session, loads_entries(motions))
     with places["Accuracy"]:
         accuracy = Panel(session, ACCURACY)
     with places["Stiffness"]:
         stiffness = Panel(session, STIFFNESS)
+    with places["Identify"]:
+        identify = Panel(session, identify_entries())
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
-    session.fast += [design, balance, motion, drives, accuracy, stiffness, view]
+    session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
     floor = build_views(replace(context, maps=maps.store), animated=False)
     session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
     register_commands(session)

@@ -34,7 +34,12 @@ from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.multi_sine import MultiSine
 from paminsa_viz.identification.nearest import MassEstimate, NearestMasses, nearest_masses
 from paminsa_viz.identification.results import Estimate, Identification, Identity
-from paminsa_viz.identification.validation import Validation, Weighing, validate, weigh_payload
+from paminsa_viz.identification.validation import (
+    PayloadEstimate,
+    Validation,
+    validate,
+    weigh_payload,
+)
 
 __all__ = [
     "BASE_PARAMETERS",
@@ -58,8 +63,8 @@ __all__ = [
     "MultiSine",
     "NearestMasses",
     "NoExcitation",
+    "PayloadEstimate",
     "Validation",
-    "Weighing",
     "base_matrix",
     "base_parameters",
     "base_regressor",

@@ -35,15 +35,15 @@ class Validation:
         log: The other log.
         signals: Its filtered signals.
         predicted: (m, 4) torques of the identification [N m, N].
-        rms: (4,) root mean square of measured less predicted [N m, N].
-        own_rms: (4,) what is left when the same model is fitted to this log [N m, N].
+        residual: (4,) root mean square of measured less predicted [N m, N].
+        own: (4,) what is left when the same model is fitted to this log [N m, N].
     """
 
     log: Log
     signals: Signals
     predicted: Array
-    rms: Array
-    own_rms: Array
+    residual: Array
+    own: Array
 
     @property
     def measured(self) -> Array:
@@ -53,7 +53,7 @@ class Validation:
     @property
     def ratio(self) -> Array:
         """Residual over that of its own fit, (4,); 1 is perfect."""
-        return self.rms / self.own_rms
+        return self.residual / self.own
 
     @property
     def holds(self) -> bool:
@@ -62,16 +62,16 @@ class Validation:
 
 
 @dataclass(frozen=True)
-class Weighing:
+class PayloadEstimate:
     """What a log with another payload says of it, if all else is as before.
 
     Attributes:
         mass, half_width: How much heavier the payload is than in the first log, and half of the
             95 % interval [kg].
         inertia, inertia_half_width: The same of its inertia about the vertical [kg m^2].
-        drift_mass, drift_half_width: The mass if F_4's offset may have drifted between the logs.
+        free_mass, free_half_width: The mass if F_4's offset may have drifted between the logs.
         drift: That drift [N].
-        drift_interval: Half of its 95 % interval [N].
+        drift_half_width: Half of its 95 % interval [N].
         known: The payload's true mass [kg], or None.
     """
 
@@ -79,24 +79,21 @@ class Weighing:
     half_width: float
     inertia: float
     inertia_half_width: float
-    drift_mass: float
-    drift_half_width: float
+    free_mass: float
+    free_half_width: float
     drift: float
-    drift_interval: float
+    drift_half_width: float
     known: float | None = None
 
     @property
-    def gain(self) -> float | None:
-        """Common gain of the torques, measured over true; None without a known payload.
+    def gain(self) -> tuple[float, float] | None:
+        """Common gain of the torques, measured over true, and half of its interval.
 
-        All masses and frictions of the first log are too large by it.
+        None without a known payload. All masses and frictions of the first log are too large by it.
         """
-        return None if self.known is None else self.mass / self.known
-
-    @property
-    def gain_half_width(self) -> float | None:
-        """Half of the gain's 95 % interval."""
-        return None if self.known is None else self.half_width / self.known
+        if self.known is None:
+            return None
+        return self.mass / self.known, self.half_width / self.known
 
 
 def validate(
@@ -121,8 +118,8 @@ def validate(
         )
     )
     predicted = model.columns @ identification.solution.x + model.known
-    rms = np.sqrt(((signals.torque - predicted) ** 2).mean(axis=0))
-    return Validation(log, signals, predicted, rms, own.noise)
+    residual = np.sqrt(((signals.torque - predicted) ** 2).mean(axis=0))
+    return Validation(log, signals, predicted, residual, own.noise)
 
 
 def weigh_payload(
@@ -131,7 +128,7 @@ def weigh_payload(
     *,
     known: float | None = None,
     start: ArrayLike | None = None,
-) -> Weighing:
+) -> PayloadEstimate:
     """Return the payload of a log from an identification without it, with intervals.
 
     Args:
@@ -145,7 +142,7 @@ def weigh_payload(
         InvalidInput: If the known mass is not above 0.
     """
     if known is not None and not (np.isfinite(known) and known > 0):
-        raise InvalidInput("known", f"a payload above 0 kg is needed, not {known!r}")
+        raise InvalidInput("payload", f"a finite mass above 0 kg is needed, not {known!r}")
     signals, model = _modeled(identification, log, start)
     design = identification.design
     radius = design.geometry.platform_radius
@@ -160,7 +157,7 @@ def weigh_payload(
     for columns in (x @ payload, np.concatenate([x @ payload, offset], axis=-1)):
         fits.append(_step(columns, model, identification.solution, numbers))
     (plain, error), (free, free_error) = fits
-    return Weighing(
+    return PayloadEstimate(
         float(plain[0]), float(error[0]), float(plain[1]), float(error[1]),
         float(free[0]), float(free_error[0]), float(free[2]), float(free_error[2]), known,
     )  # fmt: skip

@@ -37,6 +37,7 @@ from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import single_entries, torque_entries
 from paminsa_viz.explorer.panels.motion_panel import motion_entries
 from paminsa_viz.explorer.panels.motion_plots import INPUTS as PLOT_INPUTS
@@ -72,6 +73,7 @@ PANELS: dict[str, tuple[Entry, ...]] = {
     "motion": motion_entries(MotionStore()),
     "plots": PLOT_INPUTS,
     "drives": DRIVES,
+    "loads": tuple(loads_entries(MotionStore())),
     "accuracy": ACCURACY,
     "stiffness": STIFFNESS,
     "view": view_entries(),

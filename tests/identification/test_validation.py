@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.identification import (
     IdentificationSettings,
     identify,
@@ -37,7 +38,7 @@ def test_another_motion_is_predicted_almost_as_well_as_its_own_fit(
     assert found.ratio.max() <= 1.1
     assert found.holds
     np.testing.assert_allclose(
-        found.rms, np.sqrt(((found.measured - found.predicted) ** 2).mean(axis=0))
+        found.residual, np.sqrt(((found.measured - found.predicted) ** 2).mean(axis=0))
     )
 
 
@@ -62,9 +63,9 @@ def test_a_payload_is_weighed(identified: Any, seed: int) -> None:
     assert found.half_width < 0.06
     assert found.inertia == pytest.approx(0.01, abs=2 * found.inertia_half_width)
     # If F_4's offset may drift, the mass follows from inertia alone.
-    assert found.drift_half_width > 1.2 * found.half_width
-    assert found.drift_mass == pytest.approx(2.0, abs=1.5 * found.drift_half_width)
-    assert abs(found.drift) < 1.5 * found.drift_interval
+    assert found.free_half_width > 1.2 * found.half_width
+    assert found.free_mass == pytest.approx(2.0, abs=1.5 * found.free_half_width)
+    assert abs(found.drift) < 1.5 * found.drift_half_width
     assert found.gain is None
 
 
@@ -73,19 +74,32 @@ def test_a_drift_is_found_with_the_payload(identified: Any) -> None:
     drifted = make_log(log.t, log.position, log.torque + np.array([0, 0, 0, 15.0]))
     found = weigh_payload(identified, drifted)
     assert found.mass - 2.0 > 1.5 * found.half_width  # partly taken for weight
-    assert found.drift_mass == pytest.approx(2.0, abs=1.5 * found.drift_half_width)
-    assert found.drift == pytest.approx(15.0, abs=1.5 * found.drift_interval)
+    assert found.free_mass == pytest.approx(2.0, abs=1.5 * found.free_half_width)
+    assert found.drift == pytest.approx(15.0, abs=1.5 * found.drift_half_width)
 
 
 def test_a_known_payload_shows_a_common_gain() -> None:
     first, third = (simulated(i, item) for i, item in ((1, DESIGN), (2, LOADED)))
     first, third = (make_log(log.t, log.position, 1.1 * log.torque) for log in (first, third))
     found = weigh_payload(identify(first, APPENDIX_4, QUICK), third, known=2.0)
-    assert found.gain == pytest.approx(1.1, abs=0.03)
-    assert found.gain_half_width is not None
-    assert 0 < found.gain_half_width < 0.03
+    assert found.gain is not None
+    gain, half_width = found.gain
+    assert gain == pytest.approx(1.1, abs=0.03)
+    assert 0 < half_width < 0.03
 
 
 def test_an_impossible_payload_is_refused(identified: Any) -> None:
-    with pytest.raises(InvalidInput, match="above 0 kg"):
+    with pytest.raises(InvalidInput, match=r"payload: .*above 0 kg"):
         weigh_payload(identified, identified.log, known=0.0)
+
+
+def test_shipped_logs_validate_and_weigh_two_kilograms() -> None:
+    logs = {kind: example_log(kind) for kind in ExampleLog}
+    best = identify(logs[ExampleLog.BEST], APPENDIX_4, QUICK)
+    assert validate(best, logs[ExampleLog.OTHER]).ratio.max() <= 1.1
+    assert not validate(best, logs[ExampleLog.PAYLOAD]).holds
+    found = weigh_payload(best, logs[ExampleLog.PAYLOAD])
+    assert found.mass == pytest.approx(2.0, abs=0.06)
+    assert abs(found.mass - 2.0) < 1.5 * found.half_width
+    assert found.free_half_width > found.half_width
+    assert abs(found.free_mass - 2.0) < 1.5 * found.free_half_width

@@ -116,6 +116,7 @@ def _factory(view: str | ViewFactory) -> ViewFactory:
 
 _POLYTOPE = "forces:PolytopeView"
 _FLOOR = "floor:FloorMap"
+_JOINT_FORCES = "joint_forces:JointForceView"
 _MASSES = "mechanism:PointMassView"
 
 register(
@@ -139,6 +140,10 @@ register(
           "Horizontal forces that the actuators hold with no moment", _POLYTOPE),
     Layer("wrench_solid", "Wrench polytope",
           "Horizontal forces and M_z / R_pl that the actuators hold", _POLYTOPE),
+    Layer("joint_forces", "Joint forces",
+          "Forces at the joints in the legs' planes, at rest or of the motion, to a stated scale",
+          _JOINT_FORCES),
+    Layer("utilization", "Bars by load", "Stress of the bars over the yield stress", _JOINT_FORCES),
     Layer("drive_errors", "Drive errors",
           "Where the platform's center may be within the drives' errors, to a stated scale",
           "drive_errors:DriveErrorView"),

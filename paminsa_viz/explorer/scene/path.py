@@ -64,6 +64,11 @@ def hue(values: Array, scale: PathScale) -> NDArray[np.intp]:
     return np.rint(share * (len(_hues()) - 1)).astype(np.intp)
 
 
+def hue_colors(values: Array, scale: PathScale) -> NDArray[np.uint8]:
+    """Return the colors of values (n,) for batched meshes, (n, 3)."""
+    return _drawn_hues()[hue(values, scale)]
+
+
 def hue_gradient(scale: PathScale) -> list[str]:
     """Return colors from the low to the high end of a scale, as ``#rrggbb``."""
     return [_hues()[i] for i in hue(np.linspace(scale.low, scale.high, 9), scale)]

@@ -1,0 +1,159 @@
+"""``paminsa-viz identify``: from a log of the built robot to its parameters."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Pose
+from paminsa_viz.cli.identify_report import findings_data, print_findings
+from paminsa_viz.cli.output import print_json
+from paminsa_viz.files.atomic import write_bytes
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.files.errors import FileError
+from paminsa_viz.files.example_logs import ExampleLog, example_log
+from paminsa_viz.files.identification_table import estimate_table, residual_table
+from paminsa_viz.files.log_table import read_log
+from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.identification.columns import IdentificationSettings
+from paminsa_viz.identification.findings import Findings, investigate
+from paminsa_viz.identification.log import Log
+from paminsa_viz.units import MM
+
+DESCRIPTION = """\
+Find masses, balance and friction of the built robot from a log of positions and torques.
+
+  paminsa-viz identify log.csv --design robot.toml
+  paminsa-viz identify log.csv --validate other.csv --payload loaded.csv 2 --out found
+  paminsa-viz identify example --validate example-other --payload example-payload 2
+
+The log is a table with t_s, theta1_rad .. theta3_rad (or _deg), Z_m (or _mm), torque1_Nm ..
+torque3_Nm and force4_N, or current1_A .. current4_A with --gains. Torques are what the actuators
+deliver, friction included. A motion that shows all parameters comes from paminsa-viz excite; see
+docs/identification.md.
+
+Numbers come with 95 % intervals; what the log does not tell is called unknown.
+
+Exit code: 0 masses and friction explain the log; 1 they do not, with what may be wrong; 2 a wrong
+argument or file."""
+
+DEFAULTS = IdentificationSettings()
+
+EXAMPLES = {
+    "example": ExampleLog.BEST,
+    "example-other": ExampleLog.OTHER,
+    "example-payload": ExampleLog.PAYLOAD,
+}
+"""Logs that come with the program, by the names they have here."""
+
+FILES = ("parameters.csv", "residuals.csv", "identified.toml", "torques.svg")
+"""What ``--out`` writes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Identify(JsonFlags, DesignFlags):
+    """Flags of the command."""
+
+    log: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="LOG")]
+    """Log to identify, a CSV file, or one that comes with the program: example, example-other,
+    example-payload."""
+    validate: Annotated[str | None, tyro.conf.arg(metavar="LOG")] = None
+    """Second log, on another motion, that the numbers of the first have to predict."""
+    payload: Annotated[tuple[str, float] | None, tyro.conf.arg(metavar="LOG KG")] = None
+    """Third log, with a payload on the platform, and its mass [kg]; 0 if it was not weighed."""
+    gains: Annotated[tuple[float, float, float, float] | None, tyro.conf.arg(metavar="K")] = None
+    """Torque of M1 to M3 [N m/A] and force of M4 [N/A] for each ampere, for logs of currents."""
+    split: bool = False
+    """Split logs at gaps, rows out of reach and singular ones, instead of refusing them."""
+    start: Annotated[Pose | None, tyro.conf.arg(metavar="X Y THETA Z")] = None
+    """Pose near the start of the logs, in mm, mm, degrees, mm; it chooses the assembly mode. The
+    home pose by default."""
+    cut_off: Annotated[float, tyro.conf.arg(metavar="HZ")] = DEFAULTS.cut_off
+    """Where the filter halves [Hz]."""
+    delay: bool = False
+    """Fit a delay of the torques after the positions."""
+    rotors: bool = False
+    """Fit how the rotors' inertias of M1 to M3 differ."""
+    legs: bool = False
+    """Fit how the legs' own masses differ."""
+    constrain: bool = False
+    """Hold the identity of the masses, which only springs break."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="DIR")] = None
+    """Folder to write into: parameters.csv, residuals.csv, identified.toml, torques.svg."""
+
+    def run(self) -> int:
+        """Identify and report."""
+        design = self.given_design()
+        settings = IdentificationSettings(
+            cut_off=self.cut_off, delay=self.delay, rotors=self.rotors, legs=self.legs,
+            constrain=self.constrain,
+        )  # fmt: skip
+        log = self._read(self.log)
+        other = None if self.validate is None else self._read(self.validate)
+        loaded, mass = None, None
+        if self.payload is not None:
+            name, mass = self.payload
+            if not (math.isfinite(mass) and mass >= 0):
+                raise UsageError(f"--payload: a mass of 0 kg or more is needed, not {mass!r}")
+            loaded = self._read(name)
+        self._check_folder()
+        found = investigate(
+            log, design, settings, other=other, loaded=loaded, payload=mass or None,
+            start=self._start,
+        )  # fmt: skip
+        written = [] if self.out is None else self._write(self.out, found)
+        if self.json:
+            print_json(findings_data(found, written))
+        else:
+            print_findings(found, written)
+        wrong = bool(found.causes.named) or found.identification.identity.holds is False
+        return 1 if wrong else 0
+
+    @property
+    def _start(self) -> tuple[float, ...] | None:
+        if self.start is None:
+            return None
+        x, y, theta, z = self.start
+        return x / MM, y / MM, math.radians(theta), z / MM
+
+    def _read(self, name: str) -> Log:
+        """Return a log of a file, or one that comes with the program.
+
+        Raises:
+            TableFileError: If the file cannot be read or is refused.
+        """
+        if name in EXAMPLES and not Path(name).exists():
+            return example_log(EXAMPLES[name])
+        return read_log(name, gains=self.gains, split=self.split)
+
+    def _check_folder(self) -> None:
+        """Make the folder before the work, so that a place that cannot be is known at once.
+
+        Raises:
+            FileError: If it cannot be made.
+        """
+        if self.out is None:
+            return
+        try:
+            self.out.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(str(self.out), f"cannot be made: {error.strerror or error}") from error
+
+    def _write(self, folder: Path, found: Findings) -> list[Path]:
+        from paminsa_viz.plots.identification_series import log_series  # late: matplotlib
+        from paminsa_viz.plots.series_figure import render_series
+
+        paths = [folder / name for name in FILES]
+        write_bytes(paths[0], table_bytes(estimate_table(found), "csv"))
+        write_bytes(paths[1], table_bytes(residual_table(found), "csv"))
+        save_design(found.nearest.design, paths[2])
+        write_bytes(paths[3], render_series(log_series(found), "svg"))
+        return paths
+
+
+FLAGS = Identify

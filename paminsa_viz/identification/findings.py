@@ -1,0 +1,106 @@
+"""Everything that logs of a robot say, put together: what command line, page and report show."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from numpy.typing import ArrayLike
+
+from paminsa_viz.identification.causes import Causes, find_causes
+from paminsa_viz.identification.columns import IdentificationSettings
+from paminsa_viz.identification.identify import identify
+from paminsa_viz.identification.log import Log
+from paminsa_viz.identification.nearest import NearestMasses, nearest_masses
+from paminsa_viz.identification.results import Identification
+from paminsa_viz.identification.validation import (
+    PayloadEstimate,
+    Validation,
+    validate,
+    weigh_payload,
+)
+from paminsa_viz.model.design import Design
+from paminsa_viz.trajectory.sampled import Trajectory
+
+STEPS = ("fit", "masses", "causes", "second log", "payload")
+"""What is worked out, in this order."""
+
+
+class Stopped(Exception):
+    """The work is no longer wanted."""
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """What logs of a robot say.
+
+    Attributes:
+        identification: Of the first log.
+        nearest: The design nearest to the robot's that explains it.
+        causes: What may be wrong with the model.
+        validation: How the numbers predict a second log, if there is one.
+        payload: The payload of a third one, if there is one.
+    """
+
+    identification: Identification
+    nearest: NearestMasses
+    causes: Causes
+    validation: Validation | None = None
+    payload: PayloadEstimate | None = None
+
+    @property
+    def motion(self) -> Trajectory:
+        """The platform's motion in the first log, its first piece without gaps."""
+        signals = self.identification.signals
+        kept = signals.segment == signals.segment[0]
+        t = signals.t[kept]
+        return Trajectory(
+            t - t[0], signals.pose[kept], signals.velocity[kept], signals.acceleration[kept],
+            self.identification.log.name, "measured",
+        )  # fmt: skip
+
+
+def investigate(
+    log: Log,
+    design: Design,
+    settings: IdentificationSettings | None = None,
+    *,
+    other: Log | None = None,
+    loaded: Log | None = None,
+    payload: float | None = None,
+    start: ArrayLike | None = None,
+    report: Callable[[float], bool] | None = None,
+) -> Findings:
+    """Return everything that logs of a robot say.
+
+    Args:
+        log: The first log.
+        design: The robot as it was meant.
+        settings: What is fitted, and how.
+        other: A log of another motion, to validate with.
+        loaded: A log with a payload on the platform.
+        payload: That payload, if it was weighed [kg].
+        start: Pose (4,) near the start of all logs, to choose the assembly.
+        report: Called with what part is done; where it returns True, the work stops.
+
+    Raises:
+        InvalidLog: At the first row of a log that cannot be used.
+        InvalidInput: If a setting or the payload is not possible.
+        Stopped: If ``report`` asked for it.
+    """
+
+    def done(step: str) -> None:
+        if report is not None and report(STEPS.index(step) / len(STEPS)):
+            raise Stopped
+
+    done("fit")
+    found = identify(log, design, settings, start=start)
+    done("masses")
+    nearest = nearest_masses(found)
+    done("causes")
+    causes = find_causes(found)
+    done("second log")
+    validation = None if other is None else validate(found, other)
+    done("payload")
+    estimate = None if loaded is None else weigh_payload(found, loaded, known=payload)
+    return Findings(found, nearest, causes, validation, estimate)
