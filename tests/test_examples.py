@@ -14,6 +14,7 @@ pytestmark = pytest.mark.slow
 EXAMPLES = Path(__file__).parent.parent / "examples"
 SCRIPTS = sorted(EXAMPLES.glob("*.py"))
 WRITTEN = {
+    "calibration": {"measured.csv"},
     "design_study": {"design_study.csv"},
     "dynamic_torques": {"dynamic_torques.png"},
     "in_a_notebook": {"robot.html", "maps.html", "motion.html", "torques.svg"},
@@ -22,6 +23,7 @@ WRITTEN = {
 }
 PRINTED = {
     "balance": r"M_p2 =  ? ?0\.0000 N, torques \[0\. 0\. 0\.\]",
+    "calibration": r"30 combinations show (.|\n)*held back, RMS of z: .* 9\.2 um after",
     "crossing": r"turn, Appendix 4: 0\.372 s, (.|\n)*cannot be held",
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",

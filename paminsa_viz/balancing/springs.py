@@ -31,7 +31,8 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import leg_states
 from paminsa_viz.model.leg import LegPosition
 from paminsa_viz.model.leg_points import PointWeights, bar_point, point_weights
-from paminsa_viz.model.parameters import LARGEST, Counterweight
+from paminsa_viz.model.parameters import Counterweight
+from paminsa_viz.model.ranges import LARGEST
 from paminsa_viz.model.statics import static_torques, torques_of_legs
 from paminsa_viz.units import format_ascii
 

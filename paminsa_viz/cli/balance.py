@@ -33,7 +33,7 @@ from paminsa_viz.files.design_file import save_design
 from paminsa_viz.meshes.loads import clearance_text
 from paminsa_viz.model.design import PARAMETER, Design
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.model.parameters import LARGEST
+from paminsa_viz.model.ranges import LARGEST
 from paminsa_viz.trajectory import ImpossibleTrajectory, solve_trajectory
 from paminsa_viz.units import MM
 

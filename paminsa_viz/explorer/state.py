@@ -11,6 +11,7 @@ from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.identifying import Identifying
 from paminsa_viz.explorer.loads import LoadsState
+from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
@@ -106,8 +107,8 @@ class State:
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
-        simulating, balancing, driving, loads, elastic_view, identifying, engine_answer: Jobs of the
-            session and what came of them.
+        simulating, balancing, driving, manufacture, loads, elastic_view, identifying,
+            engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
@@ -124,6 +125,7 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     driving: Driving = field(default_factory=Driving)
+    manufacture: Manufacture = field(default_factory=Manufacture)
     loads: LoadsState = field(default_factory=LoadsState)
     elastic_view: ElasticView = field(default_factory=ElasticView)
     identifying: Identifying = field(default_factory=Identifying)

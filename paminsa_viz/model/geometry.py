@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 
 from paminsa_viz.errors import InvalidDesign
-from paminsa_viz.model.parameters import SMALLEST, Group, parameter
+from paminsa_viz.model.parameters import Group, parameter
+from paminsa_viz.model.ranges import SMALLEST
 
 
 class KneeBranch(Enum):

@@ -23,7 +23,7 @@ from scipy.stats import t as student
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
-from paminsa_viz.precision.calibration_problem import COUNT, CalibrationProblem
+from paminsa_viz.precision.calibration_problem import COUNT, GAP, CalibrationProblem
 from paminsa_viz.precision.leg_lengths import LENGTHS, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
     Measurements,
@@ -32,9 +32,6 @@ from paminsa_viz.precision.measurements import (
     predict,
     prediction_errors,
 )
-
-GAP = 1e-8
-"""Singular value, over the largest, below which equal legs do not show a combination."""
 
 KNOWN = 1e-3
 """Half interval up to which a combination that shows in second order is fitted [m]."""

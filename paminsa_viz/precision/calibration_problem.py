@@ -21,8 +21,13 @@ from paminsa_viz.precision.unequal_legs import Closure, UnequalPose, nominal_pos
 COUNT = 3 * len(LENGTHS)
 """Number of lengths."""
 
+GAP = 1e-8
+"""Singular value, over the largest, below which equal legs do not show a combination."""
+
 FARTHEST = 0.3
 """Farthest that a measured pose may be from the predicted one, over R_b."""
+
+_ADVICE = "check units, zeros and axes"
 
 _MISFIT = 10.0
 """Residual of a pose that trial lengths cannot be assembled in [m]."""
@@ -60,12 +65,12 @@ class CalibrationProblem:
         if not found.ok.all():
             index = int(np.argmin(found.ok))
             reason = Closure(int(found.closure[index])).reason
-            raise InvalidMeasurement(index, f"the design has no such pose: {reason}")
+            raise InvalidMeasurement(index, f"the design has no such pose: {reason}; {_ADVICE}")
         miss = np.abs(differences(found, measured) * self._row).max(axis=-1)
         if miss.max() > FARTHEST * self.design.geometry.base_radius:
             index = int(np.argmax(miss))
-            problem = f"is {miss[index]:.3g} m away from what the design predicts; check units"
-            raise InvalidMeasurement(index, f"{problem}, zeros and axes")
+            problem = f"is {miss[index]:.3g} m away from what the design predicts; {_ADVICE}"
+            raise InvalidMeasurement(index, problem)
 
     def _at(self, values: Array) -> UnequalPose:
         key = values.tobytes()

@@ -22,8 +22,10 @@ NEAR_FOLD = singular_rotation(APPENDIX_4.geometry) - 0.01
 
 def group(key: str, state: State) -> dict:
     """The buttons of a row by their texts."""
-    inner = [e for entry in panel.ACCURACY if isinstance(entry, Folder) for e in entry.entries]
-    row = next(entry for entry in (*panel.ACCURACY, *inner) if entry.key == key)
+    inner = [
+        e for entry in panel.DRIVES_ACCURACY if isinstance(entry, Folder) for e in entry.entries
+    ]
+    row = next(entry for entry in (*panel.DRIVES_ACCURACY, *inner) if entry.key == key)
     assert isinstance(row, ButtonGroup)
     return dict(given(row.choices, state))
 
@@ -49,7 +51,7 @@ def test_no_bound_has_its_reason_and_keeps_the_linear_estimate() -> None:
 
 
 def test_sliders_set_the_designs_accuracy_which_is_saved_and_shared() -> None:
-    folder = next(entry for entry in panel.ACCURACY if isinstance(entry, Folder))
+    folder = next(entry for entry in panel.DRIVES_ACCURACY if isinstance(entry, Folder))
     sliders = {entry.key: entry for entry in folder.entries if isinstance(entry, Slider)}
     assert len(sliders) == 6
     state = initial_state()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model import APPENDIX_4, Design, inverse_kinematics
+from paminsa_viz.model import APPENDIX_4, Design, check_reach, inverse_kinematics
 from paminsa_viz.precision.calibration import KNOWN, calibrate, describe
 from paminsa_viz.precision.leg_lengths import INDEX, deviation_array, with_deviations
 from paminsa_viz.precision.measurements import (
@@ -19,6 +19,7 @@ from paminsa_viz.precision.measurements import (
     length_scales,
     predict,
 )
+from paminsa_viz.precision.measuring_poses import measuring_poses
 from tests.support.cases import PROTOTYPES
 from tests.support.samples import random_design, random_poses
 
@@ -165,3 +166,26 @@ def test_too_few_or_unusable_measurements_are_refused() -> None:
         Measurements(more.actuators, poses)
     with pytest.raises(InvalidInput, match="poses are needed"):
         Measurements(more.actuators[:4], more.poses)
+
+
+def test_proposed_poses_show_more_than_random_ones() -> None:
+    design = APPENDIX_4
+    chosen = measuring_poses(design, 20)
+    assert np.array_equal(chosen, measuring_poses(design, 20))
+    assert np.array_equal(chosen[:10], measuring_poses(design, 10))
+    assert check_reach(design.geometry, chosen).ok.all()
+    assert len(np.unique(chosen, axis=0)) == 20
+    random = random_poses(np.random.default_rng(0), design, 20)
+    widths = []
+    for poses in (chosen, random):
+        actuators = inverse_kinematics(design.geometry, poses).actuators
+        true = random_deviations(5, 3e-4)
+        exact = predict(design, true, Measurements(actuators, poses)).coordinates
+        noise = np.random.default_rng(1).normal(size=exact.shape) * 1e-5
+        data = Measurements(actuators, exact + noise / coordinate_scales(design))
+        found = calibrate(design, data)
+        widths.append([item.half_width for item in found.combinations[:30]])
+    assert (np.array(widths[0]) < np.array(widths[1])).mean() > 0.9
+    for options in ({"poses": 0}, {"poses": 1001}, {"poses": 5, "coordinates": 5}):
+        with pytest.raises(InvalidInput, match="are possible"):
+            measuring_poses(design, **options)

@@ -9,10 +9,11 @@ import numpy as np
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.accuracy import no_bound, shown_errors
-from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Slider
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE
 from paminsa_viz.explorer.panels.maps_panel import choose_quantity
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, DriveAccuracy
@@ -81,7 +82,7 @@ def _slider(name: str, label: str, high: float, step: float) -> Slider:
     )  # fmt: skip
 
 
-ACCURACY = (
+DRIVES_ACCURACY = (
     Html("accuracy.pose", content=pose_html),
     Checkbox(
         "accuracy.layer", "Show in scene",
@@ -108,3 +109,5 @@ ACCURACY = (
         ),
     ),
 )  # fmt: skip
+
+ACCURACY = (Tabs("accuracy.tabs", tabs={"Drives": DRIVES_ACCURACY, "Manufacture": MANUFACTURE}),)

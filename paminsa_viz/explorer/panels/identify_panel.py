@@ -39,7 +39,7 @@ from paminsa_viz.explorer.identifying import (
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, TextBox, attribute
 from paminsa_viz.explorer.panels import identify_text as text
 from paminsa_viz.explorer.panels.export_panel import Exporter
-from paminsa_viz.explorer.panels.motion_chart import MotionChart
+from paminsa_viz.explorer.panels.motion_chart import LOWEST, MotionChart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
@@ -100,7 +100,7 @@ class _Charts:
     def __init__(self, session: Session) -> None:
         gui = session.client.gui
         place = gui.add_folder(None)
-        self._charts = tuple(MotionChart(gui, place, order) for order in (0.0, 1.0))
+        self._charts = tuple(MotionChart(gui, place, order, LOWEST) for order in (0.0, 1.0))
         self._drawn: tuple[object, int] | None = None
 
     def draw(self, frame: Frame, dragging: bool) -> None:

@@ -1,0 +1,41 @@
+"""Calibrate a robot whose legs differ: simulate its measurement, then find its lengths.
+
+Writes ``measured.csv`` for ``paminsa-viz calibrate measured.csv --validate 0.25``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from paminsa_viz.files.measurement_table import measurement_table
+from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.model import APPENDIX_4, inverse_kinematics
+from paminsa_viz.precision.calibration import calibrate
+from paminsa_viz.precision.measurements import Measurements, coordinate_scales, predict
+from paminsa_viz.precision.measuring_poses import measuring_poses
+
+# A robot with lengths up to 0.5 mm off, and angles up to 0.5 mrad.
+random = np.random.default_rng(5)
+true = random.uniform(-5e-4, 5e-4, (3, 14))
+
+# The nominal robot's actuators for 60 poses; where they really are, measured within 10 um.
+asked = measuring_poses(APPENDIX_4, 60)
+actuators = inverse_kinematics(APPENDIX_4.geometry, asked).actuators
+poses = predict(APPENDIX_4, true, Measurements(actuators, asked)).coordinates
+noise = random.normal(scale=1e-5, size=poses.shape) / coordinate_scales(APPENDIX_4)
+measured = Measurements(actuators, poses + noise)
+Path("measured.csv").write_bytes(table_bytes(measurement_table(measured), "csv"))
+
+found = calibrate(APPENDIX_4, measured, validate=0.25)
+print(f"{found.rank} combinations show with equal legs, {len(found.combinations)} are known")
+for name, before, after in (
+    ("fitted", found.before, found.after),
+    ("held back", found.before_held, found.after_held),
+):
+    for axis, index in (("x", 0), ("z", 3)):
+        print(
+            f"{name:>9}, RMS of {axis}: {1e6 * before.rms[index]:6.1f} um before, "
+            f"{1e6 * after.rms[index]:4.1f} um after"
+        )

@@ -1,0 +1,191 @@
+"""Errors by manufacture: tolerances, which length counts most, random robots, unequal legs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import numpy as np
+
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.entries import (
+    ButtonGroup,
+    Effect,
+    Folder,
+    Html,
+)
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
+from paminsa_viz.explorer.motion.description import Pose
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.monte_carlo_panel import (
+    MONTE_CARLO,
+    NAMES,
+    SHOWN,
+    UNITS,
+    error_row,
+    shown_lengths,
+)
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import PARAMETER, Design
+from paminsa_viz.model.leg_deviations import LEG_NAMES, NO_DEVIATIONS
+from paminsa_viz.model.tolerances import NO_TOLERANCES, Tolerances
+from paminsa_viz.precision.leg_lengths import LENGTHS
+from paminsa_viz.precision.manufacture import ToleranceErrors, manufactured_pose, tolerance_errors
+from paminsa_viz.precision.unequal_legs import Closure
+from paminsa_viz.units import display_unit, symbol_text
+
+LEAST_SHARE = 0.005
+"""Smallest share that has a bar."""
+
+
+@lru_cache(maxsize=4)
+def _tolerance_errors(design: Design, pose: Pose) -> ToleranceErrors:
+    return tolerance_errors(design, pose)
+
+
+def tolerances_html(frame: Frame) -> str:
+    """Return the errors by tolerances and clearances at the pose."""
+    found = _tolerance_errors(*shown_lengths(frame))
+    columns = (found.worst, found.clearance, found.rms)
+    rows = [error_row(NAMES[i], UNITS[i], *(part[i] for part in columns)) for i in SHOWN]
+    rows.insert(
+        2, error_row("in the plane", "m:um", found.horizontal, np.nan, found.rms_horizontal)
+    )
+    rows.append(error_row("tilt", "rad:arcsec", found.tilt, np.nan, found.rms_tilt))
+    return render("manufacture_errors.j2", rows=rows, known=bool(np.isfinite(found.worst).all()))
+
+
+def shares_html(frame: Frame) -> str:
+    """Return the share of each length in the variance of a coordinate, as bars."""
+    index = frame.state.manufacture.coordinate
+    share = _tolerance_errors(*shown_lengths(frame)).shares[index]
+    order = [i for i in np.argsort(-share) if share[i] >= LEAST_SHARE]
+    bars = [(LENGTHS[i].symbol, LENGTHS[i].label, 100 * float(share[i])) for i in order]
+    return render("manufacture_shares.j2", name=NAMES[index], bars=bars)
+
+
+def legs_html(frame: Frame) -> str:
+    """Return where the design's own legs put the platform, if they are not alike."""
+    design, pose = shown_lengths(frame)
+    if design.deviations == NO_DEVIATIONS:
+        return render("manufacture_legs.j2", rows=[], reason="")
+    found = manufactured_pose(design, pose)
+    if not found.ok:
+        return render("manufacture_legs.j2", rows=[], reason=Closure(int(found.closure)).reason)
+    off = [*(found.pose - np.array(pose)), *found.tilt]
+    rows = [error_row(NAMES[i], UNITS[i], off[i]) for i in SHOWN]
+    return render("manufacture_legs.j2", rows=rows, reason="")
+
+
+def set_tolerances(state: State, tolerances: Tolerances) -> State:
+    """Change all tolerances."""
+    design = actions.renamed_if_changed(replace(state.document.design, tolerances=tolerances))
+    return actions.with_document(state, replace(state.document, design=design))
+
+
+def _tolerance_choices(state: State) -> dict[str, Effect]:
+    now = state.document.design.tolerances
+    all_of = {"Default": Tolerances(), "None": NO_TOLERANCES}
+    return {
+        name: partial(set_tolerances, tolerances=value)
+        for name, value in all_of.items()
+        if value != now
+    }
+
+
+def equal_legs(state: State) -> State:
+    """Give all legs the geometry's lengths."""
+    legs = dict(zip(LEG_NAMES, NO_DEVIATIONS, strict=True))
+    design = actions.renamed_if_changed(replace(state.document.design, **legs))
+    return actions.with_document(state, replace(state.document, design=design))
+
+
+def _leg_choices(state: State) -> dict[str, Effect]:
+    alike = state.document.design.deviations == NO_DEVIATIONS
+    return {} if alike else {"All legs alike": equal_legs}
+
+
+def _deviation(state: State) -> tuple[str, float]:
+    """Return the path of the deviation that is shown, and millimeters or degrees of its unit."""
+    shown = state.manufacture
+    length = LENGTHS[shown.length]
+    return f"{LEG_NAMES[shown.leg]}.{length.name}", display_unit(length.unit).factor
+
+
+def _read_deviation(state: State) -> float:
+    path, factor = _deviation(state)
+    return round(state.document.design.value(path) * factor, 9)
+
+
+def _set_deviation(state: State, value: float) -> State:
+    path, factor = _deviation(state)
+    return actions.vary(state, {path: round(value / factor, 12)})
+
+
+def _grown(ends: tuple[float, float], value: float) -> tuple[float, float]:
+    return min(ends[0], value), max(ends[1], value)
+
+
+_LABELS = {
+    "bar": "bars", "shaft": "shaft B2", "joint_height": "joint 5 up", "guide_height": "guide up",
+    "axis_radius": "leg axes R_b", "axis_angle": "leg axes [°]", "joint_radius": "joints 5 R_pl",
+    "joint_angle": "joints 5 [°]", "actuator_zero": "zeros M [°]", "pin_clearance": "pin play",
+    "guide_clearance": "guide play",
+}  # fmt: skip
+
+
+def _slider(name: str) -> Slider:
+    path = f"tolerances.{name}"
+    parameter = PARAMETER[path]
+    unit = display_unit("m:um" if parameter.unit == "m" else "rad")
+    high, step = (500.0, 1.0) if parameter.unit == "m" else (0.2, 0.001)
+    label = parameter.label[0].upper() + parameter.label[1:]
+    return Slider(
+        path, _LABELS[name], range=(0.0, high), step=step, unit=unit, fit=_grown,
+        hint=f"{label} [{unit.text}]",
+        read=lambda state: state.document.design.value(path),
+        apply=lambda state, value: actions.vary(state, {path: value}),
+    )  # fmt: skip
+
+
+MANUFACTURE = (
+    Html("manufacture.errors", content=tolerances_html, idle=True),
+    Dropdown(
+        "manufacture.coordinate", "Shares in", options={NAMES[i]: i for i in SHOWN},
+        hint="Which lengths the error of a coordinate comes from",
+        **attribute("manufacture.coordinate"),
+    ),
+    Html("manufacture.shares", content=shares_html, idle=True),
+    Folder(
+        "manufacture.tolerances", "Tolerances, ± [µm, °]", open=False,
+        entries=(
+            *(_slider(name) for name in _LABELS),
+            ButtonGroup("manufacture.reset", "Set to", choices=_tolerance_choices),
+        ),
+    ),
+    Folder(
+        "manufacture.robots", "Random robots (Monte Carlo)", entries=MONTE_CARLO,
+    ),
+    Folder(
+        "manufacture.legs", "Deviations of each leg", open=False,
+        entries=(
+            Dropdown(
+                "manufacture.leg", "Leg", options={f"leg {i + 1}": i for i in range(3)},
+                **attribute("manufacture.leg"),
+            ),
+            Dropdown(
+                "manufacture.length", "Length",
+                options={f"{symbol_text(a.symbol)} {a.label}": i for i, a in enumerate(LENGTHS)},
+                **attribute("manufacture.length"),
+            ),
+            Number(
+                "manufacture.deviation", "off by [mm, °]", range=(-100.0, 100.0), step=0.01,
+                hint="Actual minus nominal, in mm; angles in degrees",
+                read=_read_deviation, apply=_set_deviation,
+            ),
+            ButtonGroup("manufacture.alike", "Set to", choices=_leg_choices),
+            Html("manufacture.own", content=legs_html, idle=True),
+        ),
+    ),
+)  # fmt: skip

@@ -1,0 +1,146 @@
+"""Random robots within the tolerances: their settings, the job, the errors found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from viser import Icon
+
+from paminsa_viz.explorer.background import BackgroundJob
+from paminsa_viz.explorer.entries import Button, Custom, Entry, Html, Progress
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import Number
+from paminsa_viz.explorer.manufacture import (
+    MOST_ROBOTS,
+    MonteCarloJob,
+    MonteCarloOutcome,
+    draw_robots,
+)
+from paminsa_viz.explorer.motion.description import Pose
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State
+from paminsa_viz.model import Design
+from paminsa_viz.model.leg_deviations import LEG_NAMES
+from paminsa_viz.units import display_unit, fixed, number
+
+NAMES = ("x", "y", "θ", "z", "tilt about x", "tilt about y")
+UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
+"""Names and units of `unequal_legs.COORDINATES`."""
+
+SHOWN = (0, 1, 3, 2, 4, 5)
+"""The order that they are shown in."""
+
+
+def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
+    """Return what errors by manufacture depend on: lengths and tolerances, and the pose."""
+    x, y, theta, z = frame.configuration.pose.tolist()
+    shown = frame.shown_design
+    legs = dict(zip(LEG_NAMES, shown.deviations, strict=True))
+    design = Design(geometry=shown.geometry, tolerances=shown.tolerances, **legs)
+    return design, (x, y, theta, z)
+
+
+def error_row(name: str, unit: str, *values: Any) -> tuple[str, str, list[str]]:
+    """Return a row of a table: name, unit, and numbers of three figures, or whole ones."""
+    shown = display_unit(unit)
+    numbers = [float(value) * shown.factor for value in values]
+    return (
+        name,
+        shown.text,
+        [fixed(one, 0) if 1000 <= abs(one) < 1e6 else number(one, 3) for one in numbers],
+    )
+
+
+def start(state: State) -> State:
+    """Draw robots at random, for the pose where the robot is."""
+    design, pose = state.document.design, state.last_reachable.pose
+    geometry = state.last_reachable.geometry
+    return replace(
+        state, manufacture=state.manufacture.started(replace(design, geometry=geometry), pose)
+    )
+
+
+def stop(state: State) -> State:
+    """Stop drawing robots."""
+    return state.updated("manufacture", running=None)
+
+
+def receive(state: State, outcome: MonteCarloOutcome) -> State:
+    """Take over a result."""
+    return state.updated("manufacture", running=None, outcome=outcome)
+
+
+def _progress(state: State, job: MonteCarloJob, done: float) -> State:
+    if state.manufacture.running is not job:
+        return state
+    return state.updated("manufacture", done=done)
+
+
+class _Drawer:
+    """Runs the jobs of a session."""
+
+    def __init__(self, session: Session) -> None:
+        self._job: BackgroundJob[MonteCarloJob, MonteCarloOutcome] = BackgroundJob(
+            session, "manufacture", draw_robots, receive,
+            failed=lambda job, problem: MonteCarloOutcome(job, None, problem),
+            progress=_progress, undo=False,
+        )  # fmt: skip
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Start the job that is wanted."""
+        self._job.request(frame.state.manufacture.running)
+
+
+def monte_carlo_html(frame: Frame) -> str:
+    """Return what was found of random robots."""
+    outcome = frame.state.manufacture.outcome
+    if outcome is None:
+        return ""
+    rows, result, solved = [], outcome.result, 1.0
+    if result is not None:
+        half, most, nearly_all = (result.quantile(share) for share in (0.5, 0.95, 0.997))
+        solved = float(result.solved)
+        rows = [
+            error_row(NAMES[i], UNITS[i], half[i], most[i], nearly_all[i], result.rms[i])
+            for i in SHOWN
+        ]
+    design, pose = shown_lengths(frame)
+    return render(
+        "manufacture_robots.j2", rows=rows, problem=outcome.problem, job=outcome.job,
+        robots=0 if result is None else len(result.errors), solved=100 * solved,
+        stale=not outcome.job.serves(design, pose),
+    )  # fmt: skip
+
+
+def _busy(state: State) -> bool:
+    return state.manufacture.running is not None
+
+
+MONTE_CARLO: tuple[Entry, ...] = (
+    Number(
+        "manufacture.count", "Robots", range=(1.0, float(MOST_ROBOTS)), step=100.0,
+        read=lambda state: state.manufacture.robots,
+        apply=lambda state, value: state.updated("manufacture", robots=round(value)),
+        undo=False,
+    ),
+    Number(
+        "manufacture.seed", "Seed", range=(0.0, 1e9), step=1.0,
+        hint="The same seed draws the same robots",
+        read=lambda state: state.manufacture.seed,
+        apply=lambda state, value: state.updated("manufacture", seed=round(value)),
+        undo=False,
+    ),
+    Button(
+        "manufacture.start", "Run Monte Carlo", icon=Icon.DICE, effect=start, undo=False,
+        visible=lambda state: not _busy(state),
+        hint="Draws lengths within the tolerances and solves each robot, at this pose",
+    ),
+    Progress(
+        "manufacture.progress", read=lambda state: state.manufacture.done, visible=_busy
+    ),
+    Button("manufacture.stop", "Stop", color="gray", visible=_busy, effect=stop),
+    Custom("manufacture.job", make=_Drawer),
+    Html("manufacture.found", content=monte_carlo_html, idle=True),
+)  # fmt: skip
