@@ -44,7 +44,7 @@ PREFIX = "PMZ1-"
 """What a code begins with; the figure is the version of the packing."""
 
 LONGEST_CODE = 16_000
-"""Longest code that is looked at [characters]; two full designs with all numbers have some 6,500."""
+"""Longest code that is looked at [characters]; two designs with all numbers have some 6,500."""
 
 LONGEST_TEXT = 40_000
 """Longest text that is unpacked [bytes]."""
