@@ -48,39 +48,39 @@ def _quantity(
 STIFFNESS = in_family(
     "stiffness",
     _quantity(
-        "stiffness_x", "K_x", "stiffness in x", "Force along x over displacement along x",
+        "stiffness_x", "K_x", "stiffness in x", "Stiffness in x: force over displacement",
         "N/m", _along(0),
     ),
     _quantity(
-        "stiffness_y", "K_y", "stiffness in y", "Force along y over displacement along y",
+        "stiffness_y", "K_y", "stiffness in y", "Stiffness in y: force over displacement",
         "N/m", _along(1),
     ),
     _quantity(
-        "stiffness_z", "K_z", "stiffness in z", "Force along z over displacement along z",
+        "stiffness_z", "K_z", "stiffness in z", "Stiffness in z: force over displacement",
         "N/m", _along(2),
     ),
     _quantity(
-        "stiffness_theta", "K_θ", "stiffness in θ", "Moment about z over rotation about z",
+        "stiffness_theta", "K_θ", "stiffness in θ", "Stiffness in θ: moment over rotation",
         "N m/rad", _along(5),
     ),
     _quantity(
         "stiffness_tilt", "K_tilt", "tilt stiffness",
-        "Moment over rotation about the softest horizontal axis", "N m/rad",
+        "Tilt stiffness about the softest axis", "N m/rad",
         _of(lambda found: found.tilt),
     ),
     _quantity(
         "stiffness_horizontal", "K_h", "smallest horizontal stiffness",
-        "Force over displacement in the softest horizontal direction", "N/m",
+        "Smallest horizontal stiffness", "N/m",
         _of(lambda found: found.horizontal),
     ),
     _quantity(
         "deflection", "δ", "deflection",
-        "Displacement of the platform's center under payload and load", "m",
+        "Deflection under payload and load", "m",
         _of(lambda found: np.linalg.norm(found.deflection()[..., :3], axis=-1)),
     ),
     _quantity(
         "deflection_tilt", "δ_tilt", "tilt under load",
-        "Tilt of the platform under payload and load", "rad",
+        "Tilt under payload and load", "rad",
         _of(lambda found: np.linalg.norm(found.deflection()[..., 3:5], axis=-1)),
     ),
 )  # fmt: skip
