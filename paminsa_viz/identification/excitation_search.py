@@ -94,7 +94,8 @@ class ExcitationSettings:
     def __post_init__(self) -> None:
         ranges = {
             "period": (0.5, 1000.0), "periods": (1, 1000), "samples": (LEAST_SAMPLES, 10_000),
-            "evaluations": (0, 1_000_000), "seconds": (0.0, 1e5), "random": (1, 10_000), "seed": (0, 2**31 - 1),
+            "evaluations": (0, 1_000_000), "seconds": (0.0, 1e5),
+            "random": (1, 10_000), "seed": (0, 2**31 - 1),
         }  # fmt: skip
         for name, (low, high) in ranges.items():
             value = getattr(self, name)
