@@ -12,6 +12,11 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.tolerances_report import (
+    manufacture_data,
+    manufacture_errors,
+    print_manufacture,
+)
 from paminsa_viz.model.accuracy import DriveAccuracy
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -28,11 +33,13 @@ from paminsa_viz.studies.metrics import Region, RegionResults
 from paminsa_viz.units import MM, display_unit, format_ascii
 
 DESCRIPTION = """\
-Errors of the platform's pose that the drives leave, at a pose and over the workspace.
+Errors of the platform's pose that the drives leave, at a pose and over the workspace; and those by
+tolerances, clearances and known deviations of the legs, at the pose.
 
   paminsa-viz accuracy                                    half a count of 0.01 degrees and 10 um
   paminsa-viz accuracy --pose 50 0 40 -500 --backlash 0.02 5
   paminsa-viz accuracy --resolution 0.005 2 --control 0.002 1 --json
+  paminsa-viz accuracy --manufacture --robots 2000        tolerances too, and 2000 random robots
   paminsa-viz accuracy --design driven.toml --encoders    counts of the design's own drives
 
 Half a count of the encoder, half the backlash and the controller's error add. Worst is the largest
@@ -62,6 +69,13 @@ class Accuracy(JsonFlags, PoseFlags, DesignFlags):
     encoders: bool = False
     """Take the resolution from the encoders of the design's drives."""
 
+    manufacture: bool = False
+    """Print the errors by the design's tolerances, clearances and deviations too."""
+    robots: int = 0
+    """Robots to draw at random within the tolerances, with --manufacture."""
+    seed: int = 0
+    """Seed of that draw."""
+
     radius: Annotated[float | None, tyro.conf.arg(metavar="MM")] = None
     """Radius of the disc of positions that statistics are over [mm]; half of R_b if left out."""
     theta: Annotated[tuple[float, ...], tyro.conf.arg(metavar="DEG")] = ()
@@ -85,16 +99,26 @@ class Accuracy(JsonFlags, PoseFlags, DesignFlags):
             self.cells,
         )
         here = drive_errors(geometry, design.accuracy, pose)
+        made = None
+        if self.manufacture:
+            made = manufacture_errors(design, pose, robots=self.robots, seed=self.seed)
         over = region_errors(RegionResults(design, region))
         if self.json:
-            print_json(_data(design, here, region, over))
+            data = _data(design, here, region, over)
+            print_json(data if made is None else data | {"manufacture": manufacture_data(made)})
         else:
             _print(design, here, region, over)
+            if made is not None:
+                print_manufacture(design, made)
         return 0 if here.ok else 1
 
     def _design(self) -> Design:
         """Return the design with the accuracies that are given."""
         design = self.given_design()
+        if self.robots and not self.manufacture:
+            raise UsageError("--robots is for --manufacture")
+        if self.robots < 0 or self.seed < 0:
+            raise UsageError("--robots and --seed are whole numbers of at least 0")
         if self.encoders and self.resolution is not None:
             raise UsageError("--encoders and --resolution exclude each other")
         accuracy = design.accuracy

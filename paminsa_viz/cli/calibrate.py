@@ -13,6 +13,7 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, check_ending
 from paminsa_viz.cli.output import print_json, print_table, print_written
+from paminsa_viz.cli.tolerances_report import UNITS
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import TableFileError
@@ -150,7 +151,7 @@ def _error_rows(found: Calibration) -> list[tuple[str, ...]]:
         ("", *(f"{name}: {kind}" for name, *_ in sets for kind in ("RMS before", "RMS", "largest")))
     ]
     for place in range(len(found.after.rms)):
-        unit = _UNITS[place]
+        unit = UNITS[place]
         cells = [
             format_ascii(float(values[place]), unit, 4)
             for _, before, after in sets
@@ -158,9 +159,6 @@ def _error_rows(found: Calibration) -> list[tuple[str, ...]]:
         ]
         rows.append((COORDINATES[place], *cells))
     return rows
-
-
-_UNITS = ("m:um", "m:um", "rad:arcsec", "m:um", "rad:arcsec", "rad:arcsec")
 
 
 def _deviation_rows(found: Calibration) -> list[tuple[str, ...]]:

@@ -87,19 +87,6 @@ def bar_masses(design: Design) -> dict[str, BarMass]:
     return found
 
 
-def inertia_ratios(design: Design) -> dict[str, float]:
-    """Return the transverse inertia of each bar over that of a slender one, where it is given.
-
-    Tubes that weigh as much as the bars cannot have more than a few percent above 1.
-    """
-    found = {}
-    for bar, own in bar_masses(design).items():
-        slender = own.mass * sum(own.spans) ** 2 / 12
-        if bar not in ("b1", "b2") and slender > 0:
-            found[bar] = 1 + own.rotary / slender
-    return found
-
-
 @dataclass(frozen=True, eq=False)
 class LegMatrices:
     """A design's legs as sums of constant matrices.

@@ -164,6 +164,38 @@ def first_frequencies(design: Design, pose: ArrayLike) -> Array:
     return found.reshape(pose.shape[:-1])
 
 
+def robot_modes(
+    design: Design,
+    pose: ArrayLike,
+    count: int = 6,
+    *,
+    divisions: int = 1,
+    shear: bool = False,
+) -> Modes:
+    """Return the lowest frequencies and modes of the whole robot at one pose.
+
+    Args:
+        design: The robot with its elastic data, payload and load.
+        pose: (4,) [m, m, rad, m].
+        count: How many.
+        divisions: Elements of a bar between two joints; one is exact to 1e-5.
+        shear: Whether bars deform by shear (Timoshenko).
+
+    Returns:
+        Frequencies (count,) [Hz], and shapes in the coordinates of `whole_matrices`; NaN where the
+        robot does not hold the pose, see `first_frequencies`.
+
+    Raises:
+        InvalidInput: If arm or shaft has no length, or ``divisions`` is not possible.
+    """
+    pose = as_vectors(pose, "pose")
+    matrices = leg_matrices(design, divisions, shear)
+    if not can_vibrate(design, pose[None])[0]:
+        size = SHARED + 3 * (matrices.size - RETAINED)
+        return Modes(np.full(count, np.nan), np.full((size, count), np.nan), np.array(False))
+    return whole_modes(matrices, pose, count)
+
+
 def can_vibrate(design: Design, pose: Array) -> Array:
     """Return at which poses (n, 4) the robot is in reach and held, (n,)."""
     held = np.isfinite(geometric_stiffness(design, pose)).all(axis=(-1, -2))

@@ -16,7 +16,7 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
     strain_shares,
 )
-from paminsa_viz.elastostatics.vibration import SHARED, can_vibrate, whole_matrices, whole_modes
+from paminsa_viz.elastostatics.vibration import SHARED, robot_modes, whole_matrices
 from paminsa_viz.explorer.motion.description import Pose
 from paminsa_viz.model import Design, Limit, PaminsaError
 from paminsa_viz.model.arrays import Array
@@ -122,12 +122,11 @@ def analyze_elasticity(job: ElasticJob) -> ElasticOutcome:
                 residual_tilt=float(compensate(design, pose, wrench).tilt),
                 shares=strain_shares(design, pose, wrench),
             )
-        if can_vibrate(design, pose[None])[0]:
-            modes = whole_modes(matrices, pose, MODES)
-            if modes.stable:
-                shapes = center_lines(matrices, pose, modes.shapes)
-                frequencies = tuple(modes.frequencies.tolist())
-                found = replace(found, frequencies=frequencies, shapes=shapes)
+        modes = robot_modes(design, pose, MODES)
+        if modes.stable:
+            shapes = center_lines(matrices, pose, modes.shapes)
+            frequencies = tuple(modes.frequencies.tolist())
+            found = replace(found, frequencies=frequencies, shapes=shapes)
     except PaminsaError as error:
         return ElasticOutcome(job, problem=str(error))
     return found

@@ -109,7 +109,7 @@ def manufactured_pose(design: Design, pose: ArrayLike) -> UnequalPose:
     The actuators are those of the nominal robot at poses (..., 4).
     """
     nominal = nominal_pose(design.geometry, pose)
-    if _equal_legs(design):
+    if equal_legs(design):
         return nominal
     return solve_pose(design.geometry, design_lengths(design), nominal.actuators, nominal.pose)
 
@@ -147,14 +147,15 @@ def _lengths_alone(field: Field, design: Design, tolerances: Tolerances) -> Desi
 def design_sensitivities(design: Design, pose: ArrayLike) -> Sensitivities:
     """Return the first-order errors of a design's own legs at poses (..., 4)."""
     lengths = design_lengths(design)
-    if _equal_legs(design):
+    if equal_legs(design):
         found = nominal_pose(design.geometry, pose)
     else:
         found = solve_actuators(design.geometry, lengths, pose)
     return sensitivities(design.geometry, lengths, found)
 
 
-def _equal_legs(design: Design) -> bool:
+def equal_legs(design: Design) -> bool:
+    """Whether a design has the same nominal lengths in all legs."""
     return all(leg.zero for leg in design.deviations)
 
 

@@ -19,7 +19,7 @@ from paminsa_viz.precision.manufacture import (
 from paminsa_viz.precision.unequal_legs import Closure
 from paminsa_viz.quantities.quantity import Missing, Quantity, in_family
 
-COST = 5e-5
+COST = 2.5e-5
 """Time for a pose [s]: nine equations with 42 lengths, or solving them."""
 
 _LENGTH, _ANGLE = "m:um", "rad:arcsec"

@@ -13,6 +13,7 @@ from paminsa_viz.engines.verification import Verification
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
+from paminsa_viz.report.accuracy_section import accuracy_section
 from paminsa_viz.report.balance_section import balance_section
 from paminsa_viz.report.blocks import Fact
 from paminsa_viz.report.design_section import design_section, provenance_section
@@ -48,6 +49,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     sections.append(forces_section(request))
     progress("stiffness")
     sections.append(stiffness_section(request))
+    progress("accuracy")
+    sections.append(accuracy_section(request))
     progress("trajectory")
     sections.append(trajectory_section(analysis))
     if (drives := drives_section(request.design, analysis)) is not None:

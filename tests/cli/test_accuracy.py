@@ -12,6 +12,9 @@ import pytest
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model import APPENDIX_4, Drive, DriveAccuracy, singular_rotation
 from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.precision.leg_lengths import with_deviations
+from paminsa_viz.precision.manufacture import manufactured_pose, tolerance_errors
+from paminsa_viz.precision.monte_carlo import monte_carlo
 from tests.support.commands import check_refused, run, run_json
 
 FOLD = float(np.degrees(singular_rotation(APPENDIX_4.geometry)))
@@ -87,3 +90,39 @@ def test_encoders_of_the_drives_give_the_resolution(capsys, tmp_path: Path) -> N
 )
 def test_wrong_words_are_refused(words: tuple[str, ...], problem: str, capsys) -> None:
     check_refused("accuracy", capsys, *words, place=problem)
+
+
+def test_manufacture_has_tolerances_robots_and_the_design_s_own_legs(capsys) -> None:
+    design = with_deviations(APPENDIX_4, np.full((3, 14), 1e-4) * [[1], [-1], [2]])
+    save_design(design, "robot.toml")
+    words = ("--design", "robot.toml", "--pose", "50", "0", "40", "-500", "--manufacture")
+    found = run_json("accuracy", capsys, *words, "--robots", "20", "--cells", "5")["manufacture"]
+    pose = (0.05, 0.0, np.radians(40), -0.5)
+    errors = tolerance_errors(design, pose)
+    drawn = monte_carlo(design, pose, robots=20)
+    moved = manufactured_pose(design, pose)
+    for index, name in enumerate(("x_m", "y_m", "theta_rad", "z_m", "tilt_x_rad", "tilt_y_rad")):
+        assert found["worst"][name] == pytest.approx(errors.worst[index])
+        assert found["robots"]["rms"][name] == pytest.approx(drawn.rms[index])
+        assert found["actual"][name] == pytest.approx(moved.coordinates[index])
+        assert sum(found["shares"][name].values()) == pytest.approx(1.0)
+    code, out, _ = run("accuracy", capsys, *words, "--robots", "20", "--cells", "5")
+    assert code == 0
+    assert "by tolerances and clearances" in out
+    assert "if the controller takes the legs as equal" in out
+    code, out, _ = run("accuracy", capsys, "--manufacture", "--cells", "5")
+    assert "takes the legs as equal" not in out
+    assert "RMS of robots" not in out
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("--robots", "5"), "--robots is for --manufacture"),
+        (("--manufacture", "--robots", "-1"), "whole numbers of at least 0"),
+        (("--manufacture", "--robots", "2000000"), "1 to 1000000 are possible"),
+    ],
+    ids=["alone", "negative", "too-many"],
+)
+def test_wrong_numbers_of_robots_are_refused(capsys, words, place) -> None:
+    check_refused("accuracy", capsys, *words, place=place)

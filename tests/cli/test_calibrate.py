@@ -100,7 +100,7 @@ def test_no_gain_is_exit_code_1_and_writes_nothing(measured: Measurements, capsy
         (("--propose", "0", "--out", "a.csv"), "1 to 1000"),
         (("--propose", "3", "--out", "a.toml"), "its ending has to be one of"),
     ],
-    ids=" ".join,
+    ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",
 )
 def test_wrong_words_are_refused(
     log: Measurements, capsys: Any, words: tuple[str, ...], place: str

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from paminsa_viz.elastostatics.leg_matrices import inertia_ratios
+from paminsa_viz.elastostatics.sections import tube_fits
 from paminsa_viz.elastostatics.stiffness import SHARES
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
@@ -162,8 +162,8 @@ def shares_html(frame: Frame) -> str:
 
 def sections_html(frame: Frame) -> str:
     """Return what tubes cannot match: the inertias of Appendix 4."""
-    ratios = inertia_ratios(frame.state.document.design)
-    far = {bar.upper(): ratio for bar, ratio in ratios.items() if ratio > 1.5}
+    fits = tube_fits(frame.state.document.design)
+    far = {fit.bar: fit.transverse_ratio for fit in fits if fit.transverse_ratio > 1.5}
     elastic = frame.state.document.design.elastic
     given = [
         bar.upper()
