@@ -27,7 +27,7 @@ from paminsa_viz.elastostatics.modes import Modes, natural_modes
 from paminsa_viz.elastostatics.structure import joint5_map
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import check_reach
 
 SHARED = 7
 """Shared coordinates: the platform's six, and the carriage's Z."""
@@ -156,7 +156,7 @@ def first_frequencies(design: Design, pose: ArrayLike) -> Array:
     pose = as_vectors(pose, "pose")
     matrices, flat = leg_matrices(design), pose.reshape(-1, 4)
     found = np.full(len(flat), np.nan)
-    usable = np.flatnonzero(can_vibrate(design, flat))
+    usable = np.flatnonzero(check_reach(design.geometry, flat).ok)
     for start in range(0, len(usable), BLOCK):
         block = usable[start : start + BLOCK]
         robot = reduced_robot(matrices, flat[block])
@@ -190,16 +190,7 @@ def robot_modes(
     """
     pose = as_vectors(pose, "pose")
     matrices = leg_matrices(design, divisions, shear)
-    if not can_vibrate(design, pose[None])[0]:
-        size = SHARED + 3 * (matrices.size - RETAINED)
-        return Modes(np.full(count, np.nan), np.full((size, count), np.nan), np.array(False))
     return whole_modes(matrices, pose, count)
-
-
-def can_vibrate(design: Design, pose: Array) -> Array:
-    """Return at which poses (n, 4) the robot is in reach and held, (n,)."""
-    held = np.isfinite(geometric_stiffness(design, pose)).all(axis=(-1, -2))
-    return held & (leg_frame(design.geometry, pose).status == Limit.OK)
 
 
 def whole_matrices(

@@ -226,6 +226,18 @@ def test_center_lines_meet_at_the_joints_and_move_with_the_platform() -> None:
     assert 1e-6 < np.abs(gap).max() < 0.1 * soft.largest[0]  # the elastic ball joint gives way
 
 
+def test_between_two_nodes_a_loaded_bar_has_the_cubic_of_its_element() -> None:
+    """Forces act at joints alone, so that more elements change no point of a center line."""
+    found = []
+    for divisions in (1, 4):
+        matrices = leg_matrices(SOFT, divisions)
+        k, _ = whole_matrices(matrices, POSES[1], loaded=False)
+        force = np.zeros((len(k), 1))
+        force[:6, 0] = [30.0, -20.0, 50.0, 2.0, 3.0, -4.0]
+        found.append(center_lines(matrices, POSES[1], np.linalg.solve(k, force)).moves)
+    assert np.abs(found[1] - found[0]).max() < 1e-7 * np.abs(found[0]).max()
+
+
 def test_center_lines_of_a_static_shape_are_the_structure_s() -> None:
     """The platform moves by 1 mm along x: nodes as of `Structure.displacements`, cubic between."""
     matrices = leg_matrices(APPENDIX_4, 2)
