@@ -25,7 +25,7 @@ SIGNIFICANCE = 1e-3
 MOST_NAMED = 3
 """Most causes that are named one after the other."""
 
-SPANNED = 1e-9
+SPANNED = 1e-8
 """Share of a column's square that the model leaves, below which the cause cannot be seen at all."""
 
 NEVER_SEEN = (

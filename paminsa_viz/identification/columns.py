@@ -146,8 +146,9 @@ class _Builder:
 def fit_model(design: Design, signals: Signals, settings: IdentificationSettings) -> FitModel:
     """Return the columns for a log's signals and what they stand for."""
     geometry = design.geometry
-    motion = signals.pose, signals.velocity, signals.acceleration
-    x = base_regressor(geometry, *motion)
+    samples = signals.samples
+    motion = samples.pose, samples.velocity, samples.acceleration
+    x = signals.smooth(base_regressor(geometry, *motion))
     value, scale = base_parameters(design), base_scale(design)
     x = np.where(np.abs(x * scale).max(axis=0) > NOTHING * np.abs(signals.torque).max(), x, 0.0)
     base = tuple(
@@ -159,21 +160,22 @@ def fit_model(design: Design, signals: Signals, settings: IdentificationSettings
     spread = signals.torque.std(axis=0)
     friction = design.actuator_friction
     if settings.viscous:
-        _add_diagonal(builder, signals.speed, "viscous", friction.viscous, spread)
+        _add_diagonal(builder, signals.smooth(samples.speed), "viscous", friction.viscous, spread)
     if settings.coulomb:
-        _add_diagonal(builder, signals.coulomb, "coulomb", friction.coulomb, spread)
+        _add_diagonal(builder, signals.smooth(samples.sign), "coulomb", friction.coulomb, spread)
     if settings.offsets:
         ones = np.ones_like(signals.torque)
         _add_diagonal(builder, ones, "offset", (0.0, 0.0, 0.0), spread)
     known = np.zeros_like(signals.torque)
     inertia = np.array(design.drive_inertia)
+    growth = signals.smooth(samples.growth)
     if settings.rotors:
-        _add_rotors(builder, signals.growth, inertia, float(LARGE_SHARE * scale[7]))
+        _add_rotors(builder, growth, inertia, float(LARGE_SHARE * scale[7]))
     elif any(inertia[:3] != inertia[0]):
         mean = inertia[:3].mean()
-        known[:, :3] += (inertia[:3] - mean) * signals.growth[:, :3]
+        known[:, :3] += (inertia[:3] - mean) * growth[:, :3]
     if design.load.acts:
-        known += load_torques(geometry, design.load, signals.pose, None)
+        known += signals.smooth(load_torques(geometry, design.load, samples.pose, None))
     if settings.delay:
         delay = FitParameter(
             "delay", "s", "delay of the torques", "delay", 0.0, LARGE_DELAY, "faster motion"
@@ -185,7 +187,7 @@ def fit_model(design: Design, signals: Signals, settings: IdentificationSettings
         columns, report = _constrained(columns, report, identity_row(geometry, design.gravity))
     if settings.legs:
         columns, report = _with_legs(
-            builder, columns, report, leg_base_regressor(geometry, *motion), scale
+            builder, columns, report, signals.smooth(leg_base_regressor(geometry, *motion)), scale
         )
     return FitModel(columns, signals.torque - known, known, tuple(builder.parameters), report)
 

@@ -157,7 +157,7 @@ def shifted(signals: Signals, lag: float) -> Signals:
 
 def require_motion(signals: Signals) -> None:
     """Refuse a log in which nothing moves: its columns would be noise."""
-    travel = np.ptp(signals.position, axis=0)
+    travel = np.ptp(signals.samples.position, axis=0)
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:
         raise InvalidLog(
             "the robot hardly moves in this log (below 0.01 rad and 1 mm); record a motion that "

@@ -80,3 +80,14 @@ def test_click_on_the_front_takes_that_design(balance: Tab) -> None:
     until(lambda: balance.handle("Point").value == 4, "the slider follows")
     balance.press("Point", "End")
     until(lambda: balance.state.document.design == designs[-1], "the end of the front")
+
+
+def test_price_of_a_balance_is_shown_for_all_four_actuators(balance: Tab) -> None:
+    balance.click("Balance as in the paper")
+    status = balance.page.get_by_test_id("balance-status")
+    status.get_by_text("The price: M4: largest at rest +").wait_for()
+    text = until(lambda: balance.text("balance-result"), "the tables")
+    for group in ("largest at rest", "largest in motion", "RMS in motion", "largest power"):
+        assert re.search(rf"{group}\s+before\s+after\s+change(\s+M[1-4] \[[^\]]+\].*){{4}}", text)
+    assert re.search(r"M4 \[N\]\s+\d+\.\d\s+308\.6\s+\+\d+\.\d %", text)
+    assert "κ ≤ 10" in text

@@ -25,6 +25,7 @@ from paminsa_viz.model import (
 )
 from paminsa_viz.model.reach import home_pose
 from tests.support.identification_logs import simulated
+from tests.support.samples import random_design
 
 FRICTION = Friction(0.3, 0.4, 20.0, 8.0)
 RUBBING = replace(APPENDIX_4, friction=FRICTION)
@@ -47,6 +48,19 @@ def test_a_log_without_noise_gives_the_design(knee: KneeBranch) -> None:
         assert item.value == pytest.approx(item.parameter.design, abs=0.01 * item.parameter.most)
     assert np.abs(found.residual).max() < 3e-3 * np.abs(found.measured).max()
     assert found.identity.value == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("seed", range(1, 5))
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_logs_of_any_robot_without_noise_give_its_numbers(seed: int, knee: KneeBranch) -> None:
+    design = random_design(np.random.default_rng(seed)).with_knee(knee)
+    design = replace(design, friction=Friction(0.2, 0.1, 10.0, 3.0))
+    found = identify(simulated(seed, design, noise_seed=None, rate=200.0), design, QUICK)
+    for item in found.estimates:
+        if item.symbol not in ("b_8", "b_9", "b_10"):
+            assert item.value == pytest.approx(
+                item.parameter.design, abs=0.02 * item.parameter.most
+            )
 
 
 def test_what_twenty_seconds_tell_and_what_they_do_not() -> None:

@@ -47,7 +47,7 @@ class RandomMotion:
 
 @cache
 def multi_sine(seed: int, design: Design = APPENDIX_4) -> RandomMotion:
-    """Return a random motion within reach, with a condition number of at most 5."""
+    """Return a random motion off stretched legs, with a condition number of at most 5."""
     rng = np.random.default_rng(seed)
     weight = rng.standard_normal((2, 4, HARMONICS)) / np.arange(1, HARMONICS + 1) ** 0.7
     size = np.array([0.1, 0.1, 0.7, 0.14]) * design.geometry.base_radius / 0.35
@@ -59,7 +59,9 @@ def multi_sine(seed: int, design: Design = APPENDIX_4) -> RandomMotion:
         motion = RandomMotion(center, *(share * weight))
         poses = motion(t)[0]
         good = (check_reach(design.geometry, poses).status == Limit.OK).all()
-        if good and measure_singularity(design.geometry, poses).condition.max() <= 5:
+        found = measure_singularity(design.geometry, poses)
+        apart = found.serial_distance.min() > 0.05 * design.geometry.base_radius
+        if good and apart and found.condition.max() <= 5:
             return motion
     raise AssertionError("no share of the motion fits")
 
