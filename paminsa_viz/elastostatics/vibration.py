@@ -42,11 +42,12 @@ BLOCK = 128
 def platform_mass(design: Design) -> Array:
     """Return the mass matrix of platform and payload at P, (6, 6) [kg, kg m^2].
 
-    Both are discs: their inertia about x and y is half that about z.
+    Both are discs, with half of their inertia about x and y, unless the platform's is given.
     """
     mass = design.platform.mass + design.payload.mass
     inertia = design.platform.inertia + design.payload.inertia
-    return np.diag([mass, mass, mass, inertia / 2, inertia / 2, inertia])
+    tilt = design.value("elastic.platform_tilt_inertia") + design.payload.inertia / 2
+    return np.diag([mass, mass, mass, tilt, tilt, inertia])
 
 
 def shared_map(frame: LegFrame) -> Array:

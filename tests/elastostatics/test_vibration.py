@@ -163,6 +163,17 @@ def test_whole_modes_solve_the_matrices() -> None:
     assert found.shapes.T @ m @ found.shapes == pytest.approx(np.eye(4), abs=1e-9)
 
 
+def test_inertia_about_horizontal_axes_counts_where_it_is_given() -> None:
+    """As much as in the tilt of the shapes: f^2 falls by 2 pi f^2 times what v^T dM v adds."""
+    heavy = APPENDIX_4.vary({"elastic.platform_tilt_inertia": 0.0076})
+    modes = robot_modes(APPENDIX_4, POSES[1], 6)
+    changed = robot_modes(heavy, POSES[1], 6).frequencies
+    added = (0.0076 - 0.0075) * (modes.shapes[3:5] ** 2).sum(axis=0)
+    expected = modes.frequencies * (1 - added / 2)
+    assert changed == pytest.approx(expected, rel=1e-4)
+    assert (1 - changed / modes.frequencies).max() > 1e-3
+
+
 def test_a_third_of_a_turn_changes_no_frequency() -> None:
     turned = POSES.copy()
     c, s = np.cos(2 * np.pi / 3), np.sin(2 * np.pi / 3)
