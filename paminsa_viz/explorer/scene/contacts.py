@@ -1,0 +1,58 @@
+"""Where bars of a leg would touch if their center lines lay in one plane: balls and labels."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from trimesh.creation import icosphere
+
+from paminsa_viz import palette
+from paminsa_viz.elastostatics.contacts import contacts, pair_name
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.layers import SceneContext
+
+RADIUS: Final = 0.028
+"""Radius of a ball [m]: more than that of a bar, so that it can be seen."""
+
+COLOR: Final = palette.BAD
+
+
+class ContactView:
+    """The layer ``contacts``: a ball and a label where two bars would touch."""
+
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._drawn: tuple[object, ...] = ()
+        self._nodes: list[Any] = []
+        self._ball = icosphere(subdivisions=2, radius=RADIUS)
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow pose, lengths and tubes; nothing is sent while hidden."""
+        del dragging
+        shown = "contacts" in frame.state.layers
+        design, pose = frame.shown_design, frame.configuration.pose
+        key = (shown, *((design.geometry, design.elastic, tuple(pose.tolist())) if shown else ()))
+        if key == self._drawn:
+            return
+        self._drawn = key
+        for node in self._nodes:
+            node.remove()
+        self._nodes.clear()
+        if not shown or not np.isfinite(pose).all():
+            return
+        found = contacts(design, pose)
+        for leg, pair in np.argwhere(found.gap < 0):
+            place = found.point[leg, pair]
+            name = f"/contacts/{leg + 1}-{pair}"
+            self._nodes.append(
+                self._scene.add_mesh_simple(
+                    name, np.asarray(self._ball.vertices, np.float32),
+                    np.asarray(self._ball.faces, np.uint32), color=palette.rgb(COLOR), opacity=0.5,
+                    position=place, cast_shadow=False, receive_shadow=False,
+                )
+            )  # fmt: skip
+            self._scene.add_label(  # removed with its ball
+                f"{name}/label", pair_name(int(pair)), font_screen_scale=0.8,
+                anchor="bottom-center", position=(0.0, 0.0, RADIUS),
+            )  # fmt: skip
