@@ -12,6 +12,7 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.elastostatics.contacts import contacts
 from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
 from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
@@ -157,6 +158,7 @@ def _data(
         "deflection": moved.deflection.tolist(),
         "compensation": dict(zip(ACTUATORS, moved.actuators.tolist(), strict=True)),
         "residual_tilt_rad": float(moved.tilt),
+        "contacts": contacts(design, found.pose).touching(),
         "natural_frequencies_Hz": _frequencies(design, found.pose, shear=shear),
         "shares": {
             name: dict(zip(SHARES, share.tolist(), strict=True))
@@ -182,6 +184,8 @@ def _print(
     print_table(rows, right=True)
     axes, directions = found.ellipsoid()
     softest = " ".join(f"{value:.2f}" for value in directions[:, -1])
+    if touching := contacts(design, found.pose).touching():
+        print(f"center lines in one plane: {', '.join(touching)} would touch and are let through")
     print(f"compliance ellipsoid: {' '.join(f'{MM * a:.3g}' for a in axes)} mm/N, "
           f"softest along ({softest})")  # fmt: skip
     print()

@@ -43,10 +43,10 @@ FARTHEST = 1e6
 PREFIX = "PMZ1-"
 """What a code begins with; the figure is the version of the packing."""
 
-LONGEST_CODE = 8_000
-"""Longest code that is looked at [characters]; the longest of two full designs has about 2,500."""
+LONGEST_CODE = 16_000
+"""Longest code that is looked at [characters]; two designs with all numbers have some 6,500."""
 
-LONGEST_TEXT = 20_000
+LONGEST_TEXT = 40_000
 """Longest text that is unpacked [bytes]."""
 
 

@@ -19,6 +19,7 @@ from paminsa_viz.report.blocks import Fact
 from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.drives_section import drives_section
 from paminsa_viz.report.forces_section import forces_section
+from paminsa_viz.report.loads_section import loads_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.report.trajectory_section import trajectory_section
@@ -54,6 +55,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     sections.append(trajectory_section(analysis))
     if (drives := drives_section(request.design, analysis)) is not None:
         sections.append(drives)
+    progress("joint forces")
+    sections.append(loads_section(analysis, request.pose))
     progress("verification")
     found = checked(request)
     sections.append(verification_section(found))
