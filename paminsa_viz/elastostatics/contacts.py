@@ -46,15 +46,15 @@ class Contacts:
     point: Array
 
     def touching(self) -> list[str]:
-        """Return the pairs that would touch in any leg of any pose: ``"B2 and B10"``."""
+        """Return the pairs that would touch in any leg of any pose: ``"B2–B10"``."""
         found = (self.gap < 0).reshape(-1, len(PAIRS)).any(axis=0)
         return [pair_name(i) for i in np.flatnonzero(found)]
 
 
 def pair_name(index: int) -> str:
-    """Return the name of a pair: ``"B2 and B10"``."""
+    """Return the name of a pair: ``"B2–B10"``."""
     first, second = PAIRS[index]
-    return f"{first.upper()} and {second.upper()}"
+    return f"{first.upper()}–{second.upper()}"
 
 
 def contacts(design: Design, pose: ArrayLike) -> Contacts:

@@ -21,6 +21,7 @@ from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.drives_section import drives_section
 from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.identification_section import identification_section
+from paminsa_viz.report.loads_section import loads_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.report.trajectory_section import trajectory_section
@@ -57,6 +58,8 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     sections.append(trajectory_section(analysis))
     if (drives := drives_section(request.design, analysis)) is not None:
         sections.append(drives)
+    progress("joint forces")
+    sections.append(loads_section(analysis, request.pose))
     if request.log is not None:
         progress("identification")
         sections.append(identification_section(investigate(request.log, request.design)))

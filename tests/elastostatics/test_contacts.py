@@ -43,9 +43,9 @@ def test_hanging_the_shaft_passes_the_root_of_b10() -> None:
     found = contacts(APPENDIX_4, POSE)
     np.testing.assert_allclose(found.point[:, index, :2], 0.35 * LEG_AXES, atol=1e-12)
     np.testing.assert_allclose(found.point[:, index, 2], 0.0, atol=1e-12)
-    assert "B2 and B10" in found.touching()
+    assert "B2–B10" in found.touching()
     standing = contacts(APPENDIX_4.with_knee(KneeBranch.UPPER), (0.0, 0.0, 0.0, 0.6))
-    assert "B2 and B10" not in standing.touching()
+    assert "B2–B10" not in standing.touching()
 
 
 def test_unreachable_pose_has_no_gaps() -> None:

@@ -163,6 +163,17 @@ def test_whole_modes_solve_the_matrices() -> None:
     assert found.shapes.T @ m @ found.shapes == pytest.approx(np.eye(4), abs=1e-9)
 
 
+def test_inertia_about_horizontal_axes_counts_where_it_is_given() -> None:
+    """As much as in the tilt of the shapes: f^2 falls by 2 pi f^2 times what v^T dM v adds."""
+    heavy = APPENDIX_4.vary({"elastic.platform_tilt_inertia": 0.0076})
+    modes = robot_modes(APPENDIX_4, POSES[1], 6)
+    changed = robot_modes(heavy, POSES[1], 6).frequencies
+    added = (0.0076 - 0.0075) * (modes.shapes[3:5] ** 2).sum(axis=0)
+    expected = modes.frequencies * (1 - added / 2)
+    assert changed == pytest.approx(expected, rel=1e-4)
+    assert (1 - changed / modes.frequencies).max() > 1e-3
+
+
 def test_a_third_of_a_turn_changes_no_frequency() -> None:
     turned = POSES.copy()
     c, s = np.cos(2 * np.pi / 3), np.sin(2 * np.pi / 3)
@@ -224,6 +235,18 @@ def test_center_lines_meet_at_the_joints_and_move_with_the_platform() -> None:
     soft = center_lines(matrices, pose, whole_modes(matrices, pose, 1).shapes)
     gap = soft.moves[by["leg1/b4"], -1] - soft.moves[by["platform"], -1]
     assert 1e-6 < np.abs(gap).max() < 0.1 * soft.largest[0]  # the elastic ball joint gives way
+
+
+def test_between_two_nodes_a_loaded_bar_has_the_cubic_of_its_element() -> None:
+    """Forces act at joints alone, so that more elements change no point of a center line."""
+    found = []
+    for divisions in (1, 4):
+        matrices = leg_matrices(SOFT, divisions)
+        k, _ = whole_matrices(matrices, POSES[1], loaded=False)
+        force = np.zeros((len(k), 1))
+        force[:6, 0] = [30.0, -20.0, 50.0, 2.0, 3.0, -4.0]
+        found.append(center_lines(matrices, POSES[1], np.linalg.solve(k, force)).moves)
+    assert np.abs(found[1] - found[0]).max() < 1e-7 * np.abs(found[0]).max()
 
 
 def test_center_lines_of_a_static_shape_are_the_structure_s() -> None:

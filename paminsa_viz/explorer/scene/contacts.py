@@ -19,7 +19,7 @@ COLOR: Final = palette.BAD
 
 
 class ContactView:
-    """The layer ``contacts``: a ball and a label where two bars would touch."""
+    """The layer ``contacts``: balls where two bars would touch, and a label for each leg."""
 
     def __init__(self, context: SceneContext) -> None:
         self._scene = context.scene
@@ -42,17 +42,23 @@ class ContactView:
         if not shown or not np.isfinite(pose).all():
             return
         found = contacts(design, pose)
-        for leg, pair in np.argwhere(found.gap < 0):
-            place = found.point[leg, pair]
-            name = f"/contacts/{leg + 1}-{pair}"
-            self._nodes.append(
-                self._scene.add_mesh_simple(
-                    name, np.asarray(self._ball.vertices, np.float32),
-                    np.asarray(self._ball.faces, np.uint32), color=palette.rgb(COLOR), opacity=0.5,
-                    position=place, cast_shadow=False, receive_shadow=False,
-                )
-            )  # fmt: skip
-            self._scene.add_label(  # removed with its ball
-                f"{name}/label", pair_name(int(pair)), font_screen_scale=0.8,
-                anchor="bottom-center", position=(0.0, 0.0, RADIUS),
-            )  # fmt: skip
+        for leg, gap in enumerate(found.gap):
+            pairs = np.flatnonzero(gap < 0)
+            for pair in pairs:
+                self._nodes.append(
+                    self._scene.add_mesh_simple(
+                        f"/contacts/{leg + 1}-{pair}", np.asarray(self._ball.vertices, np.float32),
+                        np.asarray(self._ball.faces, np.uint32), color=palette.rgb(COLOR),
+                        opacity=0.5, position=found.point[leg, pair], cast_shadow=False,
+                        receive_shadow=False,
+                    )
+                )  # fmt: skip
+            if pairs.size:
+                top = max(found.point[leg, pairs], key=lambda place: place[2])
+                self._nodes.append(
+                    self._scene.add_label(
+                        f"/contacts/{leg + 1}", ", ".join(map(pair_name, pairs)),
+                        font_screen_scale=0.8, anchor="bottom-center",
+                        position=top + np.array([0.0, 0.0, RADIUS]),
+                    )
+                )  # fmt: skip

@@ -13,13 +13,15 @@ def test_balls_are_where_bars_would_touch(scene: Scene) -> None:
     scene.draw(layers=["contacts"])
     found = contacts(APPENDIX_4, POSE)
     expected = {f"/contacts/{leg + 1}-{pair}" for leg, pair in np.argwhere(found.gap < 0)}
-    balls = {name for name in scene.nodes if name.startswith("/contacts/") and "label" not in name}
+    balls = {name for name in scene.nodes if name.startswith("/contacts/") and "-" in name}
     assert balls == expected
     shaft_and_guide = PAIRS.index(("b2", "b10"))
     name = f"/contacts/2-{shaft_and_guide}"
     place = found.point[1, shaft_and_guide]
     np.testing.assert_allclose(scene.nodes[name].position, place)
-    assert scene.nodes[f"{name}/label"].text == pair_name(shaft_and_guide) == "B2 and B10"
+    texts = [pair_name(int(pair)) for pair in np.flatnonzero(found.gap[1] < 0)]
+    assert scene.nodes["/contacts/2"].text == ", ".join(texts)
+    assert pair_name(shaft_and_guide) == "B2–B10"
 
 
 def test_layer_follows_the_pose_and_hides(scene: Scene) -> None:
