@@ -94,6 +94,15 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     assert "\n" not in found.advice
 
 
+def test_friction_is_unknown_where_the_noise_hides_it() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    noise = np.random.default_rng(0).standard_normal(log.torque.shape) * log.torque.std(axis=0)
+    loud = identify(make_log(log.t, log.position, log.torque + 10 * noise), APPENDIX_4, QUICK)
+    friction = {"b_v1", "b_v2", "b_v3", "b_v4", "c1", "c2", "c3", "c4"}
+    assert friction <= {item.symbol for item in loud.unknown}
+    assert not friction & {item.symbol for item in identify(log, APPENDIX_4, QUICK).unknown}
+
+
 def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
     # from joint 2 to joint 3: they always move together
     moved = RUBBING.vary({"joints.j2": 0.1, "joints.j3": 0.338 + 0.114})
