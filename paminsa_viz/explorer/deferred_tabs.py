@@ -38,7 +38,7 @@ class TabStore:
         """Save what has changed."""
         if dragging:
             return
-        text = persistence.dump(frame.state.document)
+        text = persistence.dump(frame.state.document, frame.state.identifying.settings)
         if text != self._kept:
             self._kept = text
             self._bridge.save(text)

@@ -114,11 +114,16 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         if not isinstance(saved, str):
             return
         try:
-            document = persistence.load(saved)
+            document, settings = persistence.load(saved), persistence.load_settings(saved)
         except PaminsaError as error:
             log.info("a tab's saved state was not taken: %s", error)
             return
-        session.dispatch("restore", lambda state: actions.restore(state, document), step=False)
+
+        def restored(state: State) -> State:
+            found = actions.restore(state, document)
+            return found.updated("identifying", settings=settings)
+
+        session.dispatch("restore", restored, step=False)
 
     def choose_detail(renderer: object) -> None:
         if has_graphics_card(renderer):
