@@ -36,7 +36,8 @@ VIEW: dict[str, Any] = {
 def dump(state: State) -> str:
     """Write what a tab keeps of a state."""
     view = {name: msgspec.to_builtins(getattr(state, name)) for name in VIEW}
-    return json.dumps(json.loads(persistence.dump(state.document)) | {"view": view})
+    document = persistence.dump(state.document, state.identifying.settings)
+    return json.dumps(json.loads(document) | {"view": view})
 
 
 def restore(state: State, text: str) -> State:
@@ -46,6 +47,7 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
+    state = state.updated("identifying", settings=persistence.load_settings(text))
     view = json.loads(text).get("view", {})
     for name, kind in VIEW.items():
         try:

@@ -15,6 +15,7 @@ from paminsa_viz.identification.columns import (
     fit_model,
 )
 from paminsa_viz.identification.estimate import (
+    RESOLUTION,
     FitSolution,
     NormalBlocks,
     block_numbers,
@@ -27,6 +28,7 @@ from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import Estimate, Identification, Identity
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS
 
 OTHER_CUT_OFFS = (1 / 1.5, 1.5)
 """Cut-offs that results are tried with, over the cut-off."""
@@ -86,11 +88,13 @@ def identify(
         start: Pose (4,) near the log's start, to choose the assembly; the home pose by default.
 
     Raises:
-        InvalidLog: At the first row that cannot be used, or if the log is too short or the robot
-            does not move.
-        InvalidInput: If the cut-off does not suit the sampling rate.
+        InvalidLog: At the first row that cannot be used, or if the log is too short, the robot
+            does not move, or a torque never changes.
+        InvalidInput: If the cut-off does not suit the sampling rate, or there is no gravity.
     """
     settings = IdentificationSettings() if settings is None else settings
+    if not design.gravity > 0:
+        raise InvalidInput("design", "identification needs gravity above 0: it weighs the robot")
     prepared = prepare(log, design, start)
     signals = filtered(prepared, design, settings)
     require_motion(signals)
@@ -111,8 +115,10 @@ def identify(
         f"{len(signals.t)} samples at {1 / signals.step:g} Hz, {solution.blocks} blocks of "
         f"{settings.block:g} s"
     )
-    if log.duration < FEW_SECONDS:
+    if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
+    if estimates[0].high < 0:
+        notes.append("the weight is negative: the sign of force4, or of its gain, is wrong")
     if settings.robustness:
         notes += _moves(prepared, design, settings, estimates, values, error)
     return Identification(
@@ -156,13 +162,16 @@ def shifted(signals: Signals, lag: float) -> Signals:
 
 
 def require_motion(signals: Signals) -> None:
-    """Refuse a log in which nothing moves: its columns would be noise."""
+    """Refuse a log in which nothing moves, or an actuator's torque stays what it is."""
     travel = np.ptp(signals.samples.position, axis=0)
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:
         raise InvalidLog(
             "the robot hardly moves in this log (below 0.01 rad and 1 mm); record a motion that "
             "excites it, such as that of `paminsa-viz excite`"
         )
+    for name, spread in zip(ACTUATORS, np.ptp(signals.torque, axis=0), strict=True):
+        if spread <= RESOLUTION * np.abs(signals.torque).max():
+            raise InvalidLog(f"the torque of {name} never changes; check its sensor or column")
 
 
 def _moves(

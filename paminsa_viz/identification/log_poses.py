@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.model import backend
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import forward_kinematics, wrap
 from paminsa_viz.model.leg import mechanism
@@ -64,7 +64,7 @@ def log_poses(
         InvalidLog: At the first row out of reach or with a condition number above
             `MOST_CONDITION`, unless the log is to be split there; and if nothing is left.
     """
-    begin = home_pose(geometry) if start is None else start
+    begin = as_vectors(home_pose(geometry) if start is None else start, "start")
     pose = np.concatenate(
         [follow_pose(geometry, log.position[part], begin) for part in log.segments]
     )
@@ -87,7 +87,7 @@ def _why(pose: Array, status: int, condition: float) -> str:
             "order, and the geometry"
         )
     if status != Limit.OK:
-        return f"out of reach ({Limit(status).label}); check the zeros and the geometry"
+        return f"out of reach ({Limit(status).label}); check zeros, geometry and start pose"
     return (
         f"the condition number is {condition:.3g}, near a singularity, where encoder noise becomes "
         f"torque; at most {MOST_CONDITION:g} is used: leave these rows out"

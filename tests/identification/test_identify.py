@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.identification import (
     BASE_SYMBOLS,
     IdentificationSettings,
+    InvalidLog,
     base_parameters,
     identify,
     make_log,
@@ -145,3 +147,30 @@ def test_opt_in_numbers_are_found() -> None:
     assert len(contrasts) == 24
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
     assert legs.model.columns.shape[-1] == 27 + 4 + 4 + 3 + 2
+
+
+def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    stuck = log.torque.copy()
+    stuck[:, 1] = 3.0
+    with pytest.raises(InvalidLog, match="torque of M2 never changes"):
+        identify(make_log(log.t, log.position, stuck), APPENDIX_4)
+    found = identify(make_log(log.t, log.position, -log.torque), APPENDIX_4, QUICK)
+    assert any("sign of force4" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("words", "call"),
+    [
+        ("cut_off", lambda log: identify(log, APPENDIX_4, IdentificationSettings(cut_off=80.0))),
+        ("block", lambda log: IdentificationSettings(block=-1.0)),
+        ("start", lambda log: identify(log, APPENDIX_4, start=(0.0, 0.0, 0.0))),
+        ("gravity", lambda log: identify(log, replace(APPENDIX_4, gravity=0.0))),
+        ("symbol", lambda log: identify(log, APPENDIX_4, QUICK).estimate("M_p3")),
+        ("blocks of 10 s", lambda log: identify(log, APPENDIX_4, IdentificationSettings(block=10))),
+    ],
+    ids=["cut-off", "block", "start", "gravity", "symbol", "long blocks"],
+)
+def test_impossible_settings_are_refused(words: str, call: Any) -> None:
+    with pytest.raises(PaminsaError, match=words):
+        call(simulated(1, RUBBING, rate=200.0))
