@@ -1,4 +1,4 @@
-"""Speed of stiffness maps: the force method, the assembled structure, and what a slider costs.
+"""Speed of maps of stiffness and of the first natural frequency, and what a slider costs.
 
 Run: ``python -m benchmarks.stiffness_speed``.
 """
@@ -10,8 +10,10 @@ import time
 import numpy as np
 
 from benchmarks.measure import best, heading, number, table
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.stiffness import field_stiffness, platform_stiffness
 from paminsa_viz.elastostatics.structure import structure
+from paminsa_viz.elastostatics.vibration import first_frequencies, robot_modes
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.model.grids import solve_field, xy_grid
 from paminsa_viz.quantities import QUANTITIES
@@ -54,7 +56,14 @@ def main() -> None:
             ],
             2 * every,
         ),
-        "whole 6x6, assembled structure (154 freedoms)": (
+        f"first natural frequency, map {CELLS}x{CELLS}": (
+            lambda: first_frequencies(APPENDIX_4, poses), every
+        ),
+        "the same with elastic drives alone": (lambda: drive_modes(APPENDIX_4, poses), every),
+        "six modes in all coordinates (151)": (
+            lambda: [robot_modes(APPENDIX_4, pose) for pose in few[:20]], 20
+        ),
+        "whole 6x6, assembled structure (151 freedoms)": (
             lambda: structure(APPENDIX_4, few).platform_stiffness(), len(few)
         ),
     }  # fmt: skip

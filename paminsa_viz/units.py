@@ -68,7 +68,7 @@ def percent_change(before: float, after: float) -> str:
     percent = 100 * (after - before) / before
     if abs(percent) >= 1000:
         return f"×{number(after / before, 3)}"
-    text = f"{percent:+.1f}" if abs(percent) < 100 else f"{percent:+.0f}"
+    text = f"{percent:+.1f}" if round(abs(percent), 1) < 100 else f"{percent:+.0f}"
     return f"{text.replace('-', '−')} %" if float(text) else "≈ 0 %"
 
 

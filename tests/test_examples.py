@@ -22,6 +22,7 @@ WRITTEN = {
     "static_maps": {"static_maps.png"},
 }
 PRINTED = {
+    "accuracy": r"linear +6912\.9″, no bound: (.|\n)*bars and shafts to 20 µm: z off by 811 µm",
     "balance": r"M_p2 =  ? ?0\.0000 N, torques \[0\. 0\. 0\.\]",
     "calibration": r"30 combinations show (.|\n)*held back, RMS of z: .* 9\.2 um after",
     "crossing": r"turn, Appendix 4: 0\.372 s, (.|\n)*cannot be held",

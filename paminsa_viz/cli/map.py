@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 import numpy as np
 import tyro
+from numpy.typing import NDArray
 
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import ComparedDesignFlags, FilesFlags
@@ -16,8 +17,9 @@ from paminsa_viz.cli.output import print_error, print_json, print_table, print_w
 from paminsa_viz.errors import PaminsaError
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.tables import table_bytes, table_endings
-from paminsa_viz.model import Design
+from paminsa_viz.model import Design, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, home_pose, status_words
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT, counting
 from paminsa_viz.plots.map_data import (
     COARSE,
     FULL,
@@ -30,7 +32,7 @@ from paminsa_viz.plots.map_data import (
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
-from paminsa_viz.quantities import QUANTITIES, affordable_cells, selections
+from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells, selections
 from paminsa_viz.units import MM, format_ascii, si_unit
 
 DESCRIPTION = """\
@@ -77,6 +79,9 @@ class Map(FilesFlags, ComparedDesignFlags):
     """Position of the ring that marks a pose [mm]."""
     cells: int = FULL
     """Cells along each side."""
+    max_condition: float = CONDITION_LIMIT
+    """Largest condition number of a position that counts in the printed numbers: toward a
+    singularity torques grow without bound."""
 
     range: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="LOW HIGH")] = None
     """Ends of the colors [N m, N, mm]; by default the ordinary values are seen best, and what
@@ -109,6 +114,8 @@ class Map(FilesFlags, ComparedDesignFlags):
             raise UsageError("--range and --full-range exclude each other")
         if self.range is not None and not self.range[0] < self.range[1]:
             raise UsageError("--range: the first end has to be below the second")
+        if not self.max_condition >= 1:
+            raise UsageError("--max-condition: 1 is the least condition number there is")
         self.check_files()
 
     def run(self) -> int:
@@ -175,9 +182,10 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
     """Return what the maps hold as data for JSON, in SI units."""
     reached = data.status == Limit.OK
     leg = np.full(data.status.shape, -1, np.int8) if data.leg is None else data.leg
-    words, counts = np.unique(status_words(data.status, leg), return_counts=True)
+    words, cells = np.unique(status_words(data.status, leg), return_counts=True)
     cell = float((data.x[1] - data.x[0]) * (data.y[1] - data.y[0]))
     names = list(flags.quantities)
+    counts = _counting(data, flags.max_condition)
     return {
         "design": data.design.name,
         "reference": data.reference and data.reference.name,
@@ -187,16 +195,27 @@ def _report(flags: Map, data: MapData) -> dict[str, Any]:
         "cells": [data.x.size, data.y.size],
         "reached_area_m2": cell * int(reached.sum()),
         "singular_radius_m": data.singular_radius,
-        "cells_by_status": dict(zip(words.tolist(), counts.tolist(), strict=True)),
+        "cells_by_status": dict(zip(words.tolist(), cells.tolist(), strict=True)),
         "unit": si_unit(data.unit),
-        "maps": {name: _numbers(values) for name, values in zip(names, data.values, strict=True)},
+        "max_condition": flags.max_condition,
+        "counting_cells": int(counts.sum()),
+        "maps": {
+            name: _numbers(values, counts) for name, values in zip(names, data.values, strict=True)
+        },
         "files": [os.fspath(path) for path in flags.out],
     }
 
 
-def _numbers(values: np.ndarray) -> dict[str, float | None]:
-    """Return extremes, and percentiles of the size, which singular positions do not spoil."""
-    known = values[np.isfinite(values)]
+def _counting(data: MapData, limit: float) -> NDArray[np.bool_]:
+    """Return which cells are not too close to a singularity, for a difference of both designs."""
+    grid = xy_grid(data.x, data.y, data.theta, data.z)
+    designs = [data.design] if data.reference is None else [data.design, data.reference]
+    return np.all([counting(solve_field(d.geometry, grid), limit) for d in designs], axis=0)
+
+
+def _numbers(values: np.ndarray, counts: NDArray[np.bool_]) -> dict[str, float | None]:
+    """Return extremes, and percentiles of the size, over the cells that count."""
+    known = values[counts & np.isfinite(values)]
     if not known.size:
         return dict.fromkeys(("least", "largest", "median_size", "p90_size"))
     median, most = np.percentile(np.abs(known), (50, 90))
@@ -217,14 +236,26 @@ def _print(flags: Map, data: MapData, facts: dict[str, Any]) -> None:
         f"theta = {flags.theta:g}°, z = {format_ascii(data.z, 'm', 6)}, "
         f"{data.x.size} x {data.y.size} cells"
     )
+    size = "|tau|" if flags.quantities == TORQUES else "size"
     rows = [
-        ("" if not unit else f"[{unit}]", "least", "largest", "half are below", "90 % below"),
+        (
+            "" if not unit else f"[{unit}]",
+            "least",
+            "largest",
+            f"median {size}",
+            f"90 % of {size} below",
+        ),
         *(
             (name, *("-" if v is None else f"{v * factor:.4g}" for v in found.values()))
             for name, found in facts["maps"].items()
         ),
     ]
     print_table(rows, right=True)
+    counted, limit = facts["counting_cells"], f"{flags.max_condition:g}"
+    print(
+        f"over the {counted} cells that count: not too close to a singularity "
+        f"(condition number at most {limit}, 10 mm to a stretched or folded leg)"
+    )
     area, radius = facts["reached_area_m2"], facts["singular_radius_m"]
     print(f"reached: {area:.4g} m²; singular circle: radius {format_ascii(radius, 'm')}")
     print_written(flags.out)

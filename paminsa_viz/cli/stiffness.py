@@ -12,6 +12,8 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, PoseFlags
 from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.elastostatics.contacts import contacts
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.drive_stiffness import drive_stiffness
 from paminsa_viz.elastostatics.sections import TubeFit, tube_fits
 from paminsa_viz.elastostatics.stiffness import (
@@ -23,6 +25,7 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
     strain_shares,
 )
+from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
@@ -31,7 +34,7 @@ from paminsa_viz.units import DEGREES, MM, format_ascii
 
 DESCRIPTION = """\
 Stiffness of the robot at a pose, motors locked: 6x6 at the platform's center, deflection under
-payload and load, the share of each part, and what the motors can bring back.
+payload and load, the share of each part, what the motors can bring back, natural frequencies.
 
   paminsa-viz stiffness --payload 10                    half a millimeter under 10 kg
   paminsa-viz stiffness --pose 50 20 30 -600 --load 20 0 0 0 0 0
@@ -155,6 +158,8 @@ def _data(
         "deflection": moved.deflection.tolist(),
         "compensation": dict(zip(ACTUATORS, moved.actuators.tolist(), strict=True)),
         "residual_tilt_rad": float(moved.tilt),
+        "contacts": contacts(design, found.pose).touching(),
+        "natural_frequencies_Hz": _frequencies(design, found.pose, shear=shear),
         "shares": {
             name: dict(zip(SHARES, share.tolist(), strict=True))
             for name, share in _shares(design, found.pose, loaded, shear).items()
@@ -179,12 +184,15 @@ def _print(
     print_table(rows, right=True)
     axes, directions = found.ellipsoid()
     softest = " ".join(f"{value:.2f}" for value in directions[:, -1])
+    if touching := contacts(design, found.pose).touching():
+        print(f"center lines in one plane: {', '.join(touching)} would touch and are let through")
     print(f"compliance ellipsoid: {' '.join(f'{MM * a:.3g}' for a in axes)} mm/N, "
           f"softest along ({softest})")  # fmt: skip
     print()
     shares = _shares(design, found.pose, loaded, shear)
     if loaded:
         _print_deflection(design, found, moved)
+    _print_frequencies(_frequencies(design, found.pose, shear=shear))
     print("share of the strain energy:")
     order = sorted(range(len(SHARES)), key=lambda i: -max(share[i] for share in shares.values()))
     rows = [("", *shares)]
@@ -192,6 +200,25 @@ def _print(
         if any(share[i] > 0 for share in shares.values()):
             rows.append((SHARES[i], *(f"{100 * share[i]:.1f} %" for share in shares.values())))
     print_table(rows, right=True)
+
+
+def _frequencies(design: Design, pose: Array, *, shear: bool) -> dict[str, list[float | None]]:
+    """Return natural frequencies, lowest first [Hz]; None where loads push the platform away."""
+    every = {
+        "whole robot": robot_modes(design, pose, shear=shear).frequencies,
+        "drives alone": drive_modes(design, pose).frequencies,
+    }
+    return {
+        name: [float(value) if np.isfinite(value) else None for value in values]
+        for name, values in every.items()
+    }
+
+
+def _print_frequencies(frequencies: dict[str, list[float | None]]) -> None:
+    for name, values in frequencies.items():
+        texts = ["-" if value is None else f"{value:.3g}" for value in values]
+        print(f"natural frequencies, {name}: {', '.join(texts)} Hz")
+    print()
 
 
 def _print_deflection(design: Design, found: PlatformStiffness, moved: Compensation) -> None:

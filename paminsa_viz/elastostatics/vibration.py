@@ -27,7 +27,7 @@ from paminsa_viz.elastostatics.modes import Modes, natural_modes
 from paminsa_viz.elastostatics.structure import joint5_map
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.reach import check_reach
 
 SHARED = 7
 """Shared coordinates: the platform's six, and the carriage's Z."""
@@ -42,11 +42,12 @@ BLOCK = 128
 def platform_mass(design: Design) -> Array:
     """Return the mass matrix of platform and payload at P, (6, 6) [kg, kg m^2].
 
-    Both are discs: their inertia about x and y is half that about z.
+    Both are discs, with half of their inertia about x and y, unless the platform's is given.
     """
     mass = design.platform.mass + design.payload.mass
     inertia = design.platform.inertia + design.payload.inertia
-    return np.diag([mass, mass, mass, inertia / 2, inertia / 2, inertia])
+    tilt = design.value("elastic.platform_tilt_inertia") + design.payload.inertia / 2
+    return np.diag([mass, mass, mass, tilt, tilt, inertia])
 
 
 def shared_map(frame: LegFrame) -> Array:
@@ -156,7 +157,7 @@ def first_frequencies(design: Design, pose: ArrayLike) -> Array:
     pose = as_vectors(pose, "pose")
     matrices, flat = leg_matrices(design), pose.reshape(-1, 4)
     found = np.full(len(flat), np.nan)
-    usable = np.flatnonzero(can_vibrate(design, flat))
+    usable = np.flatnonzero(check_reach(design.geometry, flat).ok)
     for start in range(0, len(usable), BLOCK):
         block = usable[start : start + BLOCK]
         robot = reduced_robot(matrices, flat[block])
@@ -164,10 +165,33 @@ def first_frequencies(design: Design, pose: ArrayLike) -> Array:
     return found.reshape(pose.shape[:-1])
 
 
-def can_vibrate(design: Design, pose: Array) -> Array:
-    """Return at which poses (n, 4) the robot is in reach and held, (n,)."""
-    held = np.isfinite(geometric_stiffness(design, pose)).all(axis=(-1, -2))
-    return held & (leg_frame(design.geometry, pose).status == Limit.OK)
+def robot_modes(
+    design: Design,
+    pose: ArrayLike,
+    count: int = 6,
+    *,
+    divisions: int = 1,
+    shear: bool = False,
+) -> Modes:
+    """Return the lowest frequencies and modes of the whole robot at one pose.
+
+    Args:
+        design: The robot with its elastic data, payload and load.
+        pose: (4,) [m, m, rad, m].
+        count: How many.
+        divisions: Elements of a bar between two joints; one is exact to 1e-5.
+        shear: Whether bars deform by shear (Timoshenko).
+
+    Returns:
+        Frequencies (count,) [Hz], and shapes in the coordinates of `whole_matrices`; NaN where the
+        robot does not hold the pose, see `first_frequencies`.
+
+    Raises:
+        InvalidInput: If arm or shaft has no length, or ``divisions`` is not possible.
+    """
+    pose = as_vectors(pose, "pose")
+    matrices = leg_matrices(design, divisions, shear)
+    return whole_modes(matrices, pose, count)
 
 
 def whole_matrices(

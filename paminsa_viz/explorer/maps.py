@@ -41,6 +41,7 @@ class MapStore:
 
     def __init__(self, kept: int = KEPT) -> None:
         self._field = lru_cache(kept)(workspace_field)
+        self._held: dict[tuple[tuple[str, ...], MapView], tuple[Scale, ...]] = {}
 
     def data(self, state: State, cells: int = FULL, quantities: Sequence[str] = TORQUES) -> MapData:
         """Return the maps of a state, at the requested theta and z.
@@ -78,17 +79,40 @@ class MapStore:
         return map_data(field, design, document.pose, quantities)
 
     def scales(
-        self, state: State, data: MapData, quantities: Sequence[str] = TORQUES
+        self,
+        state: State,
+        data: MapData,
+        quantities: Sequence[str] = TORQUES,
+        *,
+        dragging: bool = False,
     ) -> tuple[Scale, ...]:
         """Return the color scales for maps of a state, one a panel.
+
+        A range that is found from the values is held while a slider is dragged, so that maps are
+        seen to grow or fade. Where a reference is pinned, it is the wider one of both designs.
 
         Args:
             state: The state that ``data`` was made from.
             data: The maps, of any resolution.
             quantities: What they show.
+            dragging: Whether a slider is being dragged.
         """
+        view, reference = state.map_view, state.document.reference
+        key = (tuple(quantities), view)
+        if dragging and view.range_mode is RangeMode.AUTO and key in self._held:
+            return self._held[key]
         sample = data if data.x.size == COARSE else self.data(state, COARSE, quantities)
-        return select_scales(data, sample, state.map_view)
+        found = select_scales(data, sample, view)
+        if view.range_mode is RangeMode.AUTO and reference is not None and not view.difference:
+            other = self._of(state, reference, COARSE, quantities)
+            pairs = zip(found, select_scales(other, other, view), strict=True)
+            found = tuple(max(pair, key=_reach) for pair in pairs)
+        self._held = {k: v for k, v in self._held.items() if k[0] != key[0]} | {key: found}
+        return found
+
+
+def _reach(scale: Scale) -> float:
+    return max(abs(scale.low), abs(scale.high))
 
 
 def shows_difference(state: State) -> bool:

@@ -20,13 +20,8 @@ from paminsa_viz.identification.base_parameters import (
 )
 from paminsa_viz.identification.causes import Cause, Causes, find_causes
 from paminsa_viz.identification.columns import FitParameter, IdentificationSettings
-from paminsa_viz.identification.excitation import (
-    Excitation,
-    ExcitationSettings,
-    KeptLimit,
-    NoExcitation,
-    optimize_excitation,
-)
+from paminsa_viz.identification.excitation import Excitation, KeptLimit, optimize_excitation
+from paminsa_viz.identification.excitation_search import ExcitationSettings, NoExcitation
 from paminsa_viz.identification.identify import identify
 from paminsa_viz.identification.information import ExcitationLimits
 from paminsa_viz.identification.log import InvalidLog, Log, make_log

@@ -57,12 +57,12 @@ class PossibleCause:
 
 
 def possible_causes(identification: Identification) -> list[PossibleCause]:
-    """Return all causes that are tried, with their columns."""
+    """Return all causes that are tried, with their columns; none that is fitted already."""
     signals, design = identification.signals, identification.design
     fitted = {item.symbol: item.value for item in identification.estimates}
     b = np.array([fitted[symbol] for symbol in BASE_SYMBOLS])
     return [
-        *_bars(design, signals),
+        *([] if identification.settings.legs else _bars(design, signals)),
         *_zeros(design.geometry, signals, b),
         *_actuators(identification),
         *_lengths(design.geometry, signals, b),
@@ -120,12 +120,14 @@ def _lengths(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCau
 
 def _torques(geometry: Geometry, signals: Signals, b: Array, shift: Array) -> Array:
     """Return X b, (m, 4), with actuators moved by a shift, or of other lengths."""
-    pose = nearest_solution(geometry, signals.position + shift, signals.pose)
+    samples = signals.samples
+    pose = nearest_solution(geometry, samples.position + shift, samples.pose)
     j = jacobian(geometry, pose)
     turn = partial(np.einsum, "nij,nj->ni")
-    velocity = turn(j, signals.speed)
+    velocity = turn(j, samples.speed)
     drift = turn(inverse_jacobian_rate(geometry, pose, velocity), velocity)
-    return base_regressor(geometry, pose, velocity, turn(j, signals.growth - drift)) @ b
+    torque = base_regressor(geometry, pose, velocity, turn(j, samples.growth - drift)) @ b
+    return signals.smooth(torque)
 
 
 def _actuators(identification: Identification) -> list[PossibleCause]:
@@ -148,13 +150,15 @@ def _actuators(identification: Identification) -> list[PossibleCause]:
 def _springs(design: Design, signals: Signals) -> list[PossibleCause]:
     """Springs at the actuators, and a constant force up at the joints 9."""
     found = []
+    samples = signals.samples
+    travel = signals.smooth(samples.position - samples.position.mean(axis=0))
     for place in range(4):
         column = np.zeros_like(signals.torque)
-        column[:, place] = signals.position[:, place] - signals.position[:, place].mean()
+        column[:, place] = travel[:, place]
         unit, plausible = ("N/m", 100.0) if place == 3 else ("N m/rad", 0.5)
         label = f"spring at M{place + 1}"
         found.append(PossibleCause(label, unit, (place + 1) % 4, plausible, column))
-    motion = signals.pose, signals.velocity, signals.acceleration
-    column = -base_regressor(design.geometry, *motion)[..., 1]
+    motion = samples.pose, samples.velocity, samples.acceleration
+    column = -signals.smooth(base_regressor(design.geometry, *motion)[..., 1])
     found.append(PossibleCause(SPRING, "N", 0, 0.3 * float(base_scale(design)[1]), column))
     return found

@@ -15,18 +15,16 @@ from paminsa_viz.identification.base_parameters import (
     base_regressor,
     identity_row,
     leg_base_regressor,
-    mass_columns,
 )
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.statics import load_torques
 
 LARGE_SHARE = 0.1
-"""Half width above which a base parameter is unknown, over the sum of the sizes of the masses'
-contributions to it (which is never zero by cancellation, as a balanced robot's M_p2 is)."""
+"""Half width above which a base parameter is unknown, over its size of `base_scale` (which is not
+zero by cancellation, as a balanced robot's M_p2 is)."""
 
 LARGE_TORQUE = 0.1
 """Half width above which friction or an offset is unknown, as torque over the standard deviation
@@ -146,8 +144,9 @@ class _Builder:
 def fit_model(design: Design, signals: Signals, settings: IdentificationSettings) -> FitModel:
     """Return the columns for a log's signals and what they stand for."""
     geometry = design.geometry
-    motion = signals.pose, signals.velocity, signals.acceleration
-    x = base_regressor(geometry, *motion)
+    samples = signals.samples
+    motion = samples.pose, samples.velocity, samples.acceleration
+    x = signals.smooth(base_regressor(geometry, *motion))
     value, scale = base_parameters(design), base_scale(design)
     x = np.where(np.abs(x * scale).max(axis=0) > NOTHING * np.abs(signals.torque).max(), x, 0.0)
     base = tuple(
@@ -159,21 +158,22 @@ def fit_model(design: Design, signals: Signals, settings: IdentificationSettings
     spread = signals.torque.std(axis=0)
     friction = design.actuator_friction
     if settings.viscous:
-        _add_diagonal(builder, signals.speed, "viscous", friction.viscous, spread)
+        _add_diagonal(builder, signals.smooth(samples.speed), "viscous", friction.viscous, spread)
     if settings.coulomb:
-        _add_diagonal(builder, signals.coulomb, "coulomb", friction.coulomb, spread)
+        _add_diagonal(builder, signals.smooth(samples.sign), "coulomb", friction.coulomb, spread)
     if settings.offsets:
         ones = np.ones_like(signals.torque)
         _add_diagonal(builder, ones, "offset", (0.0, 0.0, 0.0), spread)
     known = np.zeros_like(signals.torque)
     inertia = np.array(design.drive_inertia)
+    growth = signals.smooth(samples.growth)
     if settings.rotors:
-        _add_rotors(builder, signals.growth, inertia, float(LARGE_SHARE * scale[7]))
+        _add_rotors(builder, growth, inertia, float(LARGE_SHARE * scale[7]))
     elif any(inertia[:3] != inertia[0]):
         mean = inertia[:3].mean()
-        known[:, :3] += (inertia[:3] - mean) * signals.growth[:, :3]
+        known[:, :3] += (inertia[:3] - mean) * growth[:, :3]
     if design.load.acts:
-        known += load_torques(geometry, design.load, signals.pose, None)
+        known += signals.smooth(load_torques(geometry, design.load, samples.pose, None))
     if settings.delay:
         delay = FitParameter(
             "delay", "s", "delay of the torques", "delay", 0.0, LARGE_DELAY, "faster motion"
@@ -185,15 +185,25 @@ def fit_model(design: Design, signals: Signals, settings: IdentificationSettings
         columns, report = _constrained(columns, report, identity_row(geometry, design.gravity))
     if settings.legs:
         columns, report = _with_legs(
-            builder, columns, report, leg_base_regressor(geometry, *motion), scale
+            builder, columns, report, signals.smooth(leg_base_regressor(geometry, *motion)), scale
         )
     return FitModel(columns, signals.torque - known, known, tuple(builder.parameters), report)
 
 
 def base_scale(design: Design) -> Array:
-    """Return how large the masses' contributions to each base parameter are, (11,)."""
-    columns, fixed = mass_columns(design)
-    return np.abs(columns) @ mass_vector(design) + np.abs(fixed)
+    """Return a size for each base parameter that is not zero by cancellation, (11,).
+
+    It depends on the masses through the base parameters alone, so that designs which no motion
+    tells apart have the same. M_p2 has that of the identity's other side, products of inertia have
+    that of the masses they couple, and b_11 at most that of the platform on its joints.
+    """
+    geometry, b = design.geometry, np.abs(base_parameters(design))
+    k = geometry.magnification
+    scale = b.copy()
+    scale[1] = 2 * design.gravity * max(b[2], (k - 1) / 2 * b[3], k / 2 * b[4])
+    scale[3], scale[4] = np.sqrt(b[2] * b[5]), np.sqrt(b[2] * b[6])
+    scale[10] = 6 * geometry.platform_radius**2 * b[5]
+    return scale
 
 
 def _add_diagonal(

@@ -1,15 +1,17 @@
-"""One zero-phase filter for everything: positions, torques, and the columns of Coulomb friction.
+"""One zero-phase filter for everything: positions, torques, and the columns that are fitted.
 
 A Butterworth filter runs forward and backward (`scipy.signal.sosfiltfilt`), so that nothing is
-delayed and the amplitude at the cut-off is half. What a filter does to the torques it does to the
-columns too, because positions are filtered before they are differentiated and the sign of the
-speed, which has high frequencies of its own, after. Above the cut-off nothing is left, so that a
-tenth of the samples of a 1 kHz log carry all of it ("parallel decimation", Gautier and Khalil).
+delayed and the amplitude at the cut-off is half. Positions pass it before they are differentiated.
+Then torques and columns pass it: the columns are not linear in the positions, and the sign of a
+speed has high frequencies of its own, so that only a filter behind both leaves the equation
+between them as it is (the parallel filter of Gautier and Khalil). Above the cut-off nothing is
+left, so that a tenth of the samples of a 1 kHz log carry all of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +21,7 @@ from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import nearest_solution
+from paminsa_viz.model.reach import Limit, reach_status
 
 ORDER = 4
 """Order of the Butterworth filter; forward and backward it is twice that."""
@@ -26,8 +29,11 @@ ORDER = 4
 OVERSAMPLING = 10.0
 """Samples that are kept, per period of the cut-off."""
 
-SETTLING = 3.0
-"""Periods of the cut-off that are left out at both ends of a segment."""
+ANTI_ALIAS = (3.0, 0.35)
+"""Cut-off of what comes before leaving out samples: over the cut-off, and at most over the rate."""
+
+SETTLING = 2.0
+"""Periods of the cut-off that each of the two passes takes at both ends of a piece."""
 
 LOWEST_RATE = 4.0
 """Lowest sampling rate over the cut-off."""
@@ -38,35 +44,86 @@ _REACH = 3
 """Samples on both sides that the sixth-order differences take."""
 
 
-@dataclass(frozen=True, eq=False)
-class Signals:
-    """Filtered and thinned-out signals of a log, m samples.
+class MotionSamples(NamedTuple):
+    """The motion that columns are computed from, M samples, the ends of pieces among them.
 
     Attributes:
-        t: (m,) [s].
-        segment: (m,) number of the segment that each sample is of.
-        pose, velocity, acceleration: (m, 4) of the platform.
-        position, speed, growth: (m, 4) of the actuators: positions, their first and second rates.
-        coulomb: (m, 4) filtered sign of the speeds, tanh(speed / transition speed).
-        torque: (m, 4) measured, filtered [N m, N].
-        torque_rate: (m, 4) its rate [N m/s, N/s].
-        step: Time between samples [s].
-        cut_off: Where the filter halves [Hz].
+        segment: (M,) number of the piece.
+        kept: (M,) whether the filter has settled.
+        pose, velocity, acceleration: (M, 4) of the platform.
+        position, speed, growth: (M, 4) of the actuators: positions, their first and second rates.
+        sign: (M, 4) of the speeds: tanh(speed / transition speed).
     """
 
-    t: Array
     segment: NDArray[np.int64]
+    kept: NDArray[np.bool_]
     pose: Array
     velocity: Array
     acceleration: Array
     position: Array
     speed: Array
     growth: Array
-    coulomb: Array
+    sign: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Filtered and thinned-out signals of a log, m samples where the filter has settled.
+
+    Attributes:
+        t: (m,) [s].
+        segment: (m,) number of the segment that each sample is of.
+        torque: (m, 4) measured, filtered [N m, N].
+        torque_rate: (m, 4) its rate [N m/s, N/s].
+        samples: The motion, for columns, which then pass `smooth`.
+        step: Time between samples [s].
+        cut_off: Where the filter halves [Hz].
+    """
+
+    t: Array
+    segment: NDArray[np.int64]
     torque: Array
     torque_rate: Array
+    samples: MotionSamples
     step: float
     cut_off: float
+    _sections: Array = field(repr=False)
+
+    @property
+    def pose(self) -> Array:
+        """The platform's poses at ``t``, (m, 4)."""
+        return self.samples.pose[self.samples.kept]
+
+    @property
+    def velocity(self) -> Array:
+        """The platform's velocities at ``t``, (m, 4)."""
+        return self.samples.velocity[self.samples.kept]
+
+    @property
+    def acceleration(self) -> Array:
+        """The platform's accelerations at ``t``, (m, 4)."""
+        return self.samples.acceleration[self.samples.kept]
+
+    def smooth(self, columns: Array) -> Array:
+        """Filter columns as the torques were, (M, ...) in, (m, ...) out."""
+        return smoothed(columns, self.samples, self._sections)
+
+
+def smoothed(values: Array, samples: MotionSamples, sections: Array) -> Array:
+    """Filter values (M, ...) piece by piece; return them where the filter has settled, (m, ...)."""
+    from scipy.signal import sosfiltfilt  # takes a while to load
+
+    flat = values.reshape(len(values), -1)
+    used = np.flatnonzero(np.any(flat != 0.0, axis=0))
+    whole = np.zeros((int(samples.kept.sum()), flat.shape[1]))
+    parts = []
+    for number in range(int(samples.segment[-1]) + 1):
+        place = samples.segment == number
+        part = np.ascontiguousarray(flat[place][:, used])
+        found = sosfiltfilt(sections, part, axis=0, padlen=len(part) - 1)
+        parts.append(found[samples.kept[place]])
+    whole[:, used] = np.concatenate(parts)
+    return whole.reshape(-1, *values.shape[1:])
 
 
 def filter_log(
@@ -92,7 +149,8 @@ def filter_log(
 
     Raises:
         InvalidInput: If the cut-off is not above 0, or too high for the sampling rate.
-        InvalidLog: If no piece is long enough for the filter to settle.
+        InvalidLog: If no piece is long enough for the filter to settle, or the filtered motion is
+            out of reach.
     """
     if not (np.isfinite(cut_off) and 0 < cut_off <= log.rate / LOWEST_RATE):
         most = log.rate / LOWEST_RATE
@@ -100,47 +158,71 @@ def filter_log(
     from scipy.signal import butter, sosfiltfilt  # takes a while to load
 
     every = thinning_for(log.rate, cut_off) if thinning is None else thinning
+    rate = log.rate / every
     sections = butter(ORDER, cut_off, fs=log.rate, output="sos")
-    settle = round(SETTLING / cut_off * log.rate)
-    kept = [p for p in pieces if p.stop - p.start > 2 * settle + 4 * _REACH * every]
+    slow = butter(ORDER, cut_off, fs=rate, output="sos")
+    first = butter(
+        ORDER, min(ANTI_ALIAS[0] * cut_off, ANTI_ALIAS[1] * rate), fs=log.rate, output="sos"
+    )
+    settle = round(2 * SETTLING / cut_off * rate)
+    least = (2 * settle + 4 * _REACH) * every
+    kept = [piece for piece in pieces if piece.stop - piece.start > least]
     if not kept:
-        least = (2 * settle + 4 * _REACH * every) / log.rate
-        raise InvalidLog(f"a piece without gaps of at least {least:.3g} s is needed")
-    step = every / log.rate
-    parts = []
+        raise InvalidLog(f"a piece without gaps of at least {least / log.rate:.3g} s is needed")
+    padding = round(SETTLING / cut_off * log.rate)
+    parts, torques, times = [], [], []
     for number, piece in enumerate(kept):
-        length = piece.stop - piece.start
-        raw = np.concatenate([log.position[piece], log.torque[piece]], axis=1)
-        smooth = sosfiltfilt(sections, raw, axis=0, padlen=min(settle, length - 1))
-        sign = np.tanh(_difference(smooth[:, :4], _FIRST) * (log.rate / transition_speed))
-        sign = sosfiltfilt(sections, sign, axis=0, padlen=min(settle, length - 1 - 2 * _REACH))
-        inside = slice(settle, length - settle, every)
-        q, torque = smooth[inside, :4], smooth[inside, 4:]
-        p = nearest_solution(geometry, q, pose[piece][inside])
+        q = sosfiltfilt(sections, log.position[piece], axis=0, padlen=padding)
+        sign = np.tanh(_difference(q, _FIRST) * (log.rate / transition_speed))
+        torque = log.torque[piece]
+        if every > 1:
+            sign = sosfiltfilt(first, sign, axis=0, padlen=padding - 2 * _REACH)
+            torque = sosfiltfilt(first, torque, axis=0, padlen=padding)
+        thin = slice(_REACH, len(q) - _REACH, every)
+        q, sign, torque = q[thin], sign[::every], torque[thin]
+        p = nearest_solution(geometry, q, pose[piece][thin])
         middle = slice(_REACH, -_REACH)
-        signs = sign[settle - _REACH : length - settle - _REACH : every]
+        count = len(q) - 2 * _REACH
+        settled = np.zeros(count, np.bool_)
+        settled[settle : count - settle] = True
         parts.append(
             (
-                log.t[piece][inside][middle],
-                np.full(len(q) - 2 * _REACH, number),
-                p[middle],
-                _difference(p, _FIRST) / step,
-                _difference(p, _SECOND) / step**2,
+                np.full(count, number), settled, p[middle],
+                _difference(p, _FIRST) * rate, _difference(p, _SECOND) * rate**2,
                 q[middle],
-                _difference(q, _FIRST) / step,
-                _difference(q, _SECOND) / step**2,
-                signs[middle],
-                torque[middle],
-                _difference(torque, _FIRST) / step,
+                _difference(q, _FIRST) * rate, _difference(q, _SECOND) * rate**2,
+                sign[middle],
             )
-        )
-    arrays = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Signals(*arrays, step=step, cut_off=cut_off)
+        )  # fmt: skip
+        torques.append(torque[middle])
+        times.append(log.t[piece][thin][middle])
+    samples = MotionSamples(*(np.concatenate(part) for part in zip(*parts, strict=True)))
+    t = np.concatenate(times)
+    status, _ = reach_status(geometry, samples.pose)
+    if (status != Limit.OK).any():
+        at = t[np.flatnonzero(status != Limit.OK)[0]]
+        raise InvalidLog(f"at {at:.6g} s the filtered motion is out of reach; leave this part out")
+    torque = np.concatenate(torques)
+    both = np.concatenate([torque, _rates(torque, samples.segment) * rate], axis=1)
+    smooth = smoothed(both, samples, slow)
+    return Signals(
+        t[samples.kept], samples.segment[samples.kept], smooth[:, :4], smooth[:, 4:],
+        samples, 1 / rate, cut_off, slow,
+    )  # fmt: skip
 
 
 def thinning_for(rate: float, cut_off: float) -> int:
     """Return how many samples there are for one that is kept."""
     return max(1, int(rate / (OVERSAMPLING * cut_off)))
+
+
+def _rates(values: Array, segment: NDArray[np.int64]) -> Array:
+    """Return sixth-order differences of rows in steps of 1, piece by piece; zero at the ends."""
+    found = np.zeros_like(values)
+    for number in range(int(segment[-1]) + 1):
+        place = np.flatnonzero(segment == number)
+        found[place[_REACH:-_REACH]] = _difference(values[place], _FIRST)
+    return found
 
 
 def _difference(values: Array, weights: Array) -> Array:

@@ -15,7 +15,7 @@ from paminsa_viz.identification.base_parameters import SELECTION, base_regressor
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import backend
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.dynamics import friction_torque
 from paminsa_viz.model.jacobians import inverse_jacobian
 from paminsa_viz.model.leg import mechanism
@@ -24,6 +24,7 @@ from paminsa_viz.model.parameters import ActuatorFriction
 from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.regressor import drive_regressor, torque_regressor
 from paminsa_viz.model.singularity import DEXTERITY
+from paminsa_viz.model.statics import load_torques
 
 DRAWN_STATES = 400
 """Random states that show how large the columns of the base parameters are."""
@@ -44,7 +45,8 @@ class ExcitationLimits(NamedTuple):
         condition: Of the map from speeds of M1..M3 to the platform's, see `measure_singularity`.
             Near the singular circle torques are large, so that without it the best motion would
             go there, where a wrong length matters most.
-        clearance: Distance to the limits of reach [m].
+        clearance: Distance to the limits of reach, and of the joints 5 from the height of the
+            guides, on whose other side the platform would be among the legs [m].
     """
 
     speed: Array
@@ -56,13 +58,13 @@ class ExcitationLimits(NamedTuple):
 LIMITED = (
     *(f"speed of M{number}" for number in range(1, 5)),
     *(f"torque of M{number}" for number in range(1, 4)), "force of M4",
-    "condition number", "reach",
+    "condition number", "height", "reach",
 )  # fmt: skip
 """The limits, in the order of `Evaluation.room`."""
 
 
-GROUPS = np.vstack([np.eye(10), np.tile(np.eye(10)[-1], (11, 1))])
-"""Which limit of `LIMITED` each value of `StateValues.room` belongs to, (21, 10)."""
+GROUPS = np.vstack([np.eye(len(LIMITED)), np.tile(np.eye(len(LIMITED))[-1], (11, 1))])
+"""Which limit of `LIMITED` each value of `StateValues.room` belongs to, (22, 11)."""
 
 
 class StateValues(NamedTuple):
@@ -71,7 +73,7 @@ class StateValues(NamedTuple):
     Attributes:
         regressor: (..., 4, 18).
         speed: (..., 4) of the actuators [rad/s, m/s].
-        room: (..., 21) what is left to each limit, as a share of it, see `GROUPS`: the last limit,
+        room: (..., 22) what is left to each limit, as a share of it, see `GROUPS`: the last limit,
             reach, is one of each leg and kind, as a share of R_b.
     """
 
@@ -85,9 +87,9 @@ class Evaluation(NamedTuple):
 
     Attributes:
         value: log det of the information of a sample; -inf where the motion is impossible.
-        room: (10,) least share left to each limit, softened; negative beyond it.
+        room: (11,) least share left to each limit, softened; negative beyond it.
         slope: (size,) derivative of ``value``.
-        room_slope: (10, size).
+        room_slope: (11, size).
         worst: The least share left, not softened.
     """
 
@@ -106,6 +108,7 @@ class Information:
         rank: Number of parameters: base parameters of the masses, viscous and Coulomb friction of
             each actuator, offsets of M1..M3.
         noise: (4,) standard deviation of the torques [N m, N]; ones until it is set.
+        sharp: Whether the torques' own Coulomb step is taken instead of a soft one.
     """
 
     def __init__(
@@ -127,6 +130,7 @@ class Information:
         self._base = self._base_columns()
         self.rank = self._base.shape[1] + 11
         self.noise = np.ones(4)
+        self.sharp = False
 
     def _base_columns(self) -> Array:
         """Return columns (18, 11) of the base parameters, scaled to be of one size."""
@@ -157,6 +161,10 @@ class Information:
             growth = drive_regressor(self._geometry, p, v, a)
             torque = torque + growth @ np.array(self._design.drive_inertia)
         torque = torque + friction_torque(self._friction, speed)
+        if self._design.load.acts:
+            flat = p.reshape(-1, 4)
+            held = load_torques(self._geometry, self._design.load, flat)
+            torque = torque + held.reshape(torque.shape)
         flat = np.ascontiguousarray(p.reshape(-1, 4))
         kappa = backend.over_list(DEXTERITY, self._mechanism, flat)[:, 1].reshape(shape)
         margins = check_reach(self._geometry, p).margins.reshape(*shape, 12)
@@ -165,6 +173,7 @@ class Information:
             1.0 - np.abs(speed) / self.limits.speed,
             1.0 - np.abs(torque) / self.limits.torque,
             1.0 - kappa[..., None] / self.limits.condition,
+            (natural_height(self._geometry, p)[..., None] - self.limits.clearance) / length,
             (margins - self.limits.clearance) / length,
         ]
         return StateValues(y, speed, np.concatenate(room, axis=-1))
@@ -173,6 +182,8 @@ class Information:
     def _friction(self) -> ActuatorFriction:
         """The design's friction, with a step as soft as that of the columns."""
         own = self._design.actuator_friction
+        if self.sharp:
+            return own
         soft = float(self._coulomb_speed.min())
         return own._replace(transition_speed=max(own.transition_speed, soft))
 
@@ -257,8 +268,17 @@ class Information:
         return np.stack([self.family.from_coordinates(part) for part in np.asarray(parts)])
 
 
+def natural_height(geometry: Geometry, pose: Array) -> Array:
+    """Return how far the joints 5 are from the height of the guides, (...) [m].
+
+    For poses (..., 4); positive on the side where the platform is by design, below the guides with
+    the lower knee.
+    """
+    return -geometry.knee.sign * (pose[..., 3] + geometry.platform_joint_height)
+
+
 def _soft_least(room: Array, sharpness: float) -> tuple[Array, Array]:
-    """Return the softened least share of each limit (10,), and what each value (n, 21) counts."""
+    """Return the softened least share of each limit (11,), and what each value (n, 22) counts."""
     least = np.array([room[:, group > 0].min() for group in GROUPS.T])
     powers = np.exp(-sharpness * (room - GROUPS @ least))
     sums = powers.sum(axis=0) @ GROUPS

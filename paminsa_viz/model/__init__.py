@@ -49,6 +49,7 @@ from paminsa_viz.model.kinematics import (
     joint_rates,
     nearest_solution,
 )
+from paminsa_viz.model.leg_deviations import LegDeviations
 from paminsa_viz.model.load import LoadCase, LoadFrame, center_wrench, generalized_force
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -88,6 +89,7 @@ from paminsa_viz.model.statics import (
     static_torques,
     unit_torques,
 )
+from paminsa_viz.model.tolerances import Tolerances
 
 __all__ = [
     "APPENDIX_4",
@@ -115,6 +117,7 @@ __all__ = [
     "JointMasses",
     "JointMotion",
     "KneeBranch",
+    "LegDeviations",
     "Limit",
     "LinkMasses",
     "LoadCase",
@@ -128,6 +131,7 @@ __all__ = [
     "Reach",
     "Singularity",
     "StaticBreakdown",
+    "Tolerances",
     "TorqueBreakdown",
     "UnreachablePose",
     "actuator_acceleration",

@@ -47,6 +47,8 @@ from paminsa_viz.model.parameters import (
 )
 from paminsa_viz.model.tolerances import Tolerances
 
+TILT_INERTIA = "elastic.platform_tilt_inertia"
+
 
 @dataclass(frozen=True)
 class Design(Group, path="design"):
@@ -104,18 +106,27 @@ class Design(Group, path="design"):
                 raise InvalidDesign(f"counterweights.{number}", weight, "a Counterweight is needed")
         check_drives(self.drives)
         super().__post_init__()
+        tilt = self.elastic.platform_tilt_inertia
+        if tilt is not None and 2 * tilt < self.platform.inertia:
+            allowed = (
+                f"no rigid body has less than I_pl/2, {0.5 * self.platform.inertia:.6g} kg m^2"
+            )
+            raise InvalidDesign(TILT_INERTIA, tilt, allowed)
 
     def value(self, path: str) -> float:
         """Return one number by its dotted path, for example ``"links.b3"`` or ``"gravity"``.
 
         ``"counterweights.0.mass"`` is that of the first counterweight, if there is one, and
         ``"drives.M1.gear_ratio"`` that of M1's drive. A number that is left open is returned as it
-        counts: the guide stroke as l_B10, a section's value as the tube's, a stiffness as infinity.
+        counts: the guide stroke as l_B10, a section's value as the tube's, a stiffness as infinity,
+        the platform's inertia about x and y as half of I_pl.
 
         Raises:
             InvalidInput: If there is no such number.
         """
         owner, name = self._owner(path)
+        if path == TILT_INERTIA and self.elastic.platform_tilt_inertia is None:
+            return 0.5 * self.platform.inertia
         return owner.in_force(name)
 
     def stored(self, path: str) -> float | None:

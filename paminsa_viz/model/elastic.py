@@ -100,6 +100,9 @@ class Elastic(Group, path="elastic"):
     ball: float | None = _rigid("k_b", "N/m", "ball joint 5")
     guide: float | None = _rigid("k_g", "N/m", "guide, across")
     guide_tilt: float | None = _rigid("k_gt", "N m/rad", "guide, tilt and roll")
+    platform_tilt_inertia: float | None = parameter(
+        None, "I_tilt", "kg m^2", "platform, about x and y (default: I_pl/2)", positive=True
+    )
 
     b1_outer: float = _outer("B1", 0.05)
     b1_inner: float = _inner("B1", 0.0251)

@@ -14,7 +14,6 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit, Reach
 
@@ -59,9 +58,3 @@ def counting(field: Field, limit: float = CONDITION_LIMIT) -> NDArray[np.bool_]:
     margin, which = field.solve(LEAST_MARGIN)
     near = near_singularity(field.condition, margin, which, limit)
     return (field.status == Limit.OK) & ~near
-
-
-def sizes_that_count(values: Array, counts: NDArray[np.bool_]) -> Array:
-    """Return sizes of values (..., n) where poses (n) count and there is a value, flat."""
-    chosen = np.abs(values[..., counts]).ravel()
-    return chosen[np.isfinite(chosen)]

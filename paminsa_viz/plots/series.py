@@ -23,7 +23,9 @@ from paminsa_viz.trajectory.integrals import rms
 from paminsa_viz.trajectory.simulation import Simulation
 from paminsa_viz.units import DisplayUnit, display_unit, power_of_ten
 
-FigureKind = Literal["torques", "breakdown", "pose", "power", "energy", "tracking", "comparison"]
+FigureKind = Literal[
+    "torques", "breakdown", "pose", "power", "energy", "loads", "tracking", "comparison"
+]  # fmt: skip
 SeriesKind = FigureKind | Literal["speed", "acceleration", "errors", "commands", "differences"]
 FIGURES: tuple[FigureKind, ...] = get_args(FigureKind)
 """Kinds of figures, in the order in which they are offered; the others are parts of them."""

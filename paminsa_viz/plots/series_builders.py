@@ -11,6 +11,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
+from paminsa_viz.plots.load_series import load_panels
 from paminsa_viz.plots.series import (
     FIGURES,
     Dash,
@@ -285,12 +286,10 @@ _BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[Series
     "breakdown": ("Actuator torques by cause", _breakdown),
     "pose": ("Motion of the platform", _pose),
     "speed": ("Speed of the platform", partial(_rates, "velocity", "/s")),
-    "acceleration": (
-        "Acceleration of the platform",
-        partial(_rates, "acceleration", "/s²"),
-    ),
+    "acceleration": ("Acceleration of the platform", partial(_rates, "acceleration", "/s²")),
     "power": ("Power of the actuators", _power),
     "energy": ("Work of the actuators and energy of the robot", _energy),
+    "loads": ("Forces at the joints and in the bars", load_panels),
     "tracking": ("Simulated motion", _tracking),
     "errors": ("Errors of the simulated motion", _errors),
     "commands": ("Commanded torques and force", _commands),

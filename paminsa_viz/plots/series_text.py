@@ -123,6 +123,8 @@ def _about(data: SeriesData) -> list[str]:
         return [balance, *compared]
     if data.kind == "breakdown":
         return ["The parts add up to the total."]
+    if data.kind == "loads":
+        return ["Forces and stress are those in the legs' planes; at joint 5 in space."]
     if data.kind == "comparison":
         return [f"Difference: this analysis minus {sources.other.name}.", *compared]
     return _tracking_sentences(sources) if data.kind == "tracking" else []

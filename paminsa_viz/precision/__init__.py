@@ -1,1 +1,82 @@
-"""Accuracy: errors of the drives, unequal legs, tolerances and clearances, calibration."""
+"""Accuracy: errors of the drives, unequal legs, tolerances and clearances, calibration.
+
+Lengths of the legs are (3 legs, 14) arrays in the order of `LENGTHS`; errors of a pose are in the
+order x, y, theta, z, and tilt about x and y where the legs are unequal.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from paminsa_viz.precision.drive_errors import Bound, DriveErrors, drive_errors, field_drive_errors
+from paminsa_viz.precision.leg_lengths import (
+    LENGTHS,
+    LegLength,
+    design_lengths,
+    nominal_lengths,
+    with_deviations,
+)
+from paminsa_viz.precision.manufacture import (
+    ToleranceErrors,
+    design_sensitivities,
+    manufactured_pose,
+    tolerance_errors,
+)
+from paminsa_viz.precision.measurements import Measurements, PredictionErrors, prediction_errors
+from paminsa_viz.precision.monte_carlo import MonteCarlo, monte_carlo
+from paminsa_viz.precision.unequal_legs import (
+    Closure,
+    Sensitivities,
+    UnequalPose,
+    sensitivities,
+    solve_actuators,
+    solve_pose,
+)
+
+if TYPE_CHECKING:
+    from paminsa_viz.precision.calibration import Calibration, Combination, calibrate
+
+__all__ = [
+    "LENGTHS",
+    "Bound",
+    "Calibration",
+    "Closure",
+    "Combination",
+    "DriveErrors",
+    "LegLength",
+    "Measurements",
+    "MonteCarlo",
+    "PredictionErrors",
+    "Sensitivities",
+    "ToleranceErrors",
+    "UnequalPose",
+    "calibrate",
+    "design_lengths",
+    "design_sensitivities",
+    "drive_errors",
+    "field_drive_errors",
+    "manufactured_pose",
+    "monte_carlo",
+    "nominal_lengths",
+    "prediction_errors",
+    "sensitivities",
+    "solve_actuators",
+    "solve_pose",
+    "tolerance_errors",
+    "with_deviations",
+]
+
+_HOMES = {
+    "Calibration": "calibration",
+    "Combination": "calibration",
+    "calibrate": "calibration",
+}
+"""Modules that are imported late: scipy.stats takes half a second."""
+
+
+def __getattr__(name: str) -> object:
+    if name not in _HOMES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    found = globals()[name] = getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    return found

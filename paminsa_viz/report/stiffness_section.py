@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.stiffness import (
     SHARES,
     compensate,
@@ -11,6 +12,7 @@ from paminsa_viz.elastostatics.stiffness import (
     platform_stiffness,
     strain_shares,
 )
+from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS
 from paminsa_viz.model.grids import Grid, solve_field
@@ -19,10 +21,13 @@ from paminsa_viz.quantities import find
 from paminsa_viz.report.blocks import Block, Note, Row, Section, Table
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
-from paminsa_viz.units import MM, format_value, number
+from paminsa_viz.units import MM, NONE, format_value, number
+
+MODES = 6
+"""Natural frequencies of the table."""
 
 KEYS = ("stiffness_x", "stiffness_y", "stiffness_z", "stiffness_theta", "stiffness_tilt",
-        "stiffness_horizontal")  # fmt: skip
+        "stiffness_horizontal", "frequency_1")  # fmt: skip
 """Quantities of the table, with their global indices."""
 
 
@@ -76,7 +81,26 @@ def _here(request: ReportRequest) -> list[Block]:
         f"Stiffness of the whole robot, motors locked, everything else free: at the report's pose, "
         f"and over the poses within {format_value(region.radius, 'm')} of the axis."
     )
-    return [Table(head, tuple(rows), caption, words=2), *_loaded(request)]
+    return [Table(head, tuple(rows), caption, words=2), *_loaded(request), *_vibration(request)]
+
+
+def _vibration(request: ReportRequest) -> list[Block]:
+    """Return the natural frequencies of the whole robot and with elastic drives alone."""
+    design, pose = request.design, np.array(request.pose)
+    modes = robot_modes(design, pose, MODES)
+    if not modes.stable:
+        text = "Weight and load push the platform away harder than drives and bars hold it"
+        return [Note(f"{text}: there are no natural frequencies.", "warn")]
+    alone = drive_modes(design, pose).frequencies
+    rows = []
+    for place, frequency in enumerate(modes.frequencies):
+        rigid = format_value(float(alone[place]), "Hz") if place < alone.size else NONE
+        rows.append(Row((f"{place + 1}", format_value(float(frequency), "Hz"), rigid)))
+    caption = (
+        "Natural frequencies at the report's pose, motors locked: of the whole robot, and with "
+        "rigid bars and elastic drives."
+    )
+    return [Table(("Mode", "Whole robot", "Drives alone"), tuple(rows), caption, words=1)]
 
 
 def _loaded(request: ReportRequest) -> list[Block]:

@@ -12,12 +12,13 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import COORDINATES, Field, Grid, solve_field
 from paminsa_viz.model.reach import Limit
+from paminsa_viz.model.singular_limit import counting
 from paminsa_viz.quantities import find
 
 
 @dataclass(frozen=True)
 class SweepSummary:
-    """Result of a sweep, by the key of each quantity; only poses that can be taken count.
+    """Result of a sweep, by the key of each quantity, over the poses that count.
 
     Attributes:
         poses: Number of poses.
@@ -62,6 +63,7 @@ def sweep(
     grid: Grid,
     quantities: tuple[str, ...] = ("max_torque",),
     *,
+    max_condition: float | None = None,
     block: int = 2**20,
     threads: int | None = None,
 ) -> SweepSummary:
@@ -71,6 +73,8 @@ def sweep(
         design: The robot.
         grid: The poses.
         quantities: Keys of `paminsa_viz.quantities.QUANTITIES`.
+        max_condition: If given, values count where a pose is not too close to a singularity, see
+            `paminsa_viz.model.singular_limit`; else wherever it can be taken.
         block: Poses held at a time.
         threads: Threads to share the work; None for all cores.
     """
@@ -79,6 +83,8 @@ def sweep(
     for _, field, values in sweep_blocks(design, grid, quantities, block=block, threads=threads):
         counts += np.bincount(field.status.ravel(), minlength=len(Limit))
         ok = field.status == Limit.OK
+        if max_condition is not None:
+            ok = counting(field, max_condition)
         for quantity, array in values.items():
             found[quantity].add(array, ok & np.isfinite(array), field.grid)
     per = {

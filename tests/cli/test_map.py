@@ -15,7 +15,14 @@ from paminsa_viz.explorer.exports import figure, table
 from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, backend, static_torques
+from paminsa_viz.model import (
+    APPENDIX_4,
+    Design,
+    KneeBranch,
+    backend,
+    measure_singularity,
+    static_torques,
+)
 from paminsa_viz.model.reach import home_pose
 from tests.support import commands
 from tests.support.samples import with_knee
@@ -72,9 +79,29 @@ def test_numbers_are_static_torques(capsys, folder, knee) -> None:
     pose = np.stack([x, y, np.full_like(x, math.radians(20)), np.full_like(x, z)], axis=-1)
     expected = static_torques(with_knee(APPENDIX_4, knee), pose)[..., 1]
     np.testing.assert_allclose(tau, expected, rtol=1e-9, atol=1e-12)
-    assert found["maps"]["tau_2"]["largest"] == pytest.approx(np.nanmax(expected))
+    counts = measure_singularity(APPENDIX_4.geometry, pose)
+    counted = expected[(counts.condition <= 10) & (counts.serial_distance >= 0.01)]
+    assert found["maps"]["tau_2"]["largest"] == pytest.approx(counted.max())
     assert found["cells_by_status"]["ok"] == np.isfinite(expected).sum()
     assert sum(found["cells_by_status"].values()) == 1600
+
+
+def test_percentiles_are_of_cells_that_count(capsys, folder) -> None:
+    words = ("--theta", "60", "--cells", "40", "--out", "a.npz")
+    found, wider = run_json(capsys, *words), run_json(capsys, *words, "--max-condition", "40")
+    with np.load(folder / "a.npz") as arrays:
+        x, y = np.meshgrid(arrays["x_m"], arrays["y_m"])
+        tau = arrays[next(name for name in arrays if name.startswith("tau2"))]
+    z = home_pose(APPENDIX_4.geometry)[3]
+    pose = np.stack([x, y, np.full_like(x, math.pi / 3), np.full_like(x, z)], axis=-1)
+    counts = measure_singularity(APPENDIX_4.geometry, pose).condition <= 10
+    assert found["counting_cells"] == counts.sum()
+    assert found["maps"]["tau_2"]["p90_size"] == pytest.approx(
+        np.percentile(np.abs(tau[counts]), 90)
+    )
+    assert found["maps"]["tau_2"]["p90_size"] < wider["maps"]["tau_2"]["p90_size"]
+    assert found["maps"]["tau_2"]["largest"] < wider["maps"]["tau_2"]["largest"]
+    assert "median |tau|" in run(capsys, "--cells", "20")[1]
 
 
 def test_ranges_are_in_shown_units() -> None:

@@ -8,7 +8,9 @@ from functools import partial
 import numpy as np
 import pytest
 
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
+from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.model.design import APPENDIX_4
 from paminsa_viz.model.singularity import singular_radius
@@ -36,6 +38,18 @@ def test_numbers_are_the_librarys(capsys, shear: bool) -> None:
     assert found["stiffness"]["tilt_Nm_per_rad"] == pytest.approx(float(expected.tilt))
     share = strain_shares(loaded, AT, wrench, shear=shear).share
     assert list(found["shares"]["load"].values()) == pytest.approx(share.tolist())
+
+
+def test_natural_frequencies_are_the_librarys(capsys) -> None:
+    found = run_json(capsys, *POSE, "--payload", "10")["natural_frequencies_Hz"]
+    design = APPENDIX_4.vary({"payload.mass": 10.0})
+    assert found["whole robot"] == pytest.approx(robot_modes(design, AT).frequencies.tolist())
+    assert found["drives alone"] == pytest.approx(drive_modes(design, AT).frequencies.tolist())
+    _, out, _ = run(capsys, *POSE, "--payload", "10")
+    assert "whole robot: 6.21, 8.6, 14.5, 19.5, 32.1, 32.8 Hz" in out
+    save_design(design.vary({"elastic.drive_rotary": 1.0}), "weak.toml")
+    lost = run_json(capsys, "--design", "weak.toml", "--pose", "80", "50", "35", "-500")
+    assert lost["natural_frequencies_Hz"]["whole robot"] == [None] * 6
 
 
 def test_table_of_a_payload_and_of_unit_forces(capsys) -> None:

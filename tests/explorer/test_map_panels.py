@@ -160,7 +160,7 @@ def test_ends_show_the_range_drawn_and_set_it(desk: Desk) -> None:
     assert desk.state.map_view.range_mode is RangeMode.AUTO
     desk.set("from–to", [-2.5, 4.0])
     desk.until(lambda: desk.panel._torques.scales[0].low == -2.5)
-    desk.until(lambda: desk.handle("colors").value == "manual")
+    desk.until(lambda: desk.handle("colors").value == "held")
 
 
 def test_range_is_set_in_the_unit_shown(desk: Desk) -> None:

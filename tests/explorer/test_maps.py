@@ -274,3 +274,24 @@ def test_any_possible_masses_have_maps_and_colors(
         data = MapStore().data(state, COARSE, quantities)
         assert np.isfinite(data.values[:, data.status == Limit.OK]).all()
         assert len(select_scales(data, data, view)) == len(quantities)
+
+
+def test_maps_fade_while_a_mass_is_dragged_and_next_to_a_reference() -> None:
+    store, start = MapStore(), actions.move(initial_state(), theta=0.5)
+    balanced = actions.vary(start, {"joints.j7": 3.0})
+
+    def found(state: State, *, dragging: bool) -> tuple[Scale, ...]:
+        return store.scales(state, store.data(state, COARSE), dragging=dragging)
+
+    wide = found(start, dragging=False)
+    assert found(balanced, dragging=True) == wide
+    narrow = found(balanced, dragging=False)
+    assert narrow[0].high < 0.2 * wide[0].high
+    pinned = actions.vary(actions.pin_reference(start), {"joints.j7": 3.0})
+    assert found(pinned, dragging=False) == wide
+    assert found(actions.swap_reference(pinned), dragging=False) == wide
+    delta = pinned.updated("map_view", difference=True)
+    assert store.scales(delta, store.data(delta, COARSE))[0].high > 0
+    # Another view is another range, also in the middle of a drag.
+    logarithmic = balanced.updated("map_view", logarithmic=True)
+    assert found(logarithmic, dragging=True)[0].kind == "symlog"

@@ -10,6 +10,7 @@ import pytest
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.balancing.jobs import CounterweightSlot
+from paminsa_viz.explorer.maps import MapStore
 from paminsa_viz.model import APPENDIX_4, static_imbalance
 from tests.support.chromium import Tab, until
 
@@ -80,3 +81,28 @@ def test_click_on_the_front_takes_that_design(balance: Tab) -> None:
     until(lambda: balance.handle("Point").value == 4, "the slider follows")
     balance.press("Point", "End")
     until(lambda: balance.state.document.design == designs[-1], "the end of the front")
+
+
+def test_price_of_a_balance_is_shown_for_all_four_actuators(balance: Tab) -> None:
+    balance.click("Balance as in the paper")
+    status = balance.page.get_by_test_id("balance-status")
+    status.get_by_text("The price: M4: largest at rest +").wait_for()
+    text = until(lambda: balance.text("balance-result"), "the tables")
+    for group in ("largest at rest", "largest in motion", "RMS in motion", "largest power"):
+        assert re.search(rf"{group}\s+before\s+after\s+change(\s+M[1-4] \[[^\]]+\].*){{4}}", text)
+    assert re.search(r"M4 \[N\]\s+\d+\.\d\s+308\.6\s+\+\d+\.\d %", text)
+    assert "κ ≤ 10" in text
+
+
+def test_maps_fade_with_the_imbalance_next_to_a_reference(balance: Tab) -> None:
+    def shown() -> tuple[float, float]:
+        return tuple(balance.handle("from–to").value)
+
+    store = MapStore()
+    (scale, *_) = store.scales(balance.state, store.data(balance.state))
+    before = (scale.low, scale.high)
+    until(lambda: shown() == before, "the range of the design as it is")
+    balance.click("Balance as in the paper")
+    until(lambda: balance.state.document.reference is not None, "the reference is pinned")
+    balance.wait_frames(1500)
+    assert shown() == before

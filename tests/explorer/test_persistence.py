@@ -224,7 +224,7 @@ def test_share_code_with_a_wrong_letter_is_refused(
         ("PMZ1-ä", "damaged"),
         (pack(PLAIN)[:-4], "damaged"),
         (pack(PLAIN) + "AAAA", "damaged"),
-        ("PMZ1-" + "A" * 8000, "too long"),
+        ("PMZ1-" + "A" * 16000, "too long"),
         (pack("[" * 15_000), "cannot be read"),
         (pack('{"version": 7}'), "version 7 is not known"),
         (pack(json.dumps({"version": "7" * 9000})), "is not known"),

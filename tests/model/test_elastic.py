@@ -66,6 +66,9 @@ def test_numbers_left_open_count_as_the_tube_and_as_rigid() -> None:
     assert APPENDIX_4.stored("elastic.b4_area") is None
     assert APPENDIX_4.value("elastic.b4_area") == APPENDIX_4.elastic.section("b4").area
     assert APPENDIX_4.value("elastic.guide") == math.inf
+    assert APPENDIX_4.value("elastic.platform_tilt_inertia") == 0.5 * APPENDIX_4.platform.inertia
+    with pytest.raises(InvalidDesign, match="I_pl/2"):
+        APPENDIX_4.vary({"elastic.platform_tilt_inertia": 0.007})
     given_area = APPENDIX_4.vary({"elastic.b4_area": 1e-4, "elastic.guide": 1e7})
     section, tube = given_area.elastic.section("b4"), APPENDIX_4.elastic.section("b4")
     assert section == tube._replace(area=1e-4)

@@ -24,12 +24,8 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.accuracy import DriveAccuracy
-from paminsa_viz.precision.drive_errors import (
-    CORNERS,
-    Bound,
-    drive_errors,
-    field_drive_errors,
-)
+from paminsa_viz.precision.drive_corners import CORNERS
+from paminsa_viz.precision.drive_errors import Bound, drive_errors, field_drive_errors
 from tests.support.samples import each_robot, random_design, random_poses
 
 GEOMETRY = APPENDIX_4.geometry

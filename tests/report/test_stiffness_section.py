@@ -6,14 +6,16 @@ from datetime import UTC, datetime
 
 import pytest
 
+from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.stiffness import platform_stiffness, strain_shares
+from paminsa_viz.elastostatics.vibration import robot_modes
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.report.blocks import Note, Table
 from paminsa_viz.report.request import ReportRequest
 from paminsa_viz.report.stiffness_section import stiffness_section
 from paminsa_viz.trajectory import PRESET
-from paminsa_viz.units import format_value
+from paminsa_viz.units import NONE, format_value
 
 POSE = (0.05, 0.02, 0.5, -0.6)
 MADE = datetime(2026, 1, 2, tzinfo=UTC)
@@ -28,7 +30,7 @@ def blocks(design: Design, pose=POSE) -> tuple[list[Table], list[Note]]:
 
 def test_stiffness_and_shares_are_the_librarys() -> None:
     design = APPENDIX_4.vary({"payload.mass": 10.0, "elastic.b4_outer": 0.05})
-    (data, stiffness, shares), (note,) = blocks(design)
+    (data, stiffness, shares, modes), (note,) = blocks(design)
     assert ("B4", "tube 50/33.1 mm") in [row.cells[:2] for row in data.rows]
     found = platform_stiffness(design, POSE)
     shown = {row.cells[0]: row.cells[2] for row in stiffness.rows}
@@ -39,10 +41,21 @@ def test_stiffness_and_shares_are_the_librarys() -> None:
     assert shares.rows[0].cells == ("B1", f"{100 * best:.1f} %")
     assert format_value(float(found.deflection()[2]), "m", 3) in note.text
     assert "a tilt of" in note.text
+    first = robot_modes(design, POSE).frequencies[0]
+    alone = drive_modes(design, POSE).frequencies[0]
+    cells = ("1", format_value(float(first), "Hz"), format_value(float(alone), "Hz"))
+    assert modes.rows[0].cells == cells
+    assert modes.rows[5].cells[2] == NONE
+
+
+def test_without_a_hold_there_is_no_frequency() -> None:
+    weak = APPENDIX_4.vary({"elastic.drive_rotary": 1.0, "payload.mass": 20.0})
+    _, notes = blocks(weak, (0.08, 0.05, 0.6, -0.5))
+    assert "no natural frequencies" in notes[-1].text
 
 
 def test_without_a_load_nothing_is_deflected() -> None:
-    (_, _, shares), (note,) = blocks(APPENDIX_4)
+    (_, _, shares, _), (note,) = blocks(APPENDIX_4)
     assert "nothing is deflected" in note.text
     assert shares.head == ("Part", "1 N along x", "1 N along z")
     for column in (1, 2):

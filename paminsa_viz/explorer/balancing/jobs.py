@@ -160,12 +160,20 @@ class Job:
 
 @dataclass(frozen=True)
 class Effect:
-    """A number before and after; NaN where it has no value."""
+    """A size before and after; NaN where it has no value.
+
+    Attributes:
+        label: What it is, or whose.
+        unit: SI unit.
+        before, after: The size.
+        group: Heading of the rows that belong together, such as those of the four actuators.
+    """
 
     label: str
     unit: str
     before: float
     after: float
+    group: str = ""
 
 
 @dataclass(frozen=True, eq=False)

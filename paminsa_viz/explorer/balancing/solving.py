@@ -44,10 +44,11 @@ from paminsa_viz.model import (
     static_imbalance,
     xy_grid,
 )
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.parameters import Counterweight
 from paminsa_viz.model.singular_limit import counting
 from paminsa_viz.plots.map_data import half_width, workspace_field
-from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, solve_trajectory
+from paminsa_viz.trajectory import SolvedTrajectory, Trajectory, analyze, solve_trajectory
 from paminsa_viz.trajectory.integrals import time_weights
 
 FRONT_POINTS = 12
@@ -157,14 +158,42 @@ def tidied(design: Design) -> Design:
 
 def effects(job: Job, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
-    before = job.design
-    pairs = [("M_p2", "N", [static_imbalance(before), static_imbalance(after)])]
-    for kind, measured in (("static", static_torque), ("dynamic", dynamic_torque)):
-        peak, mean = zip(measured(job, before), measured(job, after), strict=True)
-        pairs.append((f"peak {kind} torque", "N m", list(peak)))
-        pairs.append((f"RMS {kind} torque", "N m", list(mean)))
-    pairs.append(("mass of the robot", "kg", [whole_mass(before), whole_mass(after)]))
-    return tuple(Effect(label, unit, *ends) for label, unit, ends in pairs)
+    ends = (job.design, after)
+    found = [
+        Effect("M_p2", "N", *map(static_imbalance, ends)),
+        Effect("mass of the robot", "kg", *map(whole_mass, ends)),
+    ]
+    sizes = zip(*(actuator_sizes(job, design) for design in ends), strict=True)
+    for (group, units), before, now in zip(SIZES.items(), *zip(*sizes, strict=True), strict=True):
+        found += [
+            Effect(f"M{number}", unit, float(old), float(new), group)
+            for number, (unit, old, new) in enumerate(zip(units, before, now, strict=True), start=1)
+        ]
+    return tuple(found)
+
+
+SIZES = {
+    "largest at rest": ("N m", "N m", "N m", "N"),
+    "largest in motion": ("N m", "N m", "N m", "N"),
+    "RMS in motion": ("N m", "N m", "N m", "N"),
+    "largest power": ("W",) * 4,
+}
+"""What is compared of each actuator, and the units of M1 to M4."""
+
+
+def actuator_sizes(job: Job, design: Design) -> Array:
+    """Return `SIZES` of M1..M4, (4, 4); NaN where no pose counts or no motion runs."""
+    sizes = np.full((len(SIZES), 4), np.nan)
+    field = plane(job)
+    if (used := field.status == Limit.OK).any():
+        sizes[0] = np.abs(field.torques(design)[:, used]).max(axis=1)
+    try:
+        solved = motion(job)
+    except PaminsaError:
+        return sizes
+    summary = analyze(design, solved.trajectory, keep=solved).summary
+    sizes[1:] = np.abs([[load.peak, load.rms, load.top_power] for load in summary]).T
+    return sizes
 
 
 def static_torque(job: Job, design: Design) -> tuple[float, float]:

@@ -200,6 +200,7 @@ PLOTS: dict[str, SeriesKind] = {
     "parts of one actuator": "breakdown",
     "power": "power",
     "energy": "energy",
+    "joint forces": "loads",
     "pose": "pose",
     "speed": "speed",
     "acceleration": "acceleration",

@@ -6,22 +6,27 @@ import math
 import re
 from functools import lru_cache
 from html import escape
+from itertools import groupby
+from operator import attrgetter
 
 from markupsafe import Markup
 
 from paminsa_viz.balancing import ActiveConstraint, InfeasibleBounds
-from paminsa_viz.explorer.balancing.jobs import Goal, Outcome, Task
+from paminsa_viz.explorer.balancing.jobs import Effect, Goal, Outcome, Task
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.model import PARAMETER, Design, PaminsaError, static_imbalance
 from paminsa_viz.model.lumped import MASS_PATHS
-from paminsa_viz.units import number, symbol_html, symbols_html, unit_text
+from paminsa_viz.units import number, percent_change, symbol_html, symbols_html, unit_text
 
 BALANCED = 1e-9
 """Largest |M_p2| that counts as balanced [N]."""
 
 MAX_BOUNDS = 6
 """Most active bounds that are listed."""
+
+NOTABLE = 0.005
+"""Share by which an actuator's load may grow without being pointed out."""
 
 _SIDES = {"low": "≥", "high": "≤", "nearest": "lever ≥", "farthest": "lever ≤", "limit": "≤"}
 
@@ -55,7 +60,7 @@ def _status(level: str, title: str, *lines: str | Markup, testid: str = "balance
     return render("status.j2", testid=testid, level=level, title=title, lines=filter(None, lines))
 
 
-def _headline(outcome: Outcome, after: Design, current: Design) -> tuple[str, str, str | Markup]:
+def _headline(outcome: Outcome, after: Design, current: Design) -> tuple[str | Markup, ...]:
     left, goal = static_imbalance(after), _goal(outcome)
     if abs(left) <= BALANCED:
         found = "ok", "Statically balanced", Markup(
@@ -70,7 +75,8 @@ def _headline(outcome: Outcome, after: Design, current: Design) -> tuple[str, st
     if after == outcome.job.design:
         return level, head, "the design is optimal already; nothing was changed"
     if after == current:
-        return level, head, rest
+        price = price_text(outcome)
+        return level, head, *filter(None, (rest, price and f"The price: {price}"))
     again = current == outcome.job.design
     rest = "the one before is shown again" if again else "it has been changed since"
     return "plain", "Not the design that is shown", rest
@@ -102,10 +108,27 @@ def details_html(outcome: Outcome | None) -> str:
     near = goal.static and abs(static_imbalance(outcome.after)) > BALANCED
     return render(
         "balance_result.j2", outcome=outcome, optimum=optimum, degrees=math.degrees, unit=unit,
+        groups=[(name, list(rows)) for name, rows in groupby(outcome.effects, attrgetter("group"))],
+        grown=grown, change=lambda effect: percent_change(effect.before, effect.after),
         goal=_goal_text(goal), changes=_changes(outcome.job.design, outcome.after),
         bounds=[item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS],
         worth="N" if near else unit, variable=variable_html, sides=_SIDES,
     )  # fmt: skip
+
+
+def grown(effect: Effect) -> bool:
+    """Whether an actuator has to give more than before, by more than `NOTABLE`."""
+    return bool(effect.group) and effect.after > (1 + NOTABLE) * effect.before + 1e-9
+
+
+def price_text(outcome: Outcome) -> str:
+    """Return which actuators have to give more than before, and by how much; empty for none."""
+    parts: dict[str, list[str]] = {}
+    for effect in outcome.effects:
+        if grown(effect) and not effect.group.startswith("RMS"):
+            change = percent_change(effect.before, effect.after)
+            parts.setdefault(effect.label, []).append(f"{effect.group} {change}")
+    return "; ".join(f"{name}: {', '.join(found)}" for name, found in parts.items())
 
 
 def _goal_text(goal: Goal) -> str:

@@ -149,7 +149,7 @@ def excitation_html(frame: Frame) -> str:
         (
             row.name,
             format_value(row.value, row.unit, 3),
-            format_value(row.limit, row.unit, 3),
+            format_value(row.limit, row.unit, 4),
             100 * (row.limit / row.value if row.least else row.value / row.limit)
             if row.value and row.limit and math.isfinite(row.limit)
             else 0.0,

@@ -92,7 +92,7 @@ class MapPicture:
             return
         quantities = self._quantities(state)
         document, view = state.document, state.map_view
-        reference = document.reference if shows_difference(state) else None
+        reference = document.reference
         motion = self._motions.analysis(state) if "path" in state.layers else None
         # Where the robot is, is not part of it: the marker lies over the picture.
         values = (document.design, document.pose[2:], reference, view, quantities, width)
@@ -101,7 +101,7 @@ class MapPicture:
             self._mark(state)
             return
         data = self._store.data(state, COARSE if dragging else FULL, quantities)
-        scales = self._store.scales(state, data, quantities)
+        scales = self._store.scales(state, data, quantities, dragging=dragging)
         ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)
         picture = self._live.draw(data, scales, width, ratio, path, COLUMNS)
@@ -155,4 +155,5 @@ def caption(state: State, data: MapData) -> str:
         reference=None if reference is None else reference.name,
         theta=format_value(data.theta, "rad"),
         z=format_value(data.z, "m"),
+        missing=data.missing_word,
     )

@@ -156,16 +156,17 @@ def range_entries(
         Dropdown(
             f"{name}.range", "colors" if brief else "color range",
             options={
-                "robust": RangeMode.AUTO, "full": RangeMode.FULL, "manual": RangeMode.MANUAL
+                "robust": RangeMode.AUTO, "full": RangeMode.FULL, "held": RangeMode.MANUAL
             },
             hint="robust: shows the ordinary values, what explodes near a singularity is darker; "
-            "full: from the smallest to the largest value; manual: as given",
+            "and of both designs where a reference is pinned; full: from the smallest to the "
+            "largest value; held: stays as it is, whatever is changed, and its ends can be typed",
             read=mode, apply=choose_mode,
         ),
         Pair(
             f"{name}.ends", "from–to" if brief else "ends",
-            hint="Ends of the color range, in the unit of the color bar; editing them makes the "
-            "range manual",
+            hint="Ends of the color range, in the unit of the color bar; editing them holds "
+            "the range",
             step=step,
             precision=lambda state: int(np.clip(1 - np.floor(np.log10(step(state))), 0, 9)),
             read=displayed, apply=set_displayed,

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width, shows_difference
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width
 from paminsa_viz.explorer.scene.curves import Curve, thinned
 from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.scene.layers import SceneContext
@@ -110,14 +110,13 @@ class FloorMap:
 
     def _draw_map(self, state: State, dragging: bool) -> None:
         document, view, opacity = state.document, state.map_view, state.floor_opacity
-        reference = document.reference if shows_difference(state) else None
         theta, z = document.pose[2:]
-        shown = (document.design, theta, z, reference, view, opacity)
+        shown = (document.design, theta, z, document.reference, view, opacity)
         if self._key and self._key[0] == shown and (dragging or self._key[1]):
             return
         quantities = (view.quantity,)
         data = self._store.data(state, COARSE if dragging else FULL, quantities)
-        scale = self._store.scales(state, data, quantities)[0]
+        scale = self._store.scales(state, data, quantities, dragging=dragging)[0]
         self._map.image = floor_image(data, scale, opacity)
         side = 2 * half_width(document.design.geometry)
         self._map.scale = (side, side, 1.0)

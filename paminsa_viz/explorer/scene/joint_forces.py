@@ -109,9 +109,8 @@ class JointForceView:
         arrows, scale = force_arrows(forces, configuration)
         points = arrows.astype(np.float32)
         if self._arrows is None:
-            colors = linear_colors(*palette.LEG_COLORS).repeat(len(JOINTS), axis=0)
             self._arrows = self._scene.add_arrows(
-                "/joint_forces/arrows", points, colors,
+                "/joint_forces/arrows", points, linear_colors(palette.INK)[0],
                 shaft_radius=0.0035, head_radius=0.009, head_length=0.022,
             )  # fmt: skip
         self._arrows.points = points

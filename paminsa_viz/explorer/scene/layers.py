@@ -153,6 +153,8 @@ register(
           "elasticity:Deflection"),
     Layer("compliance", "Compliance ellipsoid", "Displacements by a force in every direction",
           "elasticity:ComplianceEllipsoid"),
+    Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
+          "contacts:ContactView"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(

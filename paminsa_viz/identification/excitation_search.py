@@ -1,0 +1,253 @@
+"""The search for an excitation: random motions, improved within a budget.
+
+Random motions, each as large as the limits allow, are improved by sequential quadratic
+programming, the best first; its steps are bounded, and bounds are tightened where steps leave the
+workspace. What is left of the budget goes to motions near the best one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.errors import InvalidInput, PaminsaError
+from paminsa_viz.identification.information import LIMITED, Evaluation, Information
+from paminsa_viz.model.arrays import Array
+
+LEAST_SAMPLES = 250
+"""Fewest samples of a period at which limits are looked at."""
+
+RANDOM_STARTS = 300
+"""Random motions that the search starts with."""
+
+GROUP = 4
+"""Motions that are improved at the same time."""
+
+HOPS = 3
+"""How many of a later group lie near the best motion."""
+
+HOP = 0.05
+"""How near: standard deviation of the variables."""
+
+HOP_SIZE = 0.85
+"""Their size over that of the best motion, which is at the limits."""
+
+STAGES = ((20.0, 80, 2), (60.0, 80, 1), (300.0, 80, 1))
+"""How sharply the limits are taken, most iterations, and how many of a group go on."""
+
+TOLERANCE = 2e-3
+"""Share by which limits may be exceeded on the way; the motion is shrunk by it at the end."""
+
+ROUNDING = 1e-9
+"""Share of a limit that a motion stays below it, so that other sums of it agree."""
+
+MOST_OUTSIDE = 8
+"""Most steps out of the workspace in a row: a line search shortens its steps as often."""
+
+BEYOND = 1e3
+"""How much worse than inside a motion counts that leaves the workspace."""
+
+REACH = 3.0
+"""Largest change of a variable in a stage, over its scale."""
+
+LEAST_REACH = 0.02
+
+CHUNK = 32
+"""Motions looked at in one batch."""
+
+Report = Callable[[float], bool]
+"""Takes what part of a search is done, 0 to 1, and returns whether to stop."""
+
+
+@dataclass(frozen=True)
+class ExcitationSettings:
+    """What is searched, and for how long.
+
+    Attributes:
+        period: Of the motion [s].
+        harmonics: Number of harmonics of each coordinate.
+        periods: How often the motion is run.
+        samples: Samples of a period at which information and limits are looked at.
+        evaluations: Most evaluations of a motion with derivatives, of some 15 ms each; the search
+            is reproducible where they end it.
+        seconds: Most time [s].
+        random: Number of random motions that it starts with.
+        seed: Of the random motions.
+
+    Raises:
+        InvalidInput: If a number is not possible.
+    """
+
+    period: float = 10.0
+    harmonics: int = 5
+    periods: int = 2
+    samples: int = 256
+    evaluations: int = 3000
+    seconds: float = 60.0
+    random: int = RANDOM_STARTS
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        ranges = {
+            "period": (0.5, 1000.0), "periods": (1, 1000), "samples": (LEAST_SAMPLES, 10_000),
+            "evaluations": (0, 1_000_000), "seconds": (0.0, 1e5),
+            "random": (1, 10_000), "seed": (0, 2**31 - 1),
+        }  # fmt: skip
+        for name, (low, high) in ranges.items():
+            value = getattr(self, name)
+            if not (np.isfinite(value) and low <= value <= high):
+                raise InvalidInput(name, f"{low:g} to {high:g} is possible, not {value!r}")
+
+
+class NoExcitation(PaminsaError):
+    """No motion about the home pose keeps the limits."""
+
+
+def random_motions(info: Information, count: int, seed: int) -> Array:
+    """Return random motions within the limits, each as large as they allow, (count, size).
+
+    Raises:
+        NoExcitation: If there is none.
+    """
+    rng = np.random.default_rng(seed)
+    drawn = rng.standard_normal((count, info.family.size))
+    drawn[:, :4] *= 0.3
+    low, high = np.zeros(count), np.full(count, 4.0)
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        good = in_chunks(info.worst_room, drawn * middle[:, None]) > 0.0
+        low, high = np.where(good, middle, low), np.where(good, high, middle)
+    found = drawn * low[:, None]
+    if not (low > 0.0).any():
+        at_rest = info.at(info.states(np.zeros(info.family.size))).room[0]
+        names = (*LIMITED, *(LIMITED[-1],) * 11)
+        failed = names[int(np.argmin(np.nan_to_num(at_rest, nan=-np.inf)))]
+        raise NoExcitation(
+            f"no motion about home keeps the limits: the {failed} is beyond its limit at rest there"
+        )
+    return found[low > 0.0]
+
+
+def in_chunks(function: Callable[[Array], Array], variables: Array) -> Array:
+    parts = np.array_split(variables, max(1, len(variables) // CHUNK))
+    return np.concatenate([function(part) for part in parts])
+
+
+def shrunk(info: Information, variables: Array) -> Array:
+    """Return a motion, made smaller until it keeps the limits at all samples."""
+    low, high = 0.0, 1.0
+    if info.worst_room(variables) >= ROUNDING:
+        return variables
+    for _ in range(20):
+        middle = 0.5 * (low + high)
+        if info.worst_room(middle * variables) >= ROUNDING:
+            low = middle
+        else:
+            high = middle
+    return low * variables
+
+
+class _Outside(Exception):
+    """A step out of the workspace, where nothing has a derivative."""
+
+
+class _Over(Exception):
+    """The budget is spent."""
+
+
+class Search:
+    """The improvement of motions within a budget."""
+
+    def __init__(
+        self, info: Information, settings: ExcitationSettings, begin: float, report: Report | None
+    ) -> None:
+        self._info, self._settings, self._begin, self._report = info, settings, begin, report
+        self.evaluations, self.over = 0, settings.evaluations == 0
+        self.best: Array = np.zeros(info.family.size)
+        self.best_value = -np.inf
+        self._kept: tuple[float, Array] = (-np.inf, self.best)
+        self._last: tuple[bytes, Evaluation] | None = None
+        self._outside, self._value = 0, 0.0
+
+    def run(self, starts: Array) -> None:
+        """Improve the first motions a little, the best of them more, until the budget is spent.
+
+        What is left of it goes to further starts and to motions near the best one.
+        """
+        rng = np.random.default_rng(self._settings.seed)
+        waiting = list(starts)
+        group, waiting = waiting[:GROUP], waiting[GROUP:]
+        try:
+            while not self.over:
+                for sharpness, iterations, kept in STAGES:
+                    found = [self._improve(start, sharpness, iterations) for start in group]
+                    group = [x for _, x in sorted(found, key=lambda one: -one[0])[:kept]]
+                near = HOP_SIZE * self.best + HOP * rng.standard_normal((HOPS, self.best.size))
+                group, waiting = [*near, *waiting[: GROUP - HOPS]], waiting[GROUP - HOPS :]
+        except _Over:
+            self.over = True
+
+    def _improve(self, start: Array, sharpness: float, iterations: int) -> tuple[float, Array]:
+        """Return the best motion of a stage that starts at one, and its worth."""
+        self._kept, reach = (-np.inf, start), REACH
+        while reach > LEAST_REACH:
+            try:
+                self._stage(self._kept[1], sharpness, iterations, reach)
+                break
+            except _Outside:
+                reach *= 0.25
+        return self._kept
+
+    def _stage(self, start: Array, sharpness: float, iterations: int, reach: float) -> None:
+        from scipy.optimize import minimize  # takes a while to load
+
+        self._last, self._outside, self._value = None, 0, 0.0
+        minimize(
+            lambda x: self._evaluated(x, sharpness)[:2], start, jac=True, method="SLSQP",
+            bounds=np.stack([start - reach, start + reach], axis=1),
+            constraints=[{
+                "type": "ineq",
+                "fun": lambda x: self._evaluated(x, sharpness)[2],
+                "jac": lambda x: self._evaluated(x, sharpness)[3],
+            }],
+            options={"maxiter": iterations, "ftol": 1e-4},
+        )  # fmt: skip
+
+    def _evaluated(self, x: Array, sharpness: float) -> tuple[Any, Array, Array, Array]:
+        key = x.tobytes()
+        if self._last is None or self._last[0] != key:
+            self._spend()
+            self._last = key, self._info.evaluate(x, sharpness)
+        found = self._last[1]
+        if not np.isfinite(found.value):
+            self._outside += 1
+            if self._outside > MOST_OUTSIDE:
+                raise _Outside
+            return self._value + BEYOND, np.zeros_like(x), found.room, found.room_slope
+        self._outside, self._value = 0, -found.value
+        if found.worst >= -TOLERANCE and found.value > self._kept[0]:
+            self._kept = found.value, x.copy()
+            if found.value > self.best_value:
+                self.best_value, self.best = self._kept
+        return -found.value, -found.slope, found.room, found.room_slope
+
+    def _spend(self) -> None:
+        """Count an evaluation.
+
+        Raises:
+            _Over: If none is left, the time is up, or the search is canceled.
+        """
+        settings = self._settings
+        spent = time.monotonic() - self._begin
+        shares = spent / max(settings.seconds, 1e-9), self.evaluations / settings.evaluations
+        done = max(shares)
+        stop = (
+            self.evaluations % 10 == 0 and self._report is not None and self._report(min(done, 1.0))
+        )
+        if stop or done >= 1.0:
+            raise _Over
+        self.evaluations += 1

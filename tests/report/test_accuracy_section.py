@@ -1,0 +1,76 @@
+"""The report's section on accuracy: the numbers of the library, and why there are none."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import UTC, datetime
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import APPENDIX_4, Design, DriveAccuracy, singular_rotation
+from paminsa_viz.precision.drive_errors import drive_errors
+from paminsa_viz.precision.manufacture import tolerance_errors
+from paminsa_viz.report.accuracy_section import accuracy_section
+from paminsa_viz.report.blocks import Note, Section, Table
+from paminsa_viz.report.request import ReportRequest
+from paminsa_viz.trajectory import PRESET
+from paminsa_viz.units import format_value
+
+POSE = (0.04, -0.02, 0.3, -0.5)
+FOLD = singular_rotation(APPENDIX_4.geometry)
+
+
+def section(design: Design = APPENDIX_4, pose: tuple[float, ...] = POSE) -> Section:
+    x, y, theta, z = pose
+    motion = PRESET["arch"].build(design.geometry).sample(100)
+    made = datetime(2026, 1, 2, tzinfo=UTC)
+    return accuracy_section(ReportRequest(design, (x, y, theta, z), motion, made, ""))
+
+
+def tables(found: Section) -> list[Table]:
+    return [block for block in found.blocks if isinstance(block, Table)]
+
+
+def notes(found: Section) -> str:
+    return " ".join(block.text for block in found.blocks if isinstance(block, Note))
+
+
+def test_tables_have_the_numbers_of_the_library() -> None:
+    found = section()
+    drives, manufacture = tables(found)
+    here = drive_errors(APPENDIX_4.geometry, APPENDIX_4.accuracy, POSE)
+    assert drives.rows[0].cells[1] == format_value(float(here.worst[0]), "m:um", 3)
+    assert drives.rows[4].cells[3] == format_value(float(here.rms[2]), "rad:arcsec", 3)
+    tolerance = tolerance_errors(APPENDIX_4, POSE)
+    assert manufacture.rows[3].cells[1] == format_value(float(tolerance.worst[3]), "m:um", 3)
+    assert "%" in manufacture.rows[4].cells[4]
+    for table in (drives, manufacture):
+        assert all(len(row.cells) == len(table.head) for row in table.rows)
+    assert "No bound" not in notes(found)
+    assert "equal legs" not in notes(found)
+
+
+def test_unbounded_poses_and_unequal_legs_are_named() -> None:
+    coarse = replace(APPENDIX_4, accuracy=DriveAccuracy(resolution_rotary=np.radians(3.0)))
+    text = notes(section(coarse.vary({"leg1.shaft": 2e-4}), (0.0, 0.0, FOLD - 0.05, -0.3)))
+    assert "No bound at the report's pose: within the drives' errors" in text
+    assert "With drives set for equal legs" in text
+    assert "tilt about x" in text
+    assert "No bound at" in notes(
+        section(
+            replace(coarse, accuracy=replace(coarse.accuracy, backlash_rotary=np.radians(20.0)))
+        )
+    )
+
+
+def test_a_singular_pose_has_reasons_in_place_of_numbers() -> None:
+    found = section(pose=(0.0, 0.0, FOLD, -0.3))
+    assert len(tables(found)) == 1
+    assert "it is singular" in notes(found)
+    assert tables(found)[0].rows[0].cells[1] == "–"
+
+
+@pytest.mark.parametrize("leg", ["leg1", "leg3"])
+def test_legs_that_cannot_close_say_so(leg: str) -> None:
+    assert "have no position" in notes(section(APPENDIX_4.vary({f"{leg}.bar_89": 0.9})))

@@ -1,0 +1,40 @@
+"""Joint forces in the report."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from paminsa_viz.elastostatics.joint_forces import joint_forces
+from paminsa_viz.elastostatics.motion_loads import motion_loads
+from paminsa_viz.model.design import APPENDIX_4
+from paminsa_viz.model.singularity import singular_rotation
+from paminsa_viz.report.blocks import Figure, Note, Table
+from paminsa_viz.report.loads_section import loads_section
+from paminsa_viz.trajectory import PRESET, analyze
+from paminsa_viz.units import number
+
+POSE = (0.05, 0.0, 0.2, -0.5)
+MOTION = PRESET["arch"].build(APPENDIX_4.geometry).sample(100)
+
+
+def test_tables_hold_the_pose_and_the_motion() -> None:
+    analysis = analyze(APPENDIX_4, MOTION)
+    found = loads_section(analysis, POSE)
+    at_rest, joints, bars = (b for b in found.blocks if isinstance(b, Table))
+    forces, loads = joint_forces(APPENDIX_4, POSE), motion_loads(analysis)
+    assert loads is not None
+    assert at_rest.rows[4].cells[3] == number(float(forces.of("9")[0, 2]), 3)
+    assert joints.rows[8].cells[2] == number(float(loads.peak[:, 8].max()), 3)
+    assert bars.rows[0].cells[3] == number(float(np.abs(loads.bar_peak[:, 0, 2]).max()), 3)
+    assert sum(isinstance(block, Figure) for block in found.blocks) == 1
+
+
+def test_reasons_stand_in_place_of_numbers() -> None:
+    far = replace(MOTION, pose=MOTION.pose + 3.0)
+    singular = (0.0, 0.0, singular_rotation(APPENDIX_4.geometry), -0.5)
+    found = loads_section(analyze(APPENDIX_4, far), singular)
+    assert not any(isinstance(block, Table) for block in found.blocks)
+    bad = [block.text for block in found.blocks if isinstance(block, Note) and block.kind == "bad"]
+    assert len(bad) == 2
