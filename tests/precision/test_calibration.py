@@ -96,6 +96,7 @@ def test_noise_stays_what_it_is_on_held_back_poses(width: int) -> None:
     assert not found.determined.all()
 
 
+@pytest.mark.slow
 def test_intervals_cover_what_is_true() -> None:
     """Of 95 % intervals, about 95 % hold the true value of their combination."""
     scale, hits = length_scales(APPENDIX_4), []
@@ -182,6 +183,7 @@ def candidates6(poses: Any) -> Any:
     return np.concatenate([poses, np.zeros((len(poses), 2))], axis=-1)
 
 
+@pytest.mark.slow
 def test_proposed_poses_show_more_than_random_ones() -> None:
     design = APPENDIX_4
     chosen = measuring_poses(design, 20)
