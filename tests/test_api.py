@@ -26,6 +26,7 @@ PACKAGES = (
     "paminsa_viz.model",
     "paminsa_viz.trajectory",
     "paminsa_viz.actuation",
+    "paminsa_viz.elastostatics",
     "paminsa_viz.precision",
     "paminsa_viz.balancing",
     "paminsa_viz.studies",

@@ -16,9 +16,8 @@ from paminsa_viz.cli.output import print_json
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.files.errors import FileError
-from paminsa_viz.files.example_logs import ExampleLog, example_log
+from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.files.identification_table import estimate_table, residual_table
-from paminsa_viz.files.log_table import read_log
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.identification.columns import IdentificationSettings
 from paminsa_viz.identification.findings import Findings, investigate
@@ -43,13 +42,6 @@ Exit code: 0 masses and friction explain the log; 1 they do not, with what may b
 argument or file."""
 
 DEFAULTS = IdentificationSettings()
-
-EXAMPLES = {
-    "example": ExampleLog.BEST,
-    "example-other": ExampleLog.OTHER,
-    "example-payload": ExampleLog.PAYLOAD,
-}
-"""Logs that come with the program, by the names they have here."""
 
 FILES = ("parameters.csv", "residuals.csv", "identified.toml", "torques.svg")
 """What ``--out`` writes."""
@@ -122,14 +114,7 @@ class Identify(JsonFlags, DesignFlags):
         return x / MM, y / MM, math.radians(theta), z / MM
 
     def _read(self, name: str) -> Log:
-        """Return a log of a file, or one that comes with the program.
-
-        Raises:
-            TableFileError: If the file cannot be read or is refused.
-        """
-        if name in EXAMPLES and not Path(name).exists():
-            return example_log(EXAMPLES[name])
-        return read_log(name, gains=self.gains, split=self.split)
+        return given_log(name, gains=self.gains, split=self.split)
 
     def _check_folder(self) -> None:
         """Make the folder before the work, so that a place that cannot be is known at once.

@@ -14,6 +14,7 @@ from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_ending
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import open_atomically
+from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.trajectory import MotionLimits, home, plan_crossing, spline_path
 
 DESCRIPTION = """\
@@ -39,6 +40,9 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
     shortest time within --max-torque."""
     max_torque: Annotated[float | None, tyro.conf.arg(metavar="NM")] = None
     """Limit of the torque of M1, M2 and M3 for --cross [N m]."""
+    log: Annotated[str | None, tyro.conf.arg(metavar="LOG")] = None
+    """Log of the built robot to identify it from: a CSV file, or example; see paminsa-viz
+    identify."""
     verify: bool = True
     """Check the formulas against the physics engines that are installed."""
     seed: int = 0
@@ -69,6 +73,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             command=command_line.get(),
             verified=self.verify,
             seed=self.seed,
+            log=None if self.log is None else given_log(self.log),
         )
         # Opened first, so that a place which cannot be written to is known before the work.
         with open_atomically(self.out) as file:

@@ -9,6 +9,7 @@ import numpy as np
 from paminsa_viz.elastostatics.center_lines import CenterLines, center_lines
 from paminsa_viz.elastostatics.leg_matrices import leg_matrices
 from paminsa_viz.elastostatics.stiffness import (
+    Compensation,
     PlatformStiffness,
     StrainShares,
     compensate,
@@ -70,7 +71,7 @@ class ElasticOutcome:
         shapes: Center lines with the displacements of the modes.
         deflected: The same with that under the load case; None without a load.
         twist: Of the platform under the load case, (6,) [m, rad].
-        residual_tilt: Angle that is left when the motors bring x, y, theta and z back [rad].
+        compensation: What the motors do to bring x, y, theta and z back; None without a load.
         shares: Strain energy of the parts under the load case; None without a load.
         problem: Why there is nothing.
     """
@@ -81,7 +82,7 @@ class ElasticOutcome:
     shapes: CenterLines | None = None
     deflected: CenterLines | None = None
     twist: Array | None = None
-    residual_tilt: float = 0.0
+    compensation: Compensation | None = None
     shares: StrainShares | None = None
     problem: str = ""
 
@@ -93,11 +94,13 @@ class ElasticView:
     Attributes:
         mode: Which mode is animated, from 0.
         case: Key of the load case.
+        bar: Whose section values are edited.
         outcome: The last result.
     """
 
     mode: int = 0
     case: str = "load"
+    bar: str = "b4"
     outcome: ElasticOutcome | None = None
 
 
@@ -111,22 +114,22 @@ def analyze_elasticity(job: ElasticJob) -> ElasticOutcome:
             return ElasticOutcome(job, problem=status.explanation)
         matrices, wrench = leg_matrices(design), job.wrench
         found = ElasticOutcome(job, stiffness, twist=stiffness.deflection(wrench))
+        modes = robot_modes(design, pose, MODES)
+        plain, _ = whole_matrices(matrices, pose, loaded=False)
+        force = np.zeros((len(plain), 1))
+        force[: SHARED - 1, 0] = wrench
+        vectors = np.concatenate([np.linalg.solve(plain, force), modes.shapes], axis=1)
+        lines = center_lines(matrices, pose, vectors)
         if wrench.any():
-            plain, _ = whole_matrices(matrices, pose, loaded=False)
-            loads = np.zeros((len(plain), 1))
-            loads[: SHARED - 1, 0] = wrench
-            moved = np.linalg.solve(plain, loads)
             found = replace(
                 found,
-                deflected=center_lines(matrices, pose, moved),
-                residual_tilt=float(compensate(design, pose, wrench).tilt),
+                deflected=replace(lines, moves=lines.moves[..., :1]),
+                compensation=compensate(design, pose, wrench),
                 shares=strain_shares(design, pose, wrench),
             )
-        modes = robot_modes(design, pose, MODES)
         if modes.stable:
-            shapes = center_lines(matrices, pose, modes.shapes)
-            frequencies = tuple(modes.frequencies.tolist())
-            found = replace(found, frequencies=frequencies, shapes=shapes)
+            shapes = replace(lines, moves=lines.moves[..., 1:])
+            found = replace(found, frequencies=tuple(modes.frequencies.tolist()), shapes=shapes)
     except PaminsaError as error:
         return ElasticOutcome(job, problem=str(error))
     return found

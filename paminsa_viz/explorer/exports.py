@@ -12,11 +12,14 @@ import numpy as np
 import viser
 
 from paminsa_viz.explorer.browser.style import over_backdrop
+from paminsa_viz.explorer.identifying import EXPORT_RATE
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.state import State
+from paminsa_viz.files.excitation_table import excitation_table
+from paminsa_viz.files.identification_table import estimate_table, residual_table
 from paminsa_viz.files.tables import table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
 from paminsa_viz.model import Configuration, Design, InvalidInput, PaminsaError, inverse_kinematics
@@ -247,6 +250,33 @@ def motion_page(state: State) -> File:
     document = state.document
     content = motion_html(document.design, found.analysis.trajectory)
     return File(_motion_name(state, found, "", "html"), content)
+
+
+def identification_table(state: State, kind: str) -> File:
+    """Write what a log told: the ``"parameters"`` with their intervals, or the ``"residuals"``.
+
+    Raises:
+        InvalidInput: If nothing has been identified.
+    """
+    found = state.identifying.findings
+    if found is None:
+        raise InvalidInput("log", "nothing has been identified yet")
+    table = estimate_table(found) if kind == "parameters" else residual_table(found)
+    name = f"paminsa_{kind}_{plain(found.identification.log.name)}.csv"
+    return File(name, table_bytes(table, "csv"))
+
+
+def excitation_csv(state: State) -> File:
+    """Write the motion that was found as a trajectory.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    outcome = state.identifying.excited
+    if outcome is None or outcome.excitation is None:
+        raise InvalidInput("motion", "none has been found yet")
+    table = excitation_table(outcome.job.design, outcome.excitation, EXPORT_RATE)
+    return File("paminsa_excitation.csv", table_bytes(table, "csv"))
 
 
 def _motion_results(state: State) -> MotionResults:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+import math
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from paminsa_viz.actuation import actuator_limits
@@ -21,6 +22,12 @@ PERIODS = (1.0, 100.0)
 
 SEARCH_TIMES = (1.0, 600.0)
 """Shortest and longest search [s]."""
+
+MOST_PAYLOAD = 1e3
+"""Largest payload of the third log [kg]."""
+
+HARMONICS = (3, 20)
+"""Fewest and most harmonics of an excitation."""
 
 EXPORT_RATE = 250.0
 """Samples a second of an exported excitation [1/s]."""
@@ -54,7 +61,7 @@ class IdentifySettings:
     period: float = 10.0
     harmonics: int = 5
     periods: int = 2
-    seconds: float = 30.0
+    seconds: float = 60.0
 
     @property
     def gain_values(self) -> tuple[float, ...] | None:
@@ -83,6 +90,41 @@ def parse_gains(text: str) -> tuple[float, ...] | None:
     if len(found) != 4 or not all(0 < abs(value) < 1e6 for value in found):
         raise InvalidInput("gains", problem)
     return found
+
+
+_RANGES = {
+    "cut_off": CUT_OFFS, "payload": (0.0, MOST_PAYLOAD), "period": PERIODS, "seconds": SEARCH_TIMES,
+    "harmonics": HARMONICS, "periods": (1, 1000),
+}  # fmt: skip
+
+
+def settings_data(settings: IdentifySettings) -> dict[str, Any]:
+    """Return the settings that are not the default, as plain data."""
+    values = {item.name: getattr(settings, item.name) for item in fields(IdentifySettings)}
+    return {
+        item.name: values[item.name]
+        for item in fields(IdentifySettings)
+        if values[item.name] != item.default
+    }
+
+
+def settings_from_data(data: dict[str, Any]) -> IdentifySettings:
+    """Read what `settings_data` returned.
+
+    Raises:
+        InvalidInput: If a name is unknown or a value not possible.
+    """
+    default = IdentifySettings()
+    for name, value in data.items():
+        expected = type(getattr(default, name, None))
+        number = expected in (int, float) and type(value) in (int, float)
+        if not (number or (type(value) is expected and expected in (bool, str))):
+            raise InvalidInput("saved state", f"the identification has no such {name[:20]!r}")
+        low, high = _RANGES.get(name, (-math.inf, math.inf))
+        if number and not (low <= value <= high and (expected is float or value == int(value))):
+            raise InvalidInput("saved state", f"{name}: {low:g} to {high:g} is possible")
+    parse_gains(str(data.get("gains", "")))
+    return replace(default, **data)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,6 +17,11 @@ from typing import Any
 
 import msgspec
 
+from paminsa_viz.explorer.identifying import (
+    IdentifySettings,
+    settings_data,
+    settings_from_data,
+)
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -77,8 +82,12 @@ def _changed_fields(drive: Drive) -> dict[str, Any]:
     return {name: value for name, value in values.items() if value != getattr(Drive(), name)}
 
 
-def dump(document: Document) -> str:
-    """Write a document as text; without a motion that is a file's, which may be long."""
+def dump(document: Document, identify: IdentifySettings | None = None) -> str:
+    """Write a document as text; without a motion that is a file's, which may be long.
+
+    The settings of the identification can come with it; its logs and results do not.
+    """
+    settings = {} if identify is None else settings_data(identify)
     reference = document.reference
     motion = motion_data(document.motion)
     return json.dumps(
@@ -90,7 +99,20 @@ def dump(document: Document) -> str:
             "reference": None if reference is None else _described(reference),
         }
         | ({"motion": motion} if motion else {})
+        | ({"identify": settings} if settings else {})
     )
+
+
+def load_settings(text: str) -> IdentifySettings:
+    """Return the settings of the identification in a text of `dump`; the default if it has none.
+
+    Raises:
+        InvalidInput: If a value is not possible.
+    """
+    try:
+        return settings_from_data(dict(json.loads(text).get("identify", {})))
+    except (ValueError, TypeError, AttributeError, RecursionError):
+        raise InvalidInput("saved state", "it cannot be read") from None
 
 
 def load(text: str) -> Document:

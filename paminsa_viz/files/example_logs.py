@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Enum
 from importlib.resources import files
+from pathlib import Path
 
-from paminsa_viz.files.log_table import parse_log
+from paminsa_viz.files.log_table import parse_log, read_log
 from paminsa_viz.identification.log import Log
 
 
@@ -25,3 +27,27 @@ def example_log(kind: ExampleLog = ExampleLog.BEST) -> Log:
     place = files("paminsa_viz.files").joinpath(kind.value)
     with place.open(encoding="utf-8", newline="") as lines:
         return parse_log(lines, kind.value)
+
+
+EXAMPLES = {
+    "example": ExampleLog.BEST,
+    "example-other": ExampleLog.OTHER,
+    "example-payload": ExampleLog.PAYLOAD,
+}
+"""The logs by the names that commands take."""
+
+
+def given_log(name: str, *, gains: Sequence[float] | None = None, split: bool = False) -> Log:
+    """Return the log of a file, or the one of `EXAMPLES` if there is no such file.
+
+    Args:
+        name: Path of the file, or a name.
+        gains: As of `read_log`.
+        split: As of `read_log`.
+
+    Raises:
+        TableFileError: If the file cannot be read or is refused.
+    """
+    if name in EXAMPLES and not Path(name).exists():
+        return example_log(EXAMPLES[name])
+    return read_log(name, gains=gains, split=split)

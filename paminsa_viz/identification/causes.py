@@ -165,6 +165,7 @@ def _tried(
     size = np.where(visible, score / np.where(visible, left, 1.0), 0.0)
     count, error = len(size) - 1, jackknife(size[1:])
     residual = square - float(force[0, base] @ span @ solved[0, :, -1])
+    residual = max(residual, 1e-12 * square)  # a log without noise
     explains = np.where(visible, size[0] * score[0], 0.0) / residual
     spring = places.get(SPRING)
     if spring is not None and not identification.settings.constrain:

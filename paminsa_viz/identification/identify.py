@@ -15,6 +15,7 @@ from paminsa_viz.identification.columns import (
     fit_model,
 )
 from paminsa_viz.identification.estimate import (
+    RESOLUTION,
     FitSolution,
     NormalBlocks,
     block_numbers,
@@ -27,6 +28,7 @@ from paminsa_viz.identification.log_poses import log_poses
 from paminsa_viz.identification.results import Estimate, Identification, Identity
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.drive import ACTUATORS
 
 OTHER_CUT_OFFS = (1 / 1.5, 1.5)
 """Cut-offs that results are tried with, over the cut-off."""
@@ -36,6 +38,9 @@ MOST_MOVE = 2.0
 
 LEAST_MOVE = 0.05
 """Moves below this share of `FitParameter.most` are none, however narrow the interval is."""
+
+DELAY_STEPS = 2
+"""How often the torques are shifted by the delay that is found."""
 
 FEW_SECONDS = 20.0
 """Shorter logs than this get a note [s]."""
@@ -86,11 +91,13 @@ def identify(
         start: Pose (4,) near the log's start, to choose the assembly; the home pose by default.
 
     Raises:
-        InvalidLog: At the first row that cannot be used, or if the log is too short or the robot
-            does not move.
-        InvalidInput: If the cut-off does not suit the sampling rate.
+        InvalidLog: At the first row that cannot be used, or if the log is too short, the robot
+            does not move, or a torque never changes.
+        InvalidInput: If the cut-off does not suit the sampling rate, or there is no gravity.
     """
     settings = IdentificationSettings() if settings is None else settings
+    if not design.gravity > 0:
+        raise InvalidInput("design", "identification needs gravity above 0: it weighs the robot")
     prepared = prepare(log, design, start)
     signals = filtered(prepared, design, settings)
     require_motion(signals)
@@ -111,8 +118,10 @@ def identify(
         f"{len(signals.t)} samples at {1 / signals.step:g} Hz, {solution.blocks} blocks of "
         f"{settings.block:g} s"
     )
-    if log.duration < FEW_SECONDS:
+    if log.duration < 0.99 * FEW_SECONDS:
         notes.append(f"the log is {log.duration:.3g} s long; {FEW_SECONDS:g} s or more are advised")
+    if estimates[0].high < 0:
+        notes.append("the weight is negative: the sign of force4, or of its gain, is wrong")
     if settings.robustness:
         notes += _moves(prepared, design, settings, estimates, values, error)
     return Identification(
@@ -129,17 +138,21 @@ def _fit(
 ) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
     numbers = block_numbers(signals.t, signals.segment, settings.block)
-    lag, moved = 0.0, signals
-    rounds = 3 if settings.delay else 1
-    for turn in range(rounds):
-        model = fit_model(design, moved, settings)
-        blocks = normal_blocks(model.columns, model.torque, numbers)
-        solution = solve(blocks)
-        if turn < rounds - 1:
-            place = [item.kind == "delay" for item in model.parameters].index(True)
-            lag += float(model.report[place] @ solution.x)
-            moved = shifted(signals, lag)
+    model, blocks, solution = _fitted(design, signals, settings, numbers)
+    lag = 0.0
+    for _ in range(DELAY_STEPS if settings.delay else 0):
+        place = [item.kind == "delay" for item in model.parameters].index(True)
+        lag += float(model.report[place] @ solution.x)
+        model, blocks, solution = _fitted(design, shifted(signals, lag), settings, numbers)
     return model, blocks, solution, numbers, lag
+
+
+def _fitted(
+    design: Design, signals: Signals, settings: IdentificationSettings, numbers: NDArray[np.int64]
+) -> tuple[FitModel, NormalBlocks, FitSolution]:
+    model = fit_model(design, signals, settings)
+    blocks = normal_blocks(model.columns, model.torque, numbers)
+    return model, blocks, solve(blocks)
 
 
 def shifted(signals: Signals, lag: float) -> Signals:
@@ -156,13 +169,16 @@ def shifted(signals: Signals, lag: float) -> Signals:
 
 
 def require_motion(signals: Signals) -> None:
-    """Refuse a log in which nothing moves: its columns would be noise."""
+    """Refuse a log in which nothing moves, or an actuator's torque stays what it is."""
     travel = np.ptp(signals.samples.position, axis=0)
     if travel[:3].max() < 0.01 and travel[3] < 1e-3:
         raise InvalidLog(
             "the robot hardly moves in this log (below 0.01 rad and 1 mm); record a motion that "
             "excites it, such as that of `paminsa-viz excite`"
         )
+    for name, spread in zip(ACTUATORS, np.ptp(signals.torque, axis=0), strict=True):
+        if spread <= RESOLUTION * np.abs(signals.torque).max():
+            raise InvalidLog(f"the torque of {name} never changes; check its sensor or column")
 
 
 def _moves(

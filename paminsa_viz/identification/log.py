@@ -20,6 +20,9 @@ LONGEST_STEP = 1.5
 EVEN = 0.01
 """How far rows may be from equal steps before they are resampled, in sample times."""
 
+SLOWEST = 20.0
+"""Fewest rows a second of a log."""
+
 FASTEST = (100.0, 10.0)
 """Fastest actuators that are believed [rad/s, m/s]; a larger step between rows is an error."""
 
@@ -37,9 +40,8 @@ class InvalidLog(PaminsaError):
 
     def __init__(self, problem: str, row: int | None = None, column: str = "") -> None:
         self.problem, self.row, self.column = problem, row, column
-        place = "" if row is None else f"row {row}"
-        place += f", {column}" if column else ""
-        super().__init__(f"{place}: {problem}" if place else problem)
+        place = [*([] if row is None else [f"row {row}"]), *([column] if column else [])]
+        super().__init__(f"{', '.join(place)}: {problem}" if place else problem)
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,6 +132,9 @@ def make_log(
             int(rows[gap]),
             "t",
         )
+    if step > 1 / SLOWEST:
+        problem = f"there are {1 / step:.3g} rows a second; at least {SLOWEST:g} are needed"
+        raise InvalidLog(f"{problem} (times in milliseconds are t_ms)", column="t")
     position = position.copy()
     position[:, :3] = np.unwrap(position[:, :3], axis=0)
     _check_steps(t, position, rows, gaps)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.identification.log import InvalidLog, Log
 from paminsa_viz.model import backend
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import forward_kinematics, wrap
 from paminsa_viz.model.leg import mechanism
@@ -27,8 +27,9 @@ SHORTEST_SEGMENT = 1.0
 def follow_pose(geometry: Geometry, position: Array, start: ArrayLike) -> Array:
     """Return the platform's poses along a motion of the actuators, (n, 4).
 
-    Both assembly modes of all rows are solved at once; which is which follows from their distances
-    from row to row, and the one nearest to ``start`` in the first row is taken.
+    Both assembly modes of all rows are solved at once. They meet only in a singularity, so that on
+    the way from one row to the next the first stays the first: the one nearest to ``start`` in the
+    first row is taken throughout.
 
     Args:
         geometry: Lengths of the mechanism.
@@ -39,20 +40,10 @@ def follow_pose(geometry: Geometry, position: Array, start: ArrayLike) -> Array:
         theta without jumps; NaN where the legs do not meet the platform.
     """
     modes = forward_kinematics(geometry, position).pose
-    scale = np.array([1.0, 1.0, geometry.platform_radius])
-
-    def distance(first: Array, second: Array) -> Array:
-        off = first[..., :3] - second[..., :3]
-        off[..., 2] = wrap(off[..., 2])
-        return np.asarray(np.linalg.norm(off * scale, axis=-1))
-
-    before, after = modes[:-1], modes[1:]
-    keeps = distance(before, after).sum(axis=-1)
-    swaps = distance(before, after[:, ::-1]).sum(axis=-1)
-    swapped = np.concatenate([[0], np.cumsum(swaps < keeps)]) % 2
-    near = distance(modes[0], np.asarray(start, np.float64)[None])
-    first = int(np.argmin(np.where(np.isfinite(near), near, np.inf)))
-    pose = modes[np.arange(len(modes)), (first + swapped) % 2]
+    off = modes[0, :, :3] - np.asarray(start, np.float64)[:3]
+    off[:, 2] = geometry.platform_radius * wrap(off[:, 2])
+    distance = np.linalg.norm(off, axis=-1)
+    pose = modes[:, int(np.argmin(np.where(np.isfinite(distance), distance, np.inf)))].copy()
     finite = np.isfinite(pose[:, 2])
     pose[finite, 2] = np.unwrap(pose[finite, 2])
     return pose
@@ -73,7 +64,7 @@ def log_poses(
         InvalidLog: At the first row out of reach or with a condition number above
             `MOST_CONDITION`, unless the log is to be split there; and if nothing is left.
     """
-    begin = home_pose(geometry) if start is None else start
+    begin = as_vectors(home_pose(geometry) if start is None else start, "start")
     pose = np.concatenate(
         [follow_pose(geometry, log.position[part], begin) for part in log.segments]
     )
@@ -96,7 +87,7 @@ def _why(pose: Array, status: int, condition: float) -> str:
             "order, and the geometry"
         )
     if status != Limit.OK:
-        return f"out of reach ({Limit(status).label}); check the zeros and the geometry"
+        return f"out of reach ({Limit(status).label}); check zeros, geometry and start pose"
     return (
         f"the condition number is {condition:.3g}, near a singularity, where encoder noise becomes "
         f"torque; at most {MOST_CONDITION:g} is used: leave these rows out"

@@ -33,6 +33,8 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     if data.singular_radius:
         radius = equals("radius", data.singular_radius * MM, "mm")
         parts.append(f"Dashed: singular positions, {radius}.")
+    if data.missing_word:
+        parts.append(f"Dark gray: {data.missing_word}.")
     if _beyond(data, scales):
         parts.append("Pointed ends of the color bar: beyond its range.")
     parts.append(f"paminsa_viz {__version__}.")

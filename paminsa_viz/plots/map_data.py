@@ -130,6 +130,17 @@ class MapData:
         """The unit for display."""
         return display_unit(self.unit)
 
+    @property
+    def missing_word(self) -> str:
+        """What is missing where poses that can be taken have no value: ``"no bound"``, or nothing.
+
+        It is what the reasons have before their colon.
+        """
+        if self.missing is None:
+            return ""
+        codes = self.missing.code[(self.status == Limit.OK) & (self.missing.code != 0)]
+        return self.missing.texts[int(codes[0])].partition(":")[0] if codes.size else ""
+
     def with_pose(self, pose: ArrayLike) -> MapData:
         """Return the same maps with the marker elsewhere; theta and z have to stay.
 

@@ -10,6 +10,7 @@ from markupsafe import Markup
 import paminsa_viz
 from paminsa_viz.balancing import whole_mass
 from paminsa_viz.engines.verification import Verification
+from paminsa_viz.identification.findings import investigate
 from paminsa_viz.model.reach import require_reachable
 from paminsa_viz.model.statics import static_imbalance
 from paminsa_viz.palette import BAD, INK, MUTED, OK, WARN
@@ -19,6 +20,7 @@ from paminsa_viz.report.blocks import Fact
 from paminsa_viz.report.design_section import design_section, provenance_section
 from paminsa_viz.report.drives_section import drives_section
 from paminsa_viz.report.forces_section import forces_section
+from paminsa_viz.report.identification_section import identification_section
 from paminsa_viz.report.loads_section import loads_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
 from paminsa_viz.report.stiffness_section import stiffness_section
@@ -38,6 +40,7 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
 
     Raises:
         UnreachablePose: If the robot cannot take the request's pose.
+        InvalidLog: If the request's log cannot be used.
     """
     require_reachable(request.design.geometry, request.pose)
     analysis = analyze(request.design, request.trajectory)
@@ -57,6 +60,9 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
         sections.append(drives)
     progress("joint forces")
     sections.append(loads_section(analysis, request.pose))
+    if request.log is not None:
+        progress("identification")
+        sections.append(identification_section(investigate(request.log, request.design)))
     progress("verification")
     found = checked(request)
     sections.append(verification_section(found))

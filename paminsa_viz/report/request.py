@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import datetime
 
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.identification.log import Log
 from paminsa_viz.model.design import Design
 from paminsa_viz.trajectory import Trajectory
 
@@ -30,6 +31,7 @@ class ReportRequest:
         command: The command that makes the report again.
         verified: Whether to compare with physics engines, if they are installed.
         seed: Of random poses.
+        log: A log of the built robot, to identify it from; None for none.
 
     Raises:
         InvalidInput: If the pose is not four numbers.
@@ -42,6 +44,7 @@ class ReportRequest:
     command: str
     verified: bool = True
     seed: int = 0
+    log: Log | None = None
 
     def __post_init__(self) -> None:
         if len(self.pose) != 4:

@@ -43,7 +43,7 @@ def relative(found: np.ndarray, expected: np.ndarray) -> float:
 @pytest.mark.parametrize("shear", [False, True])
 @pytest.mark.parametrize("seed", SEEDS)
 def test_force_method_agrees_with_the_assembled_structure(seed: int, shear: bool) -> None:
-    """Equilibrium and Castigliano against displacements of 154 freedoms."""
+    """Equilibrium and Castigliano against displacements of 151 freedoms."""
     design = elastic_design(seed)
     poses = poses_of(design, 4, seed)
     built = structure(design, poses, shear=shear)
@@ -295,3 +295,25 @@ def test_maps_of_joint5_are_transposed_equilibrium() -> None:
     for leg, g in enumerate(joint5_map(frame)):
         world = frame.axes[leg].T @ force
         np.testing.assert_allclose(g.T @ force, [*world, *np.cross(frame.platform[leg], world)])
+
+
+def test_softest_directions_are_the_least_of_all_and_axes_lie_between() -> None:
+    found = platform_stiffness(APPENDIX_4, POSE)
+    angle = np.linspace(0, np.pi, 2001)
+    around = np.stack([np.cos(angle), np.sin(angle)])
+    for rows, value, axes in (([0, 1], found.horizontal, (0, 1)), ([3, 4], found.tilt, (3, 4))):
+        c = found.compliance[np.ix_(rows, rows)]
+        every = 1 / np.einsum("in,ij,jn->n", around, c, around)
+        assert value == pytest.approx(every.min(), rel=1e-5)
+        for axis, place in zip(axes, (0, 1000), strict=True):
+            assert found.along(axis) == pytest.approx(every[place], rel=1e-9)
+            assert found.along(axis) > value
+
+
+def test_displacement_under_a_force_is_force_over_stiffness() -> None:
+    found = platform_stiffness(APPENDIX_4, POSE)
+    for axis in range(6):
+        wrench = 3.0 * np.eye(6)[axis]
+        twist = np.linalg.solve(found.matrix, wrench)
+        np.testing.assert_allclose(found.deflection(wrench), twist, rtol=1e-7, atol=1e-15)
+        assert twist[axis] == pytest.approx(3.0 / float(found.along(axis)), rel=1e-7)

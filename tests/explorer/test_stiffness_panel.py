@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.elastostatics.stiffness import platform_stiffness
+from paminsa_viz.elastostatics.stiffness import compensate, platform_stiffness
 from paminsa_viz.elastostatics.vibration import first_frequencies
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.elasticity import CASES, ElasticJob, analyze_elasticity
@@ -94,6 +94,26 @@ def test_what_tubes_cannot_match_is_said() -> None:
     assert "section values" not in text
     given = actions.vary(initial_state(), {"elastic.b4_inertia_in": 1e-7})
     assert "B4: section values" in " ".join(panel.sections_html(compute(given)).split())
+
+
+def test_joints_and_sections_that_are_left_open_are_zero() -> None:
+    state = initial_state()
+    joint = panel._joint("guide", "guide", 1.0)
+    assert joint.read(state) == 0.0
+    soft = joint.apply(state, 1e7)
+    assert soft.document.design.elastic.guide == 1e7
+    assert joint.apply(soft, 0.0).document.design == APPENDIX_4
+    section = panel._section("inertia_in", "I", 1.0)
+    given = section.apply(state.updated("elastic_view", bar="b8"), 1e-7)
+    assert given.document.design.elastic.b8_inertia_in == 1e-7
+    assert section.read(given) == 1e-7
+    assert section.read(given.updated("elastic_view", bar="b4")) == 0.0
+
+
+def test_motors_that_compensate_are_the_models() -> None:
+    state = loaded()
+    moved = 1e3 * compensate(state.document.design, POSE).actuators
+    assert f"M4 {moved[3]:.3f} mm" in panel.result_html(compute(state))
 
 
 class _Recorder:

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.errors import PaminsaError
 from paminsa_viz.identification import (
     BASE_SYMBOLS,
     IdentificationSettings,
+    InvalidLog,
     base_parameters,
     identify,
     make_log,
@@ -23,8 +25,9 @@ from paminsa_viz.model import (
     inverse_dynamics,
     inverse_kinematics,
 )
+from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.reach import home_pose
-from tests.support.identification_logs import simulated
+from tests.support.identification_logs import moved_unseen, simulated
 from tests.support.samples import random_design
 
 FRICTION = Friction(0.3, 0.4, 20.0, 8.0)
@@ -94,13 +97,29 @@ def test_a_motion_along_z_leaves_the_legs_masses_unknown() -> None:
     assert "\n" not in found.advice
 
 
+def test_friction_is_unknown_where_the_noise_hides_it() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    noise = np.random.default_rng(0).standard_normal(log.torque.shape) * log.torque.std(axis=0)
+    loud = identify(make_log(log.t, log.position, log.torque + 10 * noise), APPENDIX_4, QUICK)
+    friction = {"b_v1", "b_v2", "b_v3", "b_v4", "c1", "c2", "c3", "c4"}
+    assert friction <= {item.symbol for item in loud.unknown}
+    assert not friction & {item.symbol for item in identify(log, APPENDIX_4, QUICK).unknown}
+
+
 def test_masses_that_no_motion_tells_apart_change_no_estimate() -> None:
-    # from joint 2 to joint 3: they always move together
-    moved = RUBBING.vary({"joints.j2": 0.1, "joints.j3": 0.338 + 0.114})
-    one, other = (identify(simulated(1, item), RUBBING, QUICK) for item in (RUBBING, moved))
-    for first, second in zip(one.estimates, other.estimates, strict=True):
+    moved = moved_unseen(RUBBING, 0)
+    assert np.abs(mass_vector(moved) - mass_vector(RUBBING)).max() > 0.1
+    log, other = simulated(1, RUBBING), simulated(1, moved)
+    found = identify(log, RUBBING, QUICK), identify(other, RUBBING, QUICK)
+    for first, second in zip(found[0].estimates, found[1].estimates, strict=True):
         assert second.value == pytest.approx(first.value, rel=1e-6, abs=1e-9)
         assert second.half_width == pytest.approx(first.half_width, rel=1e-6)
+    # The other way round: the same log, and what it is compared with.
+    compared = identify(log, moved, QUICK)
+    for first, second in zip(found[0].estimates, compared.estimates, strict=True):
+        assert (second.value, second.half_width) == (first.value, first.half_width)
+        assert second.parameter.design == pytest.approx(first.parameter.design, rel=1e-9)
+        assert second.parameter.most == pytest.approx(first.parameter.most, rel=1e-9)
         assert second.known == first.known
 
 
@@ -136,3 +155,30 @@ def test_opt_in_numbers_are_found() -> None:
     assert len(contrasts) == 24
     assert sum(abs(item.value) > 1.5 * item.half_width for item in contrasts) == 0
     assert legs.model.columns.shape[-1] == 27 + 4 + 4 + 3 + 2
+
+
+def test_logs_with_wrong_torques_are_refused_or_noted() -> None:
+    log = simulated(1, RUBBING, rate=200.0)
+    stuck = log.torque.copy()
+    stuck[:, 1] = 3.0
+    with pytest.raises(InvalidLog, match="torque of M2 never changes"):
+        identify(make_log(log.t, log.position, stuck), APPENDIX_4)
+    found = identify(make_log(log.t, log.position, -log.torque), APPENDIX_4, QUICK)
+    assert any("sign of force4" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("words", "call"),
+    [
+        ("cut_off", lambda log: identify(log, APPENDIX_4, IdentificationSettings(cut_off=80.0))),
+        ("block", lambda log: IdentificationSettings(block=-1.0)),
+        ("start", lambda log: identify(log, APPENDIX_4, start=(0.0, 0.0, 0.0))),
+        ("gravity", lambda log: identify(log, replace(APPENDIX_4, gravity=0.0))),
+        ("symbol", lambda log: identify(log, APPENDIX_4, QUICK).estimate("M_p3")),
+        ("blocks of 10 s", lambda log: identify(log, APPENDIX_4, IdentificationSettings(block=10))),
+    ],
+    ids=["cut-off", "block", "start", "gravity", "symbol", "long blocks"],
+)
+def test_impossible_settings_are_refused(words: str, call: Any) -> None:
+    with pytest.raises(PaminsaError, match=words):
+        call(simulated(1, RUBBING, rate=200.0))

@@ -148,6 +148,11 @@ def test_rows_near_a_singularity_or_out_of_reach_are_refused_or_left_out() -> No
         log_poses(make_log(t, position, position), APPENDIX_4.geometry)
 
 
+def test_times_in_milliseconds_are_refused(signals: list[Any]) -> None:
+    with pytest.raises(InvalidLog, match=r"0\.2 rows a second.*t_ms"):
+        make_log(1e3 * signals[0], signals[1], signals[2])
+
+
 def test_a_robot_at_rest_is_refused() -> None:
     t = np.arange(4000) / RATE
     position = np.tile(

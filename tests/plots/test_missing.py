@@ -8,9 +8,11 @@ import numpy as np
 import pytest
 
 from paminsa_viz.model import APPENDIX_4, DriveAccuracy, singular_rotation
+from paminsa_viz.plots.caption import caption
 from paminsa_viz.plots.hover import reasons
 from paminsa_viz.plots.map_data import MapData, difference, map_data, workspace_field
 from paminsa_viz.plots.map_table import map_table, value_columns
+from paminsa_viz.plots.ranges import choose_scales
 from paminsa_viz.studies.metrics import RegionResults, default_region, global_indices
 
 THETA = singular_rotation(APPENDIX_4.geometry) - 0.1
@@ -34,6 +36,14 @@ def test_a_cell_without_a_bound_says_why_and_the_linear_estimate_has_a_number() 
     assert any("cannot be assembled" in text for text in found[empty])
     assert (found[np.isfinite(data.values[0])] == "").all()
     assert all("out of reach" in text for text in found[data.status != 0])
+
+
+def test_captions_name_what_is_missing() -> None:
+    data = near_the_fold("error_theta")
+    assert data.missing_word == "no bound"
+    assert "Dark gray: no bound." in caption(data, choose_scales(data))
+    linear = near_the_fold("linear_error_theta")
+    assert "Dark gray" not in caption(linear, choose_scales(linear))
 
 
 def test_tables_have_si_units_and_the_reason() -> None:

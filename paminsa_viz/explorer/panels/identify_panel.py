@@ -26,7 +26,8 @@ from paminsa_viz.explorer.entries import (
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.identifying import (
     CUT_OFFS,
-    EXPORT_RATE,
+    HARMONICS,
+    MOST_PAYLOAD,
     PERIODS,
     SEARCH_TIMES,
     ExcitationJob,
@@ -43,11 +44,7 @@ from paminsa_viz.explorer.panels.motion_chart import LOWEST, MotionChart
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
-from paminsa_viz.files.excitation_table import excitation_table
-from paminsa_viz.files.identification_table import estimate_table, residual_table
 from paminsa_viz.files.log_table import parse_log
-from paminsa_viz.files.tables import table_bytes
-from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.plots.identification_series import log_charts
 
@@ -136,23 +133,6 @@ def _log_choices(state: State) -> dict[str, Effect]:
     return found
 
 
-def _table(kind: str, state: State) -> exports.File:
-    found = state.identifying.findings
-    if found is None:
-        raise InvalidInput("log", "nothing has been identified yet")
-    table = estimate_table(found) if kind == "parameters" else residual_table(found)
-    name = exports.plain(found.identification.log.name)
-    return exports.File(f"paminsa_{kind}_{name}.csv", table_bytes(table, "csv"))
-
-
-def _motion_table(state: State) -> exports.File:
-    outcome = state.identifying.excited
-    if outcome is None or outcome.excitation is None:
-        raise InvalidInput("motion", "none has been found yet")
-    table = excitation_table(outcome.job.design, outcome.excitation, EXPORT_RATE)
-    return exports.File("paminsa_excitation.csv", table_bytes(table, "csv"))
-
-
 def _setting(name: str) -> dict[str, Any]:
     return attribute(f"identifying.settings.{name}", actions.change_settings)
 
@@ -166,10 +146,10 @@ def _upload(place: str, label: str, hint: str) -> Upload:
 
 def identify_entries() -> tuple[Entry, ...]:
     """Return the entries of the tab."""
-    exporter = Exporter()
+    exporter, table = Exporter(), exports.identification_table
 
-    def export(what: str, make: Any) -> Run:
-        return exporter.run(what, lambda session: make(session.state))
+    def export(what: str, make: Any, **options: str) -> Run:
+        return exporter.run(what, lambda session: make(session.state, **options))
 
     return (
         Html("identify.logs", content=text.logs_html, idle=True),
@@ -181,7 +161,7 @@ def identify_entries() -> tuple[Entry, ...]:
                 _upload("other", "Second log…", "On another motion: validates the first"),
                 _upload("loaded", "Log with payload…", "Gives the payload, or a common gain"),
                 Number(
-                    "identify.payload", "Payload [kg]", range=(0.0, 1e3), step=0.1,
+                    "identify.payload", "Payload [kg]", range=(0.0, MOST_PAYLOAD), step=0.1,
                     hint="Of the third log; 0: not weighed", **_setting("payload"),
                 ),
                 Number(
@@ -249,8 +229,8 @@ def identify_entries() -> tuple[Entry, ...]:
                 ButtonGroup(
                     "identify.export", "Export",
                     choices={
-                        "Numbers": export("the numbers", partial(_table, "parameters")),
-                        "Residuals": export("the residuals", partial(_table, "residuals")),
+                        "Numbers": export("the numbers", table, kind="parameters"),
+                        "Residuals": export("the residuals", table, kind="residuals"),
                     },
                     hint="CSV files",
                 ),
@@ -267,7 +247,7 @@ def identify_entries() -> tuple[Entry, ...]:
                     "identify.period", "Period [s]", range=PERIODS, step=1.0, **_setting("period")
                 ),
                 Number(
-                    "identify.harmonics", "Harmonics", range=(3.0, 20.0), step=1.0,
+                    "identify.harmonics", "Harmonics", range=HARMONICS, step=1.0,
                     read=lambda state: float(state.identifying.settings.harmonics),
                     apply=lambda state, count: actions.change_settings(
                         state, harmonics=round(count)
@@ -293,7 +273,7 @@ def identify_entries() -> tuple[Entry, ...]:
                     "identify.motion", "Motion", visible=_has_motion,
                     choices={
                         "Use as motion": actions.use_excitation,
-                        "Export CSV": export("the motion", _motion_table),
+                        "Export CSV": export("the motion", exports.excitation_csv),
                     },
                 ),
             ),

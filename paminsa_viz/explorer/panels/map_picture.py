@@ -155,4 +155,5 @@ def caption(state: State, data: MapData) -> str:
         reference=None if reference is None else reference.name,
         theta=format_value(data.theta, "rad"),
         z=format_value(data.z, "m"),
+        missing=data.missing_word,
     )

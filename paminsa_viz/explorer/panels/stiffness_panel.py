@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -21,17 +22,21 @@ from paminsa_viz.explorer.elasticity import (
 )
 from paminsa_viz.explorer.entries import ButtonGroup, Custom, Effect, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.design_layout import is_changed, slider
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.model import PARAMETER
+from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.model.elastic import BARS, SECTION_VALUES
-from paminsa_viz.units import number
+from paminsa_viz.units import DisplayUnit, number
 
 LAYERS = ("mode_shape", "deflection", "compliance")
 """Layers of the scene that need a result while something is dragged."""
+
+STIFFEST = 1e12
+"""Largest stiffness that can be typed [N/m, N m/rad]."""
 
 MATERIAL = ("young_modulus", "shear_modulus")
 DRIVE = ("drive_rotary", "drive_linear")
@@ -85,6 +90,44 @@ def _folder(title: str, names: tuple[str, ...], *, opened: bool) -> Folder:
         ButtonGroup(f"stiffness.reset.{names[0]}", "Reset", choices=partial(_resets, names)),
     )
     return Folder(f"stiffness.{names[0]}", title, entries=entries, open=opened)
+
+
+def _open_number(
+    key: str, label: str, hint: str, path: Callable[[State], str], step: float, unit: DisplayUnit
+) -> Number:
+    """Return the input of a number that may be left open, which 0 does."""
+
+    def read(state: State) -> float:
+        return state.document.design.stored(path(state)) or 0.0
+
+    def apply(state: State, value: float) -> State:
+        return actions.vary(state, {path(state): value or None})
+
+    most = min(PARAMETER[path(initial_state())].largest, STIFFEST)
+    return Number(
+        key, label, range=(0.0, most), step=step, unit=unit, hint=hint, read=read, apply=apply
+    )
+
+
+def _joint(name: str, label: str, step: float) -> Number:
+    """Return the input of the stiffness of a joint."""
+    path = f"elastic.{name}"
+    parameter = PARAMETER[path]
+    text = f"{parameter.label[:1].upper()}{parameter.label[1:]}; 0: rigid"
+    return _open_number(
+        f"stiffness.{name}", f"{label} [{parameter.display.text}]", text, lambda _: path, step,
+        parameter.display,
+    )  # fmt: skip
+
+
+def _section(name: str, label: str, step: float) -> Number:
+    """Return the input of a section value of the chosen bar."""
+    display = PARAMETER[f"elastic.b4_{name}"].display
+    return _open_number(
+        f"stiffness.section.{name}", f"{label} [{display.text}]",
+        "Of the chosen bar; 0: that of its tube",
+        lambda state: f"elastic.{state.elastic_view.bar}_{name}", step, display,
+    )  # fmt: skip
 
 
 class _Analyzer:
@@ -142,9 +185,17 @@ def result_html(frame: Frame) -> str:
     return render(
         "stiffness.j2", stiffness=stiffness, case=CASES[outcome.job.case][0],
         loaded=outcome.shares is not None, moved=(1e3 * twist[:3]).tolist(),
-        turn=1e3 * float(twist[5]), tilt=1e3 * tilt, left=1e3 * outcome.residual_tilt,
+        turn=1e3 * float(twist[5]), tilt=1e3 * tilt, motors=_motors(outcome),
         frequencies=outcome.frequencies, mode=frame.state.elastic_view.mode,
     )  # fmt: skip
+
+
+def _motors(outcome: ElasticOutcome) -> list[tuple[str, float]]:
+    """Return how far the motors M1..M4 move to compensate a deflection [mrad, mm]."""
+    if outcome.compensation is None:
+        return []
+    moves = 1e3 * np.asarray(outcome.compensation.actuators)
+    return list(zip(ACTUATORS, moves.tolist(), strict=True))
 
 
 def shares_html(frame: Frame) -> str:
@@ -210,6 +261,30 @@ STIFFNESS = (
     _folder("Drives, motor locked", DRIVE, opened=True),
     _folder(
         "Tubes", tuple(f"{bar}_{side}" for bar in BARS for side in ("outer", "inner")), opened=True
+    ),
+    Folder(
+        "stiffness.joints", "Joints and guides, 0: rigid", open=False,
+        entries=(
+            _joint("bearing_radial", "bearing across", 1000.0),
+            _joint("bearing_axial", "bearing along", 1000.0),
+            _joint("bearing_tilt", "bearing tilt", 1000.0),
+            _joint("ball", "ball joint 5", 1000.0),
+            _joint("guide", "guide across", 1000.0),
+            _joint("guide_tilt", "guide tilt", 1000.0),
+        ),
+    ),
+    Folder(
+        "stiffness.section", "Sections that are no tubes, 0: the tube's", open=False,
+        entries=(
+            Dropdown(
+                "stiffness.bar", "Bar", options={bar.upper(): bar for bar in BARS},
+                **_attribute("bar"),
+            ),
+            _section("area", "area", 1.0),
+            _section("inertia_in", "I in plane", 100.0),
+            _section("inertia_out", "I across", 100.0),
+            _section("torsion", "torsion J", 100.0),
+        ),
     ),
     Html("stiffness.sections", content=sections_html, idle=True),
     Custom("stiffness.job", make=_Analyzer),

@@ -1,0 +1,138 @@
+"""Identification: what a log of the built robot says of masses, balance and friction."""
+
+from __future__ import annotations
+
+from paminsa_viz.identification.causes import Cause
+from paminsa_viz.identification.findings import Findings
+from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.plots.identification_series import log_series
+from paminsa_viz.plots.series_figure import render_series
+from paminsa_viz.report.blocks import Block, Figure, Note, Row, Section, Table
+from paminsa_viz.units import NONE, interval_text, number, unit_text
+
+TRIED = 5
+"""Causes that are listed with those that are named."""
+
+
+def identification_section(findings: Findings) -> Section:
+    """Return the section."""
+    one = findings.identification
+    log = one.log
+    blocks: list[Block] = [
+        Note(
+            f"Log “{log.name}”: {len(log.t)} rows at {log.rate:.6g} Hz, {log.duration:.4g} s. "
+            f"{'; '.join(one.notes)}."
+        ),
+        _verdict(findings),
+    ]
+    data = log_series(findings)
+    svg = render_series(data, "svg", title=data.title, caption=False)
+    blocks.append(Figure(svg, "Measured and predicted torques over time, with their differences."))
+    head = ("", "Parameter", "Log, 95 %", "Unit", "Design")
+    rows = tuple(
+        Row(
+            (
+                item.symbol, item.parameter.label,
+                interval_text(item.value, item.half_width) if item.known else "unknown",
+                unit_text(item.parameter.unit), number(item.parameter.design, 4),
+            ),
+            "marked" if _differs(item.value, item.half_width, item.parameter.design, item.known)
+            else "plain",
+        )
+        for item in one.estimates
+    )  # fmt: skip
+    caption = "Numbers that the log tells; marked where the design's is outside the interval."
+    blocks.append(Table(head, rows, caption, words=2))
+    if one.unknown:
+        text = "; ".join(f"{item.symbol}: {item.reason}" for item in one.unknown)
+        blocks.append(Note(f"Unknown: {text}."))
+    blocks.append(_causes(findings))
+    blocks.append(Note(f"Cannot be seen in this log: {'; '.join(findings.causes.unseen)}."))
+    blocks += _checks(findings)
+    blocks.append(_masses(findings))
+    return Section("identification", "Identification", tuple(blocks))
+
+
+def _differs(value: float, half_width: float, design: float, known: bool) -> bool:
+    return known and abs(value - design) > half_width
+
+
+def _verdict(findings: Findings) -> Note:
+    """Return whether masses and friction explain the log."""
+    identity = findings.identification.identity
+    named = ", ".join(item.label for item in findings.causes.named)
+    check = NONE
+    if identity.holds is not None:
+        check = f"{'holds' if identity.holds else 'fails'}, z = {number(identity.z, 2)}"
+    if named or identity.holds is False:
+        what = f"What may be wrong: {named}." if named else "A spring may be."
+        text = f"Masses and friction do not explain the log. {what} Identity of the masses: {check}"
+        return Note(f"{text}.", "bad")
+    return Note(f"Masses and friction explain the log. Identity of the masses: {check}.", "ok")
+
+
+def _causes(findings: Findings) -> Table:
+    causes = findings.causes
+    others = [item for item in causes.ranked if not item.named and item.explains > 0][:TRIED]
+    rows = tuple(
+        Row(
+            (
+                item.label,
+                _size(item),
+                f"{100 * item.explains:.1f} %",
+                "yes" if item.named else "no",
+            ),
+            "marked" if item.named else "plain",
+        )
+        for item in (*causes.named, *others)
+    )
+    head = ("Cause", "Size, 95 %", "Explains of the residual", "Significant at 0.1 %")
+    return Table(head, rows, "Causes of what the model leaves, tried one by one.", words=1)
+
+
+def _size(item: Cause) -> str:
+    factor, unit = (1.0, unit_text(item.unit)) if item.unit else (100.0, "%")
+    return f"{interval_text(factor * item.value, factor * item.half_width)} {unit}"
+
+
+def _checks(findings: Findings) -> list[Block]:
+    found: list[Block] = []
+    check, payload = findings.validation, findings.payload
+    if check is not None:
+        ratios = ", ".join(
+            f"{name} {number(float(ratio), 4)}"
+            for name, ratio in zip(ACTUATORS, check.ratio, strict=True)
+        )
+        found.append(
+            Note(
+                f"The numbers predict “{check.log.name}” with a residual, over that of its own "
+                f"fit, of {ratios}."
+            )
+        )
+    if payload is not None:
+        trusted = interval_text(payload.mass, payload.half_width)
+        free = interval_text(payload.free_mass, payload.free_half_width)
+        text = f"Payload {trusted} kg; {free} kg if F_4 may have drifted between the logs."
+        if payload.gain is not None:
+            text += f" Common gain of the torques {interval_text(*payload.gain)}."
+        found.append(Note(text))
+    return found
+
+
+def _masses(findings: Findings) -> Table:
+    rows = tuple(
+        Row(
+            (
+                item.parameter.symbol, item.parameter.label,
+                interval_text(item.value, item.deviation) if item.told else number(item.value, 4),
+                number(item.prior, 4), unit_text(item.parameter.unit),
+                "" if item.told else "as designed: not in the log",
+            )
+        )
+        for item in findings.nearest.masses
+    )  # fmt: skip
+    head = ("", "Mass or inertia", "Nearest", "Design", "Unit", "")
+    caption = (
+        "Masses nearest to the design that explain the log; ± one deviation, given the design."
+    )
+    return Table(head, rows, caption, words=2)

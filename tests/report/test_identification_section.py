@@ -1,0 +1,48 @@
+"""The section on identification: numbers, unknowns, causes, masses; nothing without a log."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.files.example_logs import ExampleLog, example_log
+from paminsa_viz.identification import make_log
+from paminsa_viz.identification.findings import investigate
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.report.blocks import Figure, Note, Table
+from paminsa_viz.report.identification_section import identification_section
+
+
+@pytest.fixture(scope="module")
+def findings():
+    return investigate(
+        example_log(), APPENDIX_4, other=example_log(ExampleLog.OTHER),
+        loaded=example_log(ExampleLog.PAYLOAD), payload=2.0,
+    )  # fmt: skip
+
+
+def test_section_holds_numbers_figure_causes_and_masses(findings) -> None:
+    section = identification_section(findings)
+    numbers, causes, masses = (b for b in section.blocks if isinstance(b, Table))
+    estimates = findings.identification.estimates
+    assert [row.cells[0] for row in numbers.rows] == [item.symbol for item in estimates]
+    unknown = [row.cells[0] for row in numbers.rows if row.cells[2] == "unknown"]
+    assert unknown == [item.symbol for item in findings.identification.unknown]
+    marked = {row.cells[0] for row in numbers.rows if row.kind == "marked"}
+    assert "M_p2" in marked
+    assert all(row.cells[3] == "no" for row in causes.rows)
+    assert len(masses.rows) == len(findings.nearest.masses)
+    notes = [b for b in section.blocks if isinstance(b, Note)]
+    assert [b.kind for b in notes].count("ok") == 1
+    assert any("Common gain" in b.text for b in notes)
+    figure = next(b for b in section.blocks if isinstance(b, Figure))
+    assert b"Measured and predicted torques" in figure.svg
+
+
+def test_wrong_model_stands_out() -> None:
+    log = example_log()
+    wrong = make_log(log.t, log.position, log.torque * np.array([1.0, 1.1, 1.0, 1.0]))
+    section = identification_section(investigate(wrong, APPENDIX_4))
+    bad = [b for b in section.blocks if isinstance(b, Note) and b.kind == "bad"]
+    assert len(bad) == 1
+    assert "M2" in bad[0].text
