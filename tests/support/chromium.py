@@ -180,10 +180,11 @@ class Tab:
     def wait_saved(self) -> None:
         """Wait until the browser has saved what a reload of the tab has to find."""
         saved = f"sessionStorage.getItem('{STORE_KEY}')"
-        until(
-            lambda: self.page.evaluate(saved) == persistence.dump(self.state.document),
-            "the tab's state is saved",
-        )
+
+        def text() -> str:
+            return persistence.dump(self.state.document, self.state.identifying.settings)
+
+        until(lambda: self.page.evaluate(saved) == text(), "the tab's state is saved")
 
     def steady_box(self, place: Any) -> Any:
         """Return where an element is, once it stays there: what comes above moves it."""
