@@ -14,7 +14,7 @@ from paminsa_viz.units import format_value
 
 PERCENT = 100.0
 
-PLOTTED = ("2", "3", "4", "9", "guide", "5")
+PLOTTED = ("2", "4", "guide", "5")
 """Joints that are plotted, by their keys."""
 
 
