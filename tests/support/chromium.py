@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import persistence
+from paminsa_viz.explorer import tab_store
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
 from tests.support.desk import input_labeled
 
@@ -180,11 +180,10 @@ class Tab:
     def wait_saved(self) -> None:
         """Wait until the browser has saved what a reload of the tab has to find."""
         saved = f"sessionStorage.getItem('{STORE_KEY}')"
-
-        def text() -> str:
-            return persistence.dump(self.state.document, self.state.identifying.settings)
-
-        until(lambda: self.page.evaluate(saved) == text(), "the tab's state is saved")
+        until(
+            lambda: self.page.evaluate(saved) == tab_store.dump(self.state),
+            "the tab's state is saved",
+        )
 
     def steady_box(self, place: Any) -> Any:
         """Return where an element is, once it stays there: what comes above moves it."""
