@@ -63,7 +63,7 @@ def main() -> None:
         "six modes in all coordinates (151)": (
             lambda: [robot_modes(APPENDIX_4, pose) for pose in few[:20]], 20
         ),
-        "whole 6x6, assembled structure (154 freedoms)": (
+        "whole 6x6, assembled structure (151 freedoms)": (
             lambda: structure(APPENDIX_4, few).platform_stiffness(), len(few)
         ),
     }  # fmt: skip

@@ -54,6 +54,9 @@ Exit code: 0 done; 1 no position can be reached there; 2 a wrong argument or fil
 CELLS = (10, 2000)
 """Possible numbers of cells along a side."""
 
+BUDGET = 30.0
+"""Time that the cells of costly quantities may take [s]; beyond it there are fewer."""
+
 
 if TYPE_CHECKING:
     Choice: TypeAlias = str
@@ -154,7 +157,7 @@ def maps_of(flags: Map, design: Design, reference: Design | None, cells: int) ->
     """Return the maps of a design, or of its difference from a reference."""
     z = home_pose(design.geometry)[3] if flags.z is None else flags.z / MM
     pose = (flags.at[0] / MM, flags.at[1] / MM, math.radians(flags.theta), z)
-    count = affordable_cells(flags.quantities, cells)
+    count = affordable_cells(flags.quantities, cells, BUDGET)
     half = half_width(design.geometry)
 
     def maps(shown: Design) -> MapData:

@@ -7,6 +7,9 @@ over m l^2/12 is spread as rotary inertia, so that the rigid bar has its design'
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 
 from paminsa_viz.model.arrays import Array
@@ -40,14 +43,20 @@ def beam_mass(
     """
     whole, m, j, r = np.broadcast_arrays(length, mass, axial, rotary)
     out = np.zeros((*whole.shape, 12, 12))
-    out[(..., *np.ix_(_AXIAL, _AXIAL))] = (m * whole / 6)[..., None, None] * _LINEAR
-    out[(..., *np.ix_(_ROLL, _ROLL))] = (j * whole / 6)[..., None, None] * _LINEAR
+    out[_block(_AXIAL)] = (m * whole / 6)[..., None, None] * _LINEAR
+    out[_block(_ROLL)] = (j * whole / 6)[..., None, None] * _LINEAR
     for places, sign in ((_UP, -1.0), (_SIDE, 1.0)):
         scale = np.stack([np.ones_like(whole), sign * whole] * 2, axis=-1)
         bending = (m * whole / 420)[..., None, None] * _BENDING
         bending = bending + (r / (30 * whole))[..., None, None] * _SLOPE
-        out[(..., *np.ix_(places, places))] = bending * scale[..., :, None] * scale[..., None, :]
+        out[_block(places)] = bending * scale[..., :, None] * scale[..., None, :]
     return out
+
+
+@cache
+def _block(places: tuple[int, ...]) -> Any:
+    """Return the index of the rows and columns of some coordinates."""
+    return (..., *np.ix_(places, places))
 
 
 def point_mass(mass: float, ahead: float = 0.0) -> Array:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -158,7 +158,6 @@ class LegMatrices:
         add_matrix(m, last, turn[:6, :6] @ beyond @ turn[:6, :6].T)
 
 
-@lru_cache(maxsize=16)
 def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> LegMatrices:
     """Build the constant matrices of a design's legs.
 
@@ -175,6 +174,11 @@ def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> Leg
     for name in ("arm_length", "shaft_length"):
         if getattr(design.geometry, name) == 0:
             raise InvalidInput(f"geometry.{name}", "a bar without length is no beam element")
+    return _built(design, divisions, shear)
+
+
+@lru_cache(maxsize=16)
+def _built(design: Design, divisions: int, shear: bool) -> LegMatrices:
     model = leg_model(design.elastic, divisions)
     kept = [*model.joint5, model.carriage]
     order = np.empty(model.size, dtype=np.intp)
@@ -187,8 +191,8 @@ def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> Leg
         if bar != "b10":
             nodes = model.nodes[first], model.nodes[second]
             places = made.places((*nodes[0].freedoms, *nodes[1].freedoms))
-            whole = own[bar].spans[_span(bar, nodes[1].first, nodes[1].second)]
-            length = whole / divisions
+            # the second node is between two joints of the bar
+            length = own[bar].spans[JOINTS[bar].index(nodes[1].second) - 1] / divisions
             section = design.elastic.section(bar)
             stiff = beam_stiffness(length, section, design.elastic, shear=shear)
             _add_turned(stiffness, bar, places, stiff)
@@ -209,23 +213,19 @@ def leg_matrices(design: Design, divisions: int = 1, shear: bool = False) -> Leg
     return made
 
 
-def _span(bar: str, first: int, second: int) -> int:
-    """Return which span of a bar an element is in whose second node is between two joints."""
-    joints = JOINTS[bar]
-    return joints.index(second) - 1
-
-
 def add_matrix(out: Array, places: NDArray[np.intp], matrix: Array) -> None:
     """Add matrices (..., n, n) to the larger ones (..., size, size) where their freedoms are."""
     kept = np.flatnonzero(places != FIXED)
     target = places[kept]
-    out[(..., *np.ix_(target, target))] += matrix[(..., *np.ix_(kept, kept))]
+    out[..., target[:, None], target] += matrix[..., kept[:, None], kept]
 
 
-def _axes_parts(bar: str) -> tuple[Array, Array, Array]:
+@cache
+def _axes_parts(bar: str, repeated: int = 1) -> tuple[Array, Array, Array]:
     """Return A, B, C: the element axes e, n, b in the leg frame are the columns of c A + s B + C.
 
-    c and s are cosine and sine of the bar's elevation, or for B1 of its direction.
+    c and s are cosine and sine of the bar's elevation, or for B1 of its direction. Repeated along
+    the diagonal they turn several vectors.
     """
     a, b, c = np.zeros((3, 3, 3))
     if bar == "b1":  # e = (c, s, 0), n = (0, 0, -1), b = (-s, c, 0)
@@ -234,13 +234,14 @@ def _axes_parts(bar: str) -> tuple[Array, Array, Array]:
     else:  # e = (c, 0, s), n = (s, 0, -c), b = (0, 1, 0)
         a[0, 0] = b[2, 0] = b[0, 1] = c[1, 2] = 1.0
         a[2, 1] = -1.0
-    return a, b, c
+    eye = np.eye(repeated)
+    return np.kron(eye, a), np.kron(eye, b), np.kron(eye, c)
 
 
 def _turned(bar: str, size: int) -> Array:
     """Return the turn of a bar that never turns: B2 points up, B10 outward; (size, size)."""
-    a, b, c = _axes_parts(bar)
-    return np.kron(np.eye(size // 3), c + b if bar == "b2" else c - a)
+    a, b, c = _axes_parts(bar, size // 3)
+    return c + b if bar == "b2" else c - a
 
 
 def _add_turned(terms: Array, bar: str, places: NDArray[np.intp], matrix: Array) -> None:
@@ -250,17 +251,12 @@ def _add_turned(terms: Array, bar: str, places: NDArray[np.intp], matrix: Array)
         turn = _turned(bar, size)
         add_matrix(terms[-1], places, turn @ matrix @ turn.T)
         return
-    a, b, c = (np.kron(np.eye(size // 3), part) for part in _axes_parts(bar))
-    products = (
-        a @ matrix @ a.T,
-        a @ matrix @ b.T + b @ matrix @ a.T,
-        b @ matrix @ b.T,
-        a @ matrix @ c.T + c @ matrix @ a.T,
-        b @ matrix @ c.T + c @ matrix @ b.T,
-    )
-    for offset, product in enumerate(products):
-        add_matrix(terms[TURNS[bar] + offset], places, product)
-    add_matrix(terms[-1], places, c @ matrix @ c.T)
+    a, b, c = _axes_parts(bar, size // 3)
+    am, bm, cm = a @ matrix, b @ matrix, c @ matrix
+    ab, ac, bc = am @ b.T, am @ c.T, bm @ c.T
+    products = np.stack([am @ a.T, ab + ab.T, bm @ b.T, ac + ac.T, bc + bc.T])
+    add_matrix(terms[TURNS[bar] : TURNS[bar] + 5], places, products)
+    add_matrix(terms[-1], places, cm @ c.T)
 
 
 def axes_of(bar: str, frame: LegFrame) -> Array:

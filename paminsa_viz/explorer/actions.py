@@ -8,7 +8,7 @@ from dataclasses import replace
 from paminsa_viz.explorer.motion.planning import planned, pose_at
 from paminsa_viz.explorer.scene.layers import with_layers
 from paminsa_viz.explorer.state import Document, LastReachable, State
-from paminsa_viz.files.design_writer import name_problem
+from paminsa_viz.files.design_writer import NAME_CHARACTERS, name_problem
 from paminsa_viz.model import APPENDIX_4, Design, InvalidInput, KneeBranch, check_reach
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import home_pose
@@ -16,7 +16,10 @@ from paminsa_viz.model.reach import home_pose
 Action = Callable[[State], State]
 """A change of the state; it may raise `PaminsaError`, which changes nothing."""
 
-CHANGED_NAME = f"{APPENDIX_4.name}, changed"
+CHANGED = ", changed"
+"""Ending of the name of a design that is another one's but for some numbers."""
+
+CHANGED_NAME = f"{APPENDIX_4.name}{CHANGED}"
 """What the paper's design is called once a number of it was changed."""
 
 
@@ -26,12 +29,32 @@ def with_document(state: State, document: Document) -> State:
     While the robot follows the motion, its pose is that of the instant that is shown; where the
     motion fails, it stays.
     """
+    document = with_names_apart(document)
     if state.playback.following:
         document = at_instant(document, state.playback.time)
     last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)
     return replace(state, document=document, last_reachable=last_reachable)
+
+
+def with_names_apart(document: Document) -> Document:
+    """Return the document, its design under another name if a different reference has the same."""
+    design, reference = document.design, document.reference
+    if reference is None or design.name != reference.name or design == reference:
+        return document
+    name = another_name(reference.name)
+    return replace(document, design=replace(design, name=name))
+
+
+def another_name(name: str) -> str:
+    """Return the name for a changed design: ``arm, changed``, then ``arm, changed 2``."""
+    base, found, count = name.rpartition(CHANGED)
+    if not found or (count and not count.strip().isdecimal()):
+        base, ending = name, CHANGED
+    else:
+        ending = f"{CHANGED} {int(count or 1) + 1}"
+    return base[: NAME_CHARACTERS - len(ending)] + ending
 
 
 def at_instant(document: Document, time: float) -> Document:
@@ -78,7 +101,7 @@ def renamed_if_changed(design: Design) -> Design:
     printed = design.with_knee(APPENDIX_4.geometry.knee) == APPENDIX_4
     if design.name == APPENDIX_4.name and not printed:
         return replace(design, name=CHANGED_NAME)
-    if design.name == CHANGED_NAME and printed:
+    if design.name.startswith(CHANGED_NAME) and printed:
         return replace(design, name=APPENDIX_4.name)
     return design
 

@@ -140,7 +140,7 @@ class Panel:
 
         def draw(frame: Frame, dragging: bool) -> None:
             if not (entry.idle and dragging):
-                binding.draw(frame.state)
+                binding.draw(frame.state, dragging)
 
         self._draws.append(draw)
         if isinstance(entry, Pair):
@@ -196,7 +196,7 @@ class Binding:
         self._timer: threading.Timer | None = None
         handle.on_update(self._receive)
 
-    def draw(self, state: State) -> bool:
+    def draw(self, state: State, dragging: bool = True) -> bool:
         """Show the state's value, unless the person has set a newer one that was not read yet.
 
         Returns:
@@ -247,7 +247,7 @@ class SliderBinding(Binding):
     """A slider with its ends: they follow the state, and grow to values beyond them.
 
     While a person drags the slider its ends stay, or the thumb would slip away; they shrink again
-    when a value comes from elsewhere.
+    when the page is idle, or a value comes from elsewhere.
     """
 
     def __init__(self, session: Session, entry: Slider, handle: Any) -> None:
@@ -256,10 +256,10 @@ class SliderBinding(Binding):
         self._base = given(entry.range, session.state)
         self._ends = (handle.min, handle.max)
 
-    def draw(self, state: State) -> bool:
-        written = super().draw(state)
+    def draw(self, state: State, dragging: bool = True) -> bool:
+        written = super().draw(state, dragging)
         base = given(self._slider.range, state)
-        dragged = base == self._base and not written
+        dragged = dragging and base == self._base and not written
         self._base = base
         ends = self._slider.ends(state, self._ends if dragged else base)
         if ends != self._ends:

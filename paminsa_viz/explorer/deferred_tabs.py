@@ -6,10 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from paminsa_viz.explorer import persistence
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
-from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
@@ -25,23 +23,7 @@ from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
-
-
-class TabStore:
-    """Keeps the document in the tab's own store, whenever the page is idle."""
-
-    def __init__(self, bridge: Bridge) -> None:
-        self._bridge = bridge
-        self._kept = ""
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Save what has changed."""
-        if dragging:
-            return
-        text = persistence.dump(frame.state.document, frame.state.identifying.settings)
-        if text != self._kept:
-            self._kept = text
-            self._bridge.save(text)
+from paminsa_viz.explorer.tab_store import TabStore
 
 
 def build_tabs(

@@ -114,22 +114,22 @@ def analyze_elasticity(job: ElasticJob) -> ElasticOutcome:
             return ElasticOutcome(job, problem=status.explanation)
         matrices, wrench = leg_matrices(design), job.wrench
         found = ElasticOutcome(job, stiffness, twist=stiffness.deflection(wrench))
+        modes = robot_modes(design, pose, MODES)
+        plain, _ = whole_matrices(matrices, pose, loaded=False)
+        force = np.zeros((len(plain), 1))
+        force[: SHARED - 1, 0] = wrench
+        vectors = np.concatenate([np.linalg.solve(plain, force), modes.shapes], axis=1)
+        lines = center_lines(matrices, pose, vectors)
         if wrench.any():
-            plain, _ = whole_matrices(matrices, pose, loaded=False)
-            loads = np.zeros((len(plain), 1))
-            loads[: SHARED - 1, 0] = wrench
-            moved = np.linalg.solve(plain, loads)
             found = replace(
                 found,
-                deflected=center_lines(matrices, pose, moved),
+                deflected=replace(lines, moves=lines.moves[..., :1]),
                 compensation=compensate(design, pose, wrench),
                 shares=strain_shares(design, pose, wrench),
             )
-        modes = robot_modes(design, pose, MODES)
         if modes.stable:
-            shapes = center_lines(matrices, pose, modes.shapes)
-            frequencies = tuple(modes.frequencies.tolist())
-            found = replace(found, frequencies=frequencies, shapes=shapes)
+            shapes = replace(lines, moves=lines.moves[..., 1:])
+            found = replace(found, frequencies=tuple(modes.frequencies.tolist()), shapes=shapes)
     except PaminsaError as error:
         return ElasticOutcome(job, problem=str(error))
     return found

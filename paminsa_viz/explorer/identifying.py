@@ -61,7 +61,7 @@ class IdentifySettings:
     period: float = 10.0
     harmonics: int = 5
     periods: int = 2
-    seconds: float = 30.0
+    seconds: float = 60.0
 
     @property
     def gain_values(self) -> tuple[float, ...] | None:

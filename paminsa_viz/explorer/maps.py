@@ -26,7 +26,10 @@ from paminsa_viz.plots.map_data import (
 )
 from paminsa_viz.plots.ranges import ScaleChoice, choose_scales, usable_range
 from paminsa_viz.plots.scale import Scale
-from paminsa_viz.quantities import QUANTITIES, TORQUES, affordable_cells
+from paminsa_viz.quantities import MAP_BUDGET, QUANTITIES, TORQUES, affordable_cells
+
+DRAG_BUDGET = 0.1
+"""Time that a coarse map may take while something is dragged [s]."""
 
 KEPT = 8
 """Fields that are kept: coarse and full, of the design and of the reference, twice."""
@@ -73,7 +76,7 @@ class MapStore:
             design.geometry,
             theta,
             z,
-            affordable_cells(quantities, cells),
+            affordable_cells(quantities, cells, DRAG_BUDGET if cells <= COARSE else MAP_BUDGET),
             half_width(document.design.geometry),
         )
         return map_data(field, design, document.pose, quantities)

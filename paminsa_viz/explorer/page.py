@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 import viser
 
-from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer import actions, tab_store
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
@@ -66,6 +66,15 @@ def opening_state(design: Design) -> State:
     return moved if compute(moved).health is Health.OK else start
 
 
+def restored(state: State, saved: str) -> State:
+    """Return the state with what a tab has kept, or as it is if that cannot be read."""
+    try:
+        return tab_store.restore(state, saved)
+    except PaminsaError as error:
+        log.info("a tab's saved state was not taken: %s", error)
+        return state
+
+
 def build(client: viser.ClientHandle, design: Design) -> Session:
     """Build the page of a tab that has just connected, and start its worker.
 
@@ -111,19 +120,8 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         session.dispatch("page", replace)
 
     def restore(saved: object) -> None:
-        if not isinstance(saved, str):
-            return
-        try:
-            document, settings = persistence.load(saved), persistence.load_settings(saved)
-        except PaminsaError as error:
-            log.info("a tab's saved state was not taken: %s", error)
-            return
-
-        def restored(state: State) -> State:
-            found = actions.restore(state, document)
-            return found.updated("identifying", settings=settings)
-
-        session.dispatch("restore", restored, step=False)
+        if isinstance(saved, str):
+            session.dispatch("restore", lambda state: restored(state, saved), step=False)
 
     def choose_detail(renderer: object) -> None:
         if has_graphics_card(renderer):

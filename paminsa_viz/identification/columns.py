@@ -15,18 +15,16 @@ from paminsa_viz.identification.base_parameters import (
     base_regressor,
     identity_row,
     leg_base_regressor,
-    mass_columns,
 )
 from paminsa_viz.identification.filtering import Signals
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.drive import ACTUATORS
-from paminsa_viz.model.lumped import mass_vector
 from paminsa_viz.model.statics import load_torques
 
 LARGE_SHARE = 0.1
-"""Half width above which a base parameter is unknown, over the sum of the sizes of the masses'
-contributions to it (which is never zero by cancellation, as a balanced robot's M_p2 is)."""
+"""Half width above which a base parameter is unknown, over its size of `base_scale` (which is not
+zero by cancellation, as a balanced robot's M_p2 is)."""
 
 LARGE_TORQUE = 0.1
 """Half width above which friction or an offset is unknown, as torque over the standard deviation
@@ -193,9 +191,19 @@ def fit_model(design: Design, signals: Signals, settings: IdentificationSettings
 
 
 def base_scale(design: Design) -> Array:
-    """Return how large the masses' contributions to each base parameter are, (11,)."""
-    columns, fixed = mass_columns(design)
-    return np.abs(columns) @ mass_vector(design) + np.abs(fixed)
+    """Return a size for each base parameter that is not zero by cancellation, (11,).
+
+    It depends on the masses through the base parameters alone, so that designs which no motion
+    tells apart have the same. M_p2 has that of the identity's other side, products of inertia have
+    that of the masses they couple, and b_11 at most that of the platform on its joints.
+    """
+    geometry, b = design.geometry, np.abs(base_parameters(design))
+    k = geometry.magnification
+    scale = b.copy()
+    scale[1] = 2 * design.gravity * max(b[2], (k - 1) / 2 * b[3], k / 2 * b[4])
+    scale[3], scale[4] = np.sqrt(b[2] * b[5]), np.sqrt(b[2] * b[6])
+    scale[10] = 6 * geometry.platform_radius**2 * b[5]
+    return scale
 
 
 def _add_diagonal(

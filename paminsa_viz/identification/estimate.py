@@ -164,40 +164,47 @@ class FitSolution:
         return float(np.median(spread / np.sqrt(np.diag(inner))))
 
 
-def solve(blocks: NormalBlocks, noise: Array | None = None) -> FitSolution:
-    """Solve the weighted normal equations, whole and without each block.
+def solve(blocks: NormalBlocks) -> FitSolution:
+    """Solve the normal equations, weighted by each actuator's noise, whole and without each block.
 
-    Args:
-        blocks: The normal equations.
-        noise: (4,) standard deviations for the weights; estimated from the residuals by default.
+    The noise is that of the residuals, estimated again `ITERATIONS` times.
 
     Raises:
         InvalidLog: If no column is excited at all.
     """
-    matrix, right = blocks.matrix.sum(axis=0), blocks.right.sum(axis=0)
-    square, count = blocks.square.sum(axis=0), blocks.count.sum()
+    square, count = blocks.square.sum(axis=0), float(blocks.count.sum())
     # What no sensor resolves: a thousand-millionth of the largest torque or force.
-    floor = RESOLUTION**2 * max(float(square.max() / count), 1e-30)
-    variance = np.maximum(square / count, floor) if noise is None else noise**2
-    for _ in range(ITERATIONS if noise is None else 1):
-        weight = 1 / variance
-        whole = np.einsum("j,jab->ab", weight, matrix)
-        force = weight @ right
-        excited, hidden = _directions(whole)
-        inner = np.linalg.solve(excited.T @ whole @ excited, excited.T @ force)
-        x = excited @ inner
-        residual = square - 2 * right @ x + np.einsum("a,jab,b->j", x, matrix, x)
-        variance = np.maximum(residual / count, floor) if noise is None else variance
-    found = np.maximum(residual / count, floor)
-    parts = np.einsum("j,bjac->bac", weight, blocks.matrix)
-    forces = np.einsum("j,bja->ba", weight, blocks.right)
+    floor = RESOLUTION**2 * max(float(square.max()) / count, 1e-30)
+    variance = np.maximum(square / count, floor)
+    for _ in range(ITERATIONS - 1):
+        x = _weighted(blocks, variance)[0]
+        variance = np.maximum(_residual(blocks, x) / count, floor)
+    x, excited, hidden, whole, force = _weighted(blocks, variance)
+    noise = np.sqrt(np.maximum(_residual(blocks, x) / count, floor))
+    parts = np.einsum("j,bjac->bac", 1 / variance, blocks.matrix)
+    forces = np.einsum("j,bja->ba", 1 / variance, blocks.right)
     left = excited.T @ (whole - parts) @ excited
-    rest = (force - forces) @ excited
+    rest = ((force - forces) @ excited)[..., None]
     try:
-        without = np.linalg.solve(left, rest[..., None])[..., 0]
+        without = np.linalg.solve(left, rest)[..., 0]
     except np.linalg.LinAlgError:
-        without = (np.linalg.pinv(left, hermitian=True) @ rest[..., None])[..., 0]
-    return FitSolution(x, without @ excited.T, np.sqrt(found), excited, hidden, whole)
+        without = (np.linalg.pinv(left, hermitian=True) @ rest)[..., 0]
+    return FitSolution(x, without @ excited.T, noise, excited, hidden, whole)
+
+
+def _weighted(blocks: NormalBlocks, variance: Array) -> tuple[Array, Array, Array, Array, Array]:
+    """Return x, the excited and the hidden directions, and the weighted normal equations."""
+    whole = np.einsum("j,bjac->ac", 1 / variance, blocks.matrix)
+    force = np.einsum("j,bja->a", 1 / variance, blocks.right)
+    excited, hidden = _directions(whole)
+    inner = np.linalg.solve(excited.T @ whole @ excited, excited.T @ force)
+    return excited @ inner, excited, hidden, whole, force
+
+
+def _residual(blocks: NormalBlocks, x: Array) -> Array:
+    """Return the sums of the squared residuals, (4,)."""
+    matrix, right = blocks.matrix.sum(axis=0), blocks.right.sum(axis=0)
+    return blocks.square.sum(axis=0) - 2 * right @ x + np.einsum("a,jac,c->j", x, matrix, x)
 
 
 def _directions(whole: Array) -> tuple[Array, Array]:

@@ -39,6 +39,9 @@ MOST_MOVE = 2.0
 LEAST_MOVE = 0.05
 """Moves below this share of `FitParameter.most` are none, however narrow the interval is."""
 
+DELAY_STEPS = 2
+"""How often the torques are shifted by the delay that is found."""
+
 FEW_SECONDS = 20.0
 """Shorter logs than this get a note [s]."""
 
@@ -135,17 +138,21 @@ def _fit(
 ) -> tuple[FitModel, NormalBlocks, FitSolution, NDArray[np.int64], float]:
     """Fit; with a delay, shift the torques by it and fit what is left of it (Gauss-Newton)."""
     numbers = block_numbers(signals.t, signals.segment, settings.block)
-    lag, moved = 0.0, signals
-    rounds = 3 if settings.delay else 1
-    for turn in range(rounds):
-        model = fit_model(design, moved, settings)
-        blocks = normal_blocks(model.columns, model.torque, numbers)
-        solution = solve(blocks)
-        if turn < rounds - 1:
-            place = [item.kind == "delay" for item in model.parameters].index(True)
-            lag += float(model.report[place] @ solution.x)
-            moved = shifted(signals, lag)
+    model, blocks, solution = _fitted(design, signals, settings, numbers)
+    lag = 0.0
+    for _ in range(DELAY_STEPS if settings.delay else 0):
+        place = [item.kind == "delay" for item in model.parameters].index(True)
+        lag += float(model.report[place] @ solution.x)
+        model, blocks, solution = _fitted(design, shifted(signals, lag), settings, numbers)
     return model, blocks, solution, numbers, lag
+
+
+def _fitted(
+    design: Design, signals: Signals, settings: IdentificationSettings, numbers: NDArray[np.int64]
+) -> tuple[FitModel, NormalBlocks, FitSolution]:
+    model = fit_model(design, signals, settings)
+    blocks = normal_blocks(model.columns, model.torque, numbers)
+    return model, blocks, solve(blocks)
 
 
 def shifted(signals: Signals, lag: float) -> Signals:

@@ -10,7 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_numbers, as_vectors
 from paminsa_viz.model.design import Design
-from paminsa_viz.model.kinematics import wrap
 from paminsa_viz.precision.leg_lengths import INDEX, LENGTHS, nominal_lengths
 from paminsa_viz.precision.unequal_legs import UnequalPose, solve_pose
 
@@ -112,6 +111,4 @@ def prediction_errors(
 
 def differences(found: UnequalPose, measured: Measurements) -> Array:
     """Return predicted minus measured coordinates, (n, c) [m, m, rad, m, rad, rad]."""
-    error = found.coordinates[:, : measured.poses.shape[1]] - measured.poses
-    error[:, 2] = wrap(error[:, 2])
-    return error
+    return found.coordinates[:, : measured.poses.shape[1]] - measured.poses

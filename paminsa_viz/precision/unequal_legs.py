@@ -204,32 +204,35 @@ def _solve(
     side = side.reshape(-1)
     behind = np.sign(state[:, SLIDES])
     step = np.zeros((len(state), len(unknown)))
+    flipped = np.zeros(len(state), np.bool_)
     for _ in range(_MOST_STEPS):
         if not live.size:
             break
         trial = state[live]
         trial[:, unknown] += step[live]
         found = closure_equations(lengths[live], trial, geometry.knee.sign)
-        closed = np.isfinite(found.gap).all(axis=-1)
-        good, stuck = live[closed], live[~closed]
-        state[good] = trial[closed]
-        sign, change = _newton_step(found.by_state[closed][:, :, unknown], found.gap[closed])
+        sign, change = _newton_step(found.by_state[:, :, unknown], found.gap)
         largest = np.abs(change).max(axis=-1)
-        passed = (trial[closed][:, SLIDES] * behind[good] <= 0).any(axis=-1)  # a leg axis
-        singular = ~np.isfinite(largest) | (sign != side[good]) | passed
-        done = ~singular & (largest < _LAST_STEP)
-        step[good] = (
-            change * np.minimum(1.0, _LARGEST_STEP / np.maximum(largest, _LAST_STEP))[:, None]
-        )
-        state[np.ix_(good[done], unknown)] += step[good[done]]
-        closure[good] = np.select(
-            [singular, done], [Closure.SINGULAR, Closure.OK], Closure.DIVERGED
-        )
-        # A leg that cannot close there may close nearer to where it did.
+        closed = np.isfinite(found.gap).all(axis=-1)
+        on_axis = (trial[:, SLIDES] * behind[live] <= 0).any(axis=-1)
+        singular = ~np.isfinite(largest) | (sign != side[live]) | on_axis
+        fault = np.select([~closed, singular], [Closure.OPEN, Closure.SINGULAR], Closure.OK)
+        # Beyond a singularity, or where bars cannot close, a shorter step may do.
+        stuck = live[fault != Closure.OK]
+        flipped[live[fault == Closure.SINGULAR]] = True
         step[stuck] *= 0.5
-        open_ = stuck[np.abs(step[stuck]).max(axis=-1) < _LAST_STEP]
-        closure[open_] = Closure.OPEN
+        ended = np.abs(step[live]).max(axis=-1) < _LAST_STEP
+        closure[stuck] = np.where(ended, fault, Closure.DIVERGED)[fault != Closure.OK]
+        fine = fault == Closure.OK
+        good, change, largest = live[fine], change[fine], largest[fine]
+        state[good] = trial[fine]
+        factor = np.minimum(1.0, _LARGEST_STEP / np.maximum(largest, _LAST_STEP))
+        step[good] = change * factor[:, None]
+        done = good[largest < _LAST_STEP]
+        state[np.ix_(done, unknown)] += step[done]
+        closure[done] = Closure.OK
         live = live[closure[live] == Closure.DIVERGED]
+    closure[(closure == Closure.DIVERGED) & flipped] = Closure.SINGULAR
     state[closure != Closure.OK] = np.nan
     state = state.reshape(*shape, STATE)
     return UnequalPose(

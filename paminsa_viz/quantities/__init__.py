@@ -39,9 +39,6 @@ __all__ = [
 MAP_BUDGET = 1.0
 """Time that the cells of a map may take [s]; maps of costly quantities have fewer cells."""
 
-FINE_CELLS = 200
-"""Cells along each side of a map from which on it may take all of `MAP_BUDGET`."""
-
 QUANTITIES: dict[str, Quantity] = {
     quantity.key: quantity
     for quantity in (
@@ -93,11 +90,7 @@ def formulas() -> tuple[Formula, ...]:
     return tuple(dict.fromkeys(quantity.formula for quantity in QUANTITIES.values()))
 
 
-def affordable_cells(keys: Sequence[str], most: int) -> int:
-    """Return how many cells a side, at most ``most``, a map may have within `MAP_BUDGET`.
-
-    A coarse map, of less than `FINE_CELLS`, has as much less time as it has fewer cells.
-    """
+def affordable_cells(keys: Sequence[str], most: int, budget: float = MAP_BUDGET) -> int:
+    """Return how many cells a side, at most ``most``, a map may have within a time [s]."""
     cost = sum({item.formula: item.cost for item in find(keys)}.values())
-    budget = MAP_BUDGET * min(1.0, most / FINE_CELLS) ** 2
     return max(2, min(most, math.isqrt(int(budget / cost))))

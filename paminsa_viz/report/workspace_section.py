@@ -55,7 +55,7 @@ def workspace_section(request: ReportRequest) -> Section:
 
 
 def _sizes(g: Geometry, theta: float) -> Table:
-    bars = g.crank_length + g.coupler_length
+    bars, turn = g.crank_length + g.coupler_length, singular_rotation(g)
     sizes = {
         "Farthest position of the platform from the axis, at the best angle and height":
             format_value(workspace_radius(g), "m"),
@@ -66,7 +66,7 @@ def _sizes(g: Geometry, theta: float) -> Table:
             format_value(g.home_span, "m"),
         "Stroke of joint 8 on its guide": format_value(g.stroke, "m"),
         "Angle at which every position is singular":
-            "± " + format_value(singular_rotation(g), "rad"),
+            "none" if math.isnan(turn) else "± " + format_value(turn, "rad"),
         f"Radius of singular positions at θ = {format_value(theta, 'rad')}":
             format_value(float(singular_radius(g, theta)), "m"),
     }  # fmt: skip

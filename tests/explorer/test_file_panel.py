@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 from uuid import uuid4
 
@@ -149,7 +150,8 @@ def test_share_code_follows_the_document_and_opens_it(desk: Desk) -> None:
 
     desk.dispatch(lambda s: actions.move(actions.load_design(s, LIGHT), x=0.04))
     desk.until(lambda: desk.handle("file.code").value == code())
-    document = Document(LIGHT, pose=(0.01, 0.02, 0.3, -0.5), reference=APPENDIX_4)
+    named = replace(LIGHT, name="light")
+    document = Document(named, pose=(0.01, 0.02, 0.3, -0.5), reference=APPENDIX_4)
     wanted = persistence.share_code(document)
     desk.set("file.code", f" {wanted[:30]} {wanted[30:]}\n")
     desk.until(lambda: desk.state.document == document)

@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
-from paminsa_viz.explorer.maps import MapStore, go_to, select_scales
+from paminsa_viz.explorer.maps import DRAG_BUDGET, MapStore, go_to, select_scales
 from paminsa_viz.explorer.state import MapView, RangeMode, State, initial_state
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -26,7 +26,7 @@ from paminsa_viz.model import (
 from paminsa_viz.plots import map_data
 from paminsa_viz.plots.map_data import COARSE, FULL, MapData, cell_centers, half_width
 from paminsa_viz.plots.scale import Scale
-from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities import MAP_BUDGET, QUANTITIES
 from tests.support.measured import pointwise
 from tests.support.samples import LOADS, possible_designs
 
@@ -295,3 +295,20 @@ def test_maps_fade_while_a_mass_is_dragged_and_next_to_a_reference() -> None:
     # Another view is another range, also in the middle of a drag.
     logarithmic = balanced.updated("map_view", logarithmic=True)
     assert found(logarithmic, dragging=True)[0].kind == "symlog"
+
+
+def test_costly_maps_are_coarser_while_dragging() -> None:
+    """Torques have all cells; the first frequency as many as its time allows."""
+    state = at()
+    store = MapStore()
+    sizes = {
+        (key, cells): store.data(state, cells, (key,)).x.size
+        for key in ("tau_1", "frequency_1")
+        for cells in (COARSE, FULL)
+    }
+    assert sizes["tau_1", COARSE] == COARSE
+    assert sizes["tau_1", FULL] == FULL
+    cost = QUANTITIES["frequency_1"].cost
+    assert sizes["frequency_1", COARSE] ** 2 * cost <= DRAG_BUDGET
+    assert sizes["frequency_1", FULL] ** 2 * cost <= MAP_BUDGET
+    assert 10 < sizes["frequency_1", COARSE] < sizes["frequency_1", FULL] < COARSE

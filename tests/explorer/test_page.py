@@ -9,6 +9,7 @@ import pytest
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.state import RangeMode
 from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
 from tests.support.chromium import Tab, until
 
@@ -103,12 +104,35 @@ def test_tabs_are_independent_and_find_their_state_after_a_reload(
         until(lambda t=tab, x=x: t.handle(SLIDERS[0]).value == x, "the slider shows it")
 
 
+def test_reload_keeps_ranges_layers_quantity_and_open_tabs(tab: Tab) -> None:
+    tab.open_tab("Design")
+    tab.open_tab("Single map")
+    tab.dispatch(
+        lambda s: (
+            actions.set_layers(s, path=False)
+            .updated(
+                "map_view", quantity="condition", range_mode=RangeMode.MANUAL, low=1.0, high=7.0
+            )
+            .updated("plots", plot="power")
+        )
+    )
+    until(lambda: tab.state.map_view.high == 7.0, "the range")
+    tab.wait_saved()
+    kept = tab.state
+    tab.reload()
+    until(lambda: tab.state.map_view == kept.map_view, "the maps are shown as before")
+    assert (tab.state.layers, tab.state.plots) == (kept.layers, kept.plots)
+    for name in ("Design", "Single map"):
+        opened = tab.page.get_by_role("tab", name=name, exact=True)
+        until(lambda t=opened: t.get_attribute("aria-selected") == "true", f"{name} is open")
+
+
 def test_keys_undo_redo_and_go_home(tab: Tab) -> None:
-    home = tab.state.document.pose
-    tab.type_number(SLIDERS[1], 50)
-    tab.wait_pose(1, 0.05)
+    start = tab.state.document.pose[1]
+    tab.type_number(SLIDERS[1], 90)
+    tab.wait_pose(1, 0.09)
     tab.page.evaluate("document.activeElement.blur()")
-    for key, y in (("Control+z", home[1]), ("Control+Shift+z", 0.05), ("h", home[1])):
+    for key, y in (("Control+z", start), ("Control+Shift+z", 0.09), ("h", 0.0)):
         tab.page.keyboard.press(key)
         tab.wait_pose(1, y)
 

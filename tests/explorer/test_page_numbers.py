@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind, Timing
+from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser
@@ -136,3 +138,29 @@ def test_motion_that_plays_does_not_overwrite_a_box_that_is_edited(tab: Tab) -> 
     field.press("Enter")
     tab.wait_pose(0, -0.0305)
     assert not tab.state.playback.following
+
+
+def test_range_widened_by_a_typed_number_returns_with_the_value(tab: Tab) -> None:
+    def top() -> float:
+        return float(tab.slider(X).get_attribute("aria-valuemax") or "nan")
+
+    before = top()
+    typed(tab, tab.number_box(X), "5000")
+    until(lambda: top() >= 5000, "the range grows")
+    typed(tab, tab.number_box(X), "20")
+    until(lambda: top() == before, "the range returns")
+
+
+def test_stroke_typed_as_it_is_and_no_singular_rotation(tab: Tab) -> None:
+    tab.open_tab("Design")
+    tab.open_tab("Geometry")
+    field = tab.number_box("|X₄| max")
+    typed(tab, field, field.input_value())
+    tab.wait_frames(200)
+    assert tab.state.document.design == APPENDIX_4
+    assert tab.state.document.design.name == APPENDIX_4.name
+    wide = {"geometry.base_radius": 0.09, "geometry.platform_radius": 0.1}
+    tab.dispatch(lambda s: actions.vary(s, wide))
+    tab.open_tab("Pose")
+    until(lambda: "none" in tab.text("quality"), "no rotation is singular")
+    assert "inf" not in tab.text("quality") + tab.text("status")

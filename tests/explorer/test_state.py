@@ -12,10 +12,12 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
+from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
 from paminsa_viz.explorer.panels.file_panel import uploaded_design
 from paminsa_viz.explorer.session import DEPTH, PAUSE, History
 from paminsa_viz.explorer.state import Document, initial_state
 from paminsa_viz.files.design_file import write_design
+from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.model import (
     APPENDIX_4,
     PARAMETER,
@@ -219,3 +221,31 @@ def test_history_is_bounded_and_has_no_step_without_a_change() -> None:
         history.record(a, b, str(i), 0.0)
     assert len(history.past) == DEPTH
     assert history.past[-1].pose[0] == DEPTH + 9
+
+
+def test_changed_design_and_its_reference_have_different_names() -> None:
+    own = actions.load_design(initial_state(), replace(APPENDIX_4, name="arm"))
+    state = actions.pin_reference(own)
+    assert state.document.design.name == "arm"  # it is the same design
+    names = []
+    for mass in (0.5, 0.6, 0.7):
+        state = actions.pin_reference(actions.vary(state, {"joints.j7": mass}))
+        names.append(state.document.design.name)
+        changed = actions.vary(state, {"joints.j2": mass})
+        assert changed.document.reference is not None
+        assert changed.document.design.name != changed.document.reference.name
+    assert names == ["arm, changed", "arm, changed 2", "arm, changed 3"]
+    assert len(actions.another_name("a" * NAME_CHARACTERS)) == NAME_CHARACTERS
+    same = actions.rename(actions.vary(own, {"joints.j7": 1.0}), "arm")
+    pinned = actions.pin_reference(same)
+    assert actions.swap_reference(pinned).document == pinned.document
+
+
+def test_setting_a_number_to_what_it_is_changes_nothing() -> None:
+    state = initial_state()
+    for path in (p.path for group in GROUPS for p in group.parameters):
+        value = state.document.design.value(path)
+        entry = slider(PARAMETER[path])
+        shown = entry.parse(state, entry.shown(state))
+        assert entry.apply(state, shown).document == state.document
+        assert entry.apply(state, value).document.design.geometry.guide_stroke is None

@@ -90,6 +90,23 @@ def test_the_height_error_by_hand() -> None:
     assert np.allclose(found.tilt, 2 * 3e-4 / 0.15)
 
 
+def test_clearances_by_hand() -> None:
+    """A guide that is c/2 off lifts its leg by (k - 1) c/2; a pin is a bar's tolerance of c/2."""
+    guide = replace(NO_TOLERANCES, guide_clearance=2e-5)
+    found = tolerance_errors(replace(APPENDIX_4, tolerances=guide), BY_HAND)
+    assert np.allclose(found.worst[:, 3], 2 * 1e-5)
+    pins = replace(NO_TOLERANCES, pin_clearance=2e-5)
+    bars = replace(NO_TOLERANCES, bar=1e-5)
+    found = tolerance_errors(replace(APPENDIX_4, tolerances=pins), BY_HAND)
+    same = tolerance_errors(replace(APPENDIX_4, tolerances=bars), BY_HAND)
+    assert np.allclose(found.worst, same.worst, rtol=1e-12)
+    assert np.allclose(found.clearance, found.worst, rtol=1e-12)
+    assert not same.clearance.any()
+    drawn = monte_carlo(replace(APPENDIX_4, tolerances=pins), BY_HAND, robots=300)
+    shown = [0, 1, 3, 4, 5]  # bars do not turn the platform
+    assert np.allclose(drawn.rms[:, shown] / found.rms[:, shown], 1, atol=0.2)
+
+
 @given(case=cases())
 def test_rms_of_random_robots_is_that_of_the_first_order(case: Case) -> None:
     design = replace(case.design, tolerances=SMALL)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import persistence
+from paminsa_viz.explorer import tab_store
 from paminsa_viz.explorer.browser.bridge import STORE_KEY
 from tests.support.desk import input_labeled
 
@@ -181,7 +181,7 @@ class Tab:
         """Wait until the browser has saved what a reload of the tab has to find."""
         saved = f"sessionStorage.getItem('{STORE_KEY}')"
         until(
-            lambda: self.page.evaluate(saved) == persistence.dump(self.state.document),
+            lambda: self.page.evaluate(saved) == tab_store.dump(self.state),
             "the tab's state is saved",
         )
 

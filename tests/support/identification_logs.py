@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.identification.base_parameters import mass_columns
 from paminsa_viz.identification.log import Log, make_log
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -18,6 +19,7 @@ from paminsa_viz.model import (
     measure_singularity,
 )
 from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.lumped import MASS_PATHS, mass_vector
 from paminsa_viz.model.reach import Limit, home_pose
 
 PERIOD = 10.0
@@ -64,6 +66,17 @@ def multi_sine(seed: int, design: Design = APPENDIX_4) -> RandomMotion:
         if good and apart and found.condition.max() <= 5:
             return motion
     raise AssertionError("no share of the motion fits")
+
+
+def moved_unseen(design: Design, seed: int) -> Design:
+    """Return a design with other masses that no motion tells from the first one's."""
+    masses = mass_vector(design)
+    shares = mass_columns(design)[0] * masses  # columns of relative changes
+    null = np.linalg.svd(shares)[2][10:]
+    step = null.T @ np.random.default_rng(seed).standard_normal(len(null))
+    step[masses == 0.0] = 0.0
+    changed = masses * (1 + 0.9 / np.abs(step).max() * step)
+    return design.vary(dict(zip(MASS_PATHS, changed.tolist(), strict=True)))
 
 
 def noisy(

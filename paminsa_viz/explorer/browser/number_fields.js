@@ -105,6 +105,7 @@
     clearTimeout(pause);
     Object.assign(edit, { dirty: false, previewed: false, fresh: true });
     edit.shown.set.call(edit.field, edit.held);
+    if (document.activeElement === edit.field) edit.field.select();
   };
   const cancel = () => {
     const { previewed, before } = edit;
@@ -152,7 +153,9 @@
     focusin: (event) => {
       if (edit?.field === event.target || !event.target.matches?.(BOX)) return;
       end();
-      if (!event.target.readOnly && holder(event.target)) begin(event.target);
+      if (event.target.readOnly || !holder(event.target)) return;
+      begin(event.target);
+      event.stopPropagation(); // a box that knows of it puts the caret somewhere with every number
     },
     focusout: (event) => {
       if (edit?.field !== event.target) return;

@@ -58,6 +58,33 @@
     }
   };
 
+  // --- open tabs: a reload opens them again -------------------------------------------------
+  const tabsKey = `${config.storeKey}_tabs`;
+  const tabs = () => [...document.querySelectorAll('[role="tab"]')];
+  const isOpen = (tab) => tab.getAttribute("aria-selected") === "true";
+  const nameOf = (tab) => tab.textContent.trim();
+  let wanted = [];
+  try {
+    wanted = JSON.parse(sessionStorage.getItem(tabsKey) || "[]");
+  } catch (error) {
+    console.warn(error);
+  }
+  let attempts = 25; // tabs come late; one that is no more is not waited for
+  every(400, () => {
+    const found = tabs().filter((tab) => wanted.includes(nameOf(tab)));
+    for (const tab of found.filter((each) => !isOpen(each)))
+      tab.dispatchEvent(new KeyboardEvent("keydown", { key: "Enter", bubbles: true }));
+    wanted = wanted.filter((name) => !found.some((tab) => nameOf(tab) === name && isOpen(tab)));
+    if (wanted.length && --attempts > 0) return;
+    wanted = [];
+    const open = JSON.stringify(tabs().filter(isOpen).map(nameOf));
+    try {
+      if (open !== sessionStorage.getItem(tabsKey)) sessionStorage.setItem(tabsKey, open);
+    } catch (error) {
+      console.warn(error);
+    }
+  });
+
   // --- clicks on Plotly figures -------------------------------------------------------------
   // By the place of the pointer and not by the page's own click: while a figure is pressed,
   // Plotly lays a cover over the window.

@@ -220,6 +220,8 @@ def slider(parameter: Parameter, ends: tuple[float, float, float] | None = None)
 
 
 def _set(path: str, state: State, value: float) -> State:
+    if value == state.document.design.value(path):  # nor is a length set that follows another one
+        return state
     try:
         return actions.vary(state, {path: value})
     except InvalidDesign as error:

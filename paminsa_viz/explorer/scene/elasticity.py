@@ -35,7 +35,10 @@ TUBE: Final = 0.006
 """Radius of the lines of a mode [m]."""
 
 LARGEST: Final = 0.12
-"""Largest half axis of the ellipsoid, and largest deflection, as drawn [m]."""
+"""Largest deflection, as drawn [m]."""
+
+LONGEST_AXIS: Final = 0.3
+"""Largest half axis of the ellipsoid, as drawn [m]: the platform must not hide it."""
 
 BELOW: Final = {"mode": 0.16, "deflection": 0.23, "compliance": 0.3}
 """Distances of the labels below the platform [m]."""
@@ -189,7 +192,7 @@ class ComplianceEllipsoid:
 
     def _draw(self, outcome: ElasticOutcome, compliance: Array) -> None:
         vertices, faces = self._sphere
-        scale = nice_scale(float(np.linalg.norm(compliance, 2)), LARGEST)
+        scale = nice_scale(float(np.linalg.norm(compliance, 2)), LONGEST_AXIS)
         shape = (scale * vertices @ compliance.T).astype(np.float32)
         if self._mesh is None:
             self._mesh = self._scene.add_mesh_simple(

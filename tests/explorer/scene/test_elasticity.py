@@ -16,6 +16,7 @@ from paminsa_viz.explorer.elasticity import ElasticJob, ElasticOutcome, analyze_
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.scene.elasticity import (
     LARGEST,
+    LONGEST_AXIS,
     LONGEST_SWING,
     MODE_NODE,
     nice_scale,
@@ -77,14 +78,14 @@ def test_ellipsoid_is_where_a_force_of_one_size_moves_the_platform(
 ) -> None:
     draw(scene, frame_at(POSE, layers=LAYERS).state.updated("elastic_view", outcome=outcome))
     vertices = np.asarray(scene.nodes["/elastic/ellipsoid"].vertices, float)
-    scale = nice_scale(float(platform_stiffness(APPENDIX_4, POSE).ellipsoid()[0][-1]), LARGEST)
+    scale = nice_scale(float(platform_stiffness(APPENDIX_4, POSE).ellipsoid()[0][-1]), LONGEST_AXIS)
     expected = scale * platform_stiffness(APPENDIX_4, POSE).deflection(
         np.concatenate([sphere()[0], np.zeros_like(sphere()[0])], axis=1)
     )
     assert vertices == pytest.approx(expected[:, :3], abs=1e-6)
     text = scene.nodes["/elastic/ellipsoid_label"].text
     assert text == f"compliance: 100 mm = {1e4 / scale:.3g} mm by 100 N"
-    assert np.linalg.norm(vertices, axis=1).max() <= LARGEST
+    assert np.linalg.norm(vertices, axis=1).max() <= LONGEST_AXIS
 
 
 def test_deflection_is_drawn_to_its_scale(scene: Scene, outcome: ElasticOutcome) -> None:

@@ -1,0 +1,96 @@
+"""What a tab keeps across a reload: its document, and how it is shown.
+
+The document is written as for a share code; how it is shown, part by part, as plain data. A part
+that cannot be read, or is not possible any more, keeps its default.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from contextlib import suppress
+from dataclasses import replace
+from typing import Any
+
+import msgspec
+
+from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.motion.description import PlotView
+from paminsa_viz.explorer.scene.layers import LAYERS
+from paminsa_viz.explorer.state import MapView, State
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.plots.ranges import LARGEST_END
+from paminsa_viz.quantities import QUANTITIES
+
+VIEW: dict[str, Any] = {
+    "map_view": MapView,
+    "layers": frozenset[str],
+    "floor_opacity": float,
+    "plots": PlotView,
+    "condition_limit": float,
+    "table_at_rest": bool,
+}
+"""Parts of the state that say how it is shown, and their types."""
+
+
+def dump(state: State) -> str:
+    """Write what a tab keeps of a state."""
+    view = {name: msgspec.to_builtins(getattr(state, name)) for name in VIEW}
+    document = persistence.dump(state.document, state.identifying.settings)
+    return json.dumps(json.loads(document) | {"view": view})
+
+
+def restore(state: State, text: str) -> State:
+    """Return a state with what a tab has kept.
+
+    Raises:
+        PaminsaError: If the document cannot be read.
+    """
+    state = actions.restore(state, persistence.load(text))
+    with suppress(InvalidInput):
+        state = state.updated("identifying", settings=persistence.load_settings(text))
+    view = json.loads(text).get("view", {})
+    for name, kind in VIEW.items():
+        try:
+            value = msgspec.convert(view[name], kind)
+        except (msgspec.ValidationError, LookupError, TypeError):
+            continue
+        if _possible(name, value):
+            state = replace(state, **{name: value})
+    known = replace(state, layers=state.layers & frozenset(LAYERS))
+    if known.document.reference is None and known.map_view.difference:
+        return known.updated("map_view", difference=False)
+    return known
+
+
+def _possible(name: str, value: Any) -> bool:
+    match name:
+        case "map_view":
+            ends = (value.low, value.high)
+            return value.quantity in QUANTITIES and all(abs(end) <= LARGEST_END for end in ends)
+        case "plots":
+            return 0 <= value.actuator < 4 and 0 <= value.color < 4
+        case "floor_opacity":
+            return 0 <= value <= 1
+        case "condition_limit":
+            return math.isfinite(value) and value >= 1
+    return True
+
+
+class TabStore:
+    """Keeps a tab's state in its own store, whenever the page is idle."""
+
+    def __init__(self, bridge: Bridge) -> None:
+        self._bridge = bridge
+        self._kept = ""
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Save what has changed."""
+        if dragging:
+            return
+        text = dump(frame.state)
+        if text != self._kept:
+            self._kept = text
+            self._bridge.save(text)
