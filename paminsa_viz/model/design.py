@@ -251,3 +251,13 @@ PARAMETERS: tuple[Parameter, ...] = tuple(p for p in _ALL if p.group not in OPTI
 
 PARAMETER: dict[str, Parameter] = {item.path: item for item in _ALL}
 """Every number of a design by path."""
+
+
+def stated_parameters(design: Design) -> tuple[Parameter, ...]:
+    """Return what tables name of a design: the rigid robot's numbers, and others not default."""
+    return PARAMETERS + tuple(
+        item
+        for item in _ALL
+        if item.group in OPTIONAL_GROUPS
+        and design.stored(item.path) != APPENDIX_4.stored(item.path)
+    )

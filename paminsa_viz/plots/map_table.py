@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.files.columns import POSE, STATUS
 from paminsa_viz.files.tables import DataTable, provenance
-from paminsa_viz.model.design import PARAMETERS, Design
+from paminsa_viz.model.design import Design, stated_parameters
 from paminsa_viz.model.reach import Limit, status_words
 from paminsa_viz.plots.caption import key_numbers
 from paminsa_viz.plots.map_data import MapData
@@ -81,7 +81,7 @@ def _parameters(what: str, design: Design) -> dict[str, str]:
         f"{what} {p.path} [{p.unit}]" if p.unit else f"{what} {p.path}": repr(
             float(design.value(p.path))
         )
-        for p in PARAMETERS
+        for p in stated_parameters(design)
     }
 
 

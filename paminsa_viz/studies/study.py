@@ -14,7 +14,14 @@ from paminsa_viz.balancing.changes import whole_mass
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.errors import printable
 from paminsa_viz.model import backend
-from paminsa_viz.model.design import APPENDIX_4, OPTIONAL_GROUPS, PARAMETER, PARAMETERS, Design
+from paminsa_viz.model.design import (
+    APPENDIX_4,
+    OPTIONAL_GROUPS,
+    PARAMETER,
+    PARAMETERS,
+    Design,
+    stated_parameters,
+)
 from paminsa_viz.model.drive import ACTUATORS
 from paminsa_viz.studies.metrics import (
     METRICS,
@@ -196,7 +203,8 @@ class Study:
             facts["motion"] = f"{motion.name}, {motion.size} samples in {motion.duration:g} s"
             facts["hash of the motion's samples"] = samples_hash(motion)
         facts |= {m.column: m.meaning for m in self.metrics}
-        facts |= {f"design {p.path}": repr(self.design.value(p.path)) for p in PARAMETERS}
+        stated = stated_parameters(self.design)
+        facts |= {f"design {p.path}": repr(self.design.value(p.path)) for p in stated}
         for number, weight in enumerate(self.design.counterweights):
             facts[f"design counterweights.{number}"] = f"{weight.mass!r} kg on {weight.place}"
         for name, drive in zip(ACTUATORS, self.design.drives, strict=True):

@@ -108,6 +108,12 @@ def test_provenance_of_both_files_is_the_same() -> None:
     assert float(said["design links.b8 [kg]"]) == 1.2
     assert float(said["reference links.b8 [kg]"]) == 0.403
     assert float(said["pose theta [rad]"]) == np.pi / 3
+    assert not any("tolerances" in key for key in said)
+    tight = real(5, design=APPENDIX_4.vary({"tolerances.bar": 1e-5, "leg2.shaft": 2e-4}))
+    said, *_ = read(table_csv(map_table(tight)))
+    assert float(said["design tolerances.bar [m]"]) == 1e-5
+    assert float(said["design leg2.shaft [m]"]) == 2e-4
+    assert "design leg1.shaft [m]" not in said
     assert said["made by"].startswith("paminsa_viz ")
 
 

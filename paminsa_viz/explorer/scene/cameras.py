@@ -12,7 +12,7 @@ from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.meshes.frame import lift_motor_height, plinth_radius
 from paminsa_viz.meshes.layout import layout
-from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 
 Array = NDArray[np.float64]
@@ -60,9 +60,7 @@ def preset(
             AXIS_ANGLES[leg] + np.pi if configuration is None else float(configuration.beta[leg])
         )
         side = -90.0 if leg == 0 else 90.0
-        return _fitted(
-            np.degrees(heading) + side, 5.0, _leg_outline(geometry, leg, heading), aspect
-        )
+        return _fitted(np.degrees(heading) + side, 5.0, _outline(geometry), aspect)
     azimuth, elevation = {"3D": (-52.0, 15.0), "Front": (-90.0, 4.0), "Top": (-90.0, 89.95)}[name]
     return _fitted(azimuth, elevation, _outline(geometry), aspect)
 
@@ -80,19 +78,6 @@ def _outline(geometry: Geometry) -> Array:
         (0.04, lift_motor_height(geometry) + 0.06),
     ]
     return np.vstack([np.column_stack([r * ring, np.full(24, z)]) for r, z in rings])
-
-
-def _leg_outline(geometry: Geometry, leg: int, heading: float) -> Array:
-    """Return points around one leg in its plane, from the knee to the platform, (n, 3) [m]."""
-    axis = geometry.base_radius * np.array([np.cos(AXIS_ANGLES[leg]), np.sin(AXIS_ANGLES[leg])])
-    along = np.array([np.cos(heading), np.sin(heading)])
-    place = layout(geometry)
-    outer = -max(geometry.guide_link_length, geometry.crank_length) - 0.03
-    inner = geometry.base_radius + geometry.platform_radius
-    far = place.platform_low if geometry.knee is KneeBranch.LOWER else -0.16
-    near = place.lift_high if geometry.knee is KneeBranch.LOWER else place.lift_high - 0.1
-    corners = [(r, z) for r in (outer, inner) for z in (far, near)]
-    return np.array([[*(axis + r * along), z] for r, z in corners])
 
 
 def _fitted(azimuth: float, elevation: float, points: Array, aspect: float) -> CameraView:

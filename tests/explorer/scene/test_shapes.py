@@ -91,8 +91,7 @@ def test_every_camera_shows_all_of_the_robot(name: str, knee: KneeBranch, aspect
     back = (position - look) / np.linalg.norm(position - look)
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
-    legs = [int(name[-1]) - 1] if name.startswith("Leg") else [0, 1, 2]
-    joints = [configuration.points[j][legs] for j in (2, 3, 4, 5, 7, 8, 9)]
+    joints = [configuration.points[j] for j in (2, 3, 4, 5, 7, 8, 9)]
     points = np.concatenate(joints) - position
     depth = -points @ back
     limit = np.tan(view.fov / 2)
