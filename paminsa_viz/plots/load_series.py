@@ -14,7 +14,7 @@ from paminsa_viz.units import format_value
 
 PERCENT = 100.0
 
-PLOTTED = ("2", "3", "4", "9", "guide", "5")
+PLOTTED = ("2", "4", "guide", "5")
 """Joints that are plotted, by their keys."""
 
 
@@ -38,13 +38,13 @@ def load_panels(sources: SeriesSources) -> Iterator[SeriesPanel]:
             made.append(
                 Trace(f"leg {leg + 1}", column, color, peak=peak, until=analysis.check.until)
             )
-        return (*made[1:], made[0])  # the last one comes first in legends
+        return tuple(made)
 
     def panel(name: str, symbol: str, unit: str, values: Values | None) -> SeriesPanel:
         drawn = traces(values)
         notes = tuple(
             (f"peak {format_value(trace.peak[1], unit, 3)}", trace.color)
-            for trace in (drawn[-1], *drawn[:-1])
+            for trace in drawn
             if trace.peak is not None
         )
         return SeriesPanel(name, name, symbol, unit, INK, drawn, notes)

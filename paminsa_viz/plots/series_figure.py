@@ -206,7 +206,8 @@ def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
     for panel in data.panels:
         if len(panel.traces) == 1:
             continue
-        for trace in (*panel.traces[-1:], *panel.traces[:-1]):
+        equal = data.kind == "loads"  # legs are in their order
+        for trace in panel.traces if equal else (*panel.traces[-1:], *panel.traces[:-1]):
             shared = colors.setdefault(trace.label, trace.color)
             color = trace.color if trace.color == shared else INK  # it has the panels' colors
             style = CROSS if trace.marks else {"lw": trace.width, "ls": DASHES[trace.dash]}

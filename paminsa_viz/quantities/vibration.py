@@ -41,7 +41,7 @@ VIBRATION = in_family(
     Quantity(
         "frequency_1", "f₁", "first natural frequency",
         "First natural frequency of the whole robot, motors locked", "Hz", LEAST_MARGIN,
-        _frequency("frequency_1", first_frequencies), cost=COST,
+        _frequency("frequency_1", first_frequencies), bounded=True, cost=COST,
     ),
     Quantity(
         "frequency_drives", "f₁ drives", "first frequency, drives alone",
@@ -49,6 +49,6 @@ VIBRATION = in_family(
         _frequency(
             "frequency_drives", lambda design, poses: drive_modes(design, poses).frequencies[..., 0]
         ),
-        cost=DRIVES_COST,
+        bounded=True, cost=DRIVES_COST,
     ),
 )  # fmt: skip

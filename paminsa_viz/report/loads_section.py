@@ -54,7 +54,7 @@ def loads_section(analysis: TrajectoryAnalysis, pose: Sequence[float]) -> Sectio
     blocks += [_joints(loads), _bars(loads)]
     data = build_series("loads", SeriesSources(analysis))
     svg = render_series(data, "svg", title=data.title, caption=False)
-    blocks.append(Figure(svg, f"{data.title} over time, eight panels."))
+    blocks.append(Figure(svg, f"{data.title} over time, six panels."))
     return Section("loads", "Joint forces and bar loads", tuple(blocks))
 
 
