@@ -199,8 +199,9 @@ def interval_text(value: float, half_width: float, *, ascii_only: bool = False) 
         return number(value) if not ascii_only else f"{value:.4g}"
     decimals = max(0, 1 - math.floor(math.log10(half_width)))
     if decimals > 9 or max(abs(value), half_width) >= 1e9:
-        text = f"{value:.4g} ± {half_width:.2g}"
-        return text.replace("±", "+-") if ascii_only else text.replace("-", "−")
+        if ascii_only:
+            return f"{value:.4g} +- {half_width:.2g}"
+        return f"{number(value)} ± {number(half_width, 2)}"
     if ascii_only:
         return f"{value:.{decimals}f} +- {half_width:.{decimals}f}"
     return f"{fixed(value, decimals)} ± {fixed(half_width, decimals)}"

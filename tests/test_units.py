@@ -9,10 +9,12 @@ from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4, PARAMETER
 from paminsa_viz.units import (
+    NONE,
     display_unit,
     fixed,
     format_ascii,
     format_value,
+    interval_text,
     number,
     percent_change,
     power_of_ten,
@@ -137,3 +139,25 @@ def test_numbers_with_a_sign() -> None:
 def test_fixed_decimals_have_no_negative_zero() -> None:
     assert [fixed(value, 2) for value in (-0.001, -1.005, np.nan)] == ["0.00", "−1.00", "–"]
     assert power_of_ten(-3) == "10⁻³"
+
+
+@pytest.mark.parametrize(
+    ("value", "half_width", "text"),
+    [
+        (25.8347, 0.0499, "25.835 ± 0.050"),
+        (-0.00871, 0.00153, "−0.0087 ± 0.0015"),
+        (29.94, 7.92, "29.9 ± 7.9"),
+        (1234.0, 56.0, "1234 ± 56"),
+        (0.0, 0.012, "0.000 ± 0.012"),
+        (1.5, float("inf"), NONE),
+        (float("nan"), 0.1, NONE),
+        (2.0, 0.0, "2"),
+        (3e12, 1.0, "3·10¹² ± 1"),
+    ],
+)
+def test_intervals_have_two_digits_and_the_value_as_many_decimals(value, half_width, text) -> None:
+    assert interval_text(value, half_width) == text
+    ascii_only = interval_text(value, half_width, ascii_only=True)
+    assert ascii_only.isascii()
+    if "·" not in text:
+        assert ascii_only == text.replace("±", "+-").replace("−", "-").replace(NONE, "-")

@@ -25,8 +25,8 @@ Write a design report: one HTML file with everything inside, to attach to a desi
 
 It holds the design and where it differs from Appendix 4, geometry and workspace, torque maps, the
 trajectory with loads and figures, the design's drives on it if there are any, the verification
-against physics engines if they are installed (pip install 'paminsa-viz[verify]'), the static
-balance, and where all of it comes from. For a PDF, open it in a browser and print."""
+against MuJoCo, and against Pinocchio if it is installed (pip install 'paminsa-viz[verify]'), the
+static balance, and where all of it comes from. For a PDF, open it in a browser and print."""
 
 
 @dataclass(frozen=True, kw_only=True)

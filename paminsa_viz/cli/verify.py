@@ -13,6 +13,7 @@ import tyro
 from paminsa_viz import __version__
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags
 from paminsa_viz.cli.output import print_json, print_table, print_written
+from paminsa_viz.engines import EngineMissing
 from paminsa_viz.engines.comparison import Comparison
 from paminsa_viz.engines.verification import POSES, TOLERANCE, Verification, misprint_name, verify
 from paminsa_viz.errors import PaminsaError
@@ -115,7 +116,7 @@ def _print(found: Verification) -> None:
         print_table([HEAD, *_rows("at rest", check.static), *_rows("moving", check.dynamic)],
                     indent=2, right=True)  # fmt: skip
     for engine in found.missing:
-        print(f"\n{engine} is not installed; it comes with pip install 'paminsa-viz[verify]'")
+        print(f"\n{EngineMissing(engine)}")
     print(f"\nFormulas as published and {found.engines[0].engine}, moving: relative differences")
     rows = [
         (misprint_name(item), *(f"{value:.1e}" for value in comparison.relative))

@@ -7,12 +7,31 @@ own; `closed_loop` only eliminates the dependent joints, and `play` simulates in
 model come the design and the joint values at a pose (`poses`), which the closures verify;
 nothing of its statics and dynamics is used.
 
-The engines are optional: ``pip install 'paminsa-viz[verify]'``.
+MuJoCo is part of the installation; Pinocchio comes with ``pip install 'paminsa-viz[verify]'``.
 """
 
 from __future__ import annotations
 
+from functools import cache
+from importlib.util import find_spec
+from typing import Final
+
 from paminsa_viz.errors import PaminsaError
+
+INSTALL: Final = {
+    "MuJoCo": ("mujoco", "it is part of the installation: pip install mujoco"),
+    "Pinocchio": (
+        "pinocchio",
+        "it comes with the extra 'verify': pip install 'paminsa-viz[verify]'",
+    ),
+}
+"""Module of each engine, and how it is installed."""
+
+
+@cache
+def why_missing(engine: str) -> str:
+    """Return why an engine of `INSTALL` cannot be used, or an empty string; it is not loaded."""
+    return "" if find_spec(INSTALL[engine][0]) else str(EngineMissing(engine))
 
 
 class EngineMissing(PaminsaError, ImportError):
@@ -20,14 +39,12 @@ class EngineMissing(PaminsaError, ImportError):
 
     Attributes:
         engine: Its name.
-        extra: The optional extra of this package that brings it.
     """
 
     def __init__(self, engine: str, cause: ImportError | None = None) -> None:
         self.engine = engine
-        self.extra = "verify"
         broken = cause is not None and not isinstance(cause, ModuleNotFoundError)
         super().__init__(
             f"{engine} {f'does not load ({cause})' if broken else 'is not installed'}; "
-            f"it comes with the extra '{self.extra}': pip install 'paminsa-viz[{self.extra}]'"
+            f"{INSTALL[engine][1]}"
         )

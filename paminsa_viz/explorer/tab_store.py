@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -19,6 +20,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
 from paminsa_viz.explorer.scene.layers import LAYERS
 from paminsa_viz.explorer.state import MapView, State
+from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots.ranges import LARGEST_END
 from paminsa_viz.quantities import QUANTITIES
 
@@ -47,7 +49,8 @@ def restore(state: State, text: str) -> State:
         PaminsaError: If the document cannot be read.
     """
     state = actions.restore(state, persistence.load(text))
-    state = state.updated("identifying", settings=persistence.load_settings(text))
+    with suppress(InvalidInput):
+        state = state.updated("identifying", settings=persistence.load_settings(text))
     view = json.loads(text).get("view", {})
     for name, kind in VIEW.items():
         try:

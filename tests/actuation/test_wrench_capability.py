@@ -106,7 +106,6 @@ def test_disc_is_the_largest_in_the_force_polygon(design: Design) -> None:
 
 
 def test_capability_is_where_pushing_in_mujoco_meets_a_limit() -> None:
-    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
     from paminsa_viz.engines.mujoco_model import MujocoRobot
 
     pose = poses(5, 1)[0]

@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 
-from paminsa_viz.engines import EngineMissing
+from paminsa_viz.engines import EngineMissing, why_missing
 from paminsa_viz.engines.closed_loop import ClosedLoopRobot
 from paminsa_viz.engines.mujoco_model import MujocoRobot
 from paminsa_viz.engines.pinocchio_model import PinocchioRobot
@@ -99,15 +99,23 @@ def test_batches_and_poses_out_of_reach(engine: Engine) -> None:
 
 
 @pytest.mark.parametrize(
-    ("module", "robot"), [("mujoco", MujocoRobot), ("pinocchio", PinocchioRobot)]
+    ("module", "robot", "install"),
+    [
+        ("mujoco", MujocoRobot, "part of the installation: pip install mujoco"),
+        ("pinocchio", PinocchioRobot, "pip install 'paminsa-viz[verify]'"),
+    ],
 )
-def test_a_missing_engine_is_named_with_its_extra(
-    monkeypatch: pytest.MonkeyPatch, module: str, robot: Engine
+def test_a_missing_engine_is_named_with_what_brings_it(
+    monkeypatch: pytest.MonkeyPatch, module: str, robot: Engine, install: str
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(EngineMissing, match=r"paminsa-viz\[verify\]") as caught:
+    why_missing.cache_clear()
+    with pytest.raises(EngineMissing) as caught:
         robot(APPENDIX_4)
-    assert caught.value.extra == "verify"
+    assert caught.value.engine in str(caught.value)
+    assert install in str(caught.value)
+    assert why_missing(caught.value.engine) == str(caught.value)
+    why_missing.cache_clear()
     assert isinstance(caught.value, PaminsaError)
     assert isinstance(caught.value, ImportError)
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paminsa_viz.explorer import exports, persistence
+from paminsa_viz.explorer import exports, persistence, tab_store
 from paminsa_viz.explorer import identify_actions as actions
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.identifying import (
@@ -143,6 +143,8 @@ def test_impossible_saved_settings_are_refused(saved) -> None:
     text = json.dumps(json.loads(persistence.dump(initial_state().document)) | {"identify": saved})
     with pytest.raises(InvalidInput):
         persistence.load_settings(text)
+    restored = tab_store.restore(initial_state(), text)
+    assert restored.identifying.settings == IdentifySettings()
 
 
 def test_a_log_that_does_not_move_is_one_line(found: State) -> None:

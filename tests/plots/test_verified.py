@@ -11,8 +11,6 @@ from paminsa_viz.plots import verified
 from paminsa_viz.plots.verified import engine_torques, verification_figures
 from paminsa_viz.trajectory import Trajectory, analyze, paper_like
 
-pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
-
 MOTION = paper_like(APPENDIX_4.geometry).lasting(0.4).sample(60)
 
 

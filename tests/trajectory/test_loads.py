@@ -102,7 +102,6 @@ def test_loads_follow_their_samples() -> None:
 
 
 def test_engines_have_the_motions_load() -> None:
-    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
     from paminsa_viz.engines.verification import verify
 
     design = replace(loaded(LoadFrame.PLATFORM), name="loaded")

@@ -238,7 +238,6 @@ def test_impossible_simulations_are_rejected() -> None:
 @pytest.mark.parametrize("knee", KneeBranch)
 def test_payload_mismatch_agrees_with_mujoco(knee: KneeBranch) -> None:
     """MuJoCo's loops are springs, its steps finite and its torques linear between samples."""
-    pytest.importorskip("mujoco", reason="mujoco comes with the extra 'verify'")
     from paminsa_viz.engines.mujoco_model import play
 
     height = np.array([0, 0, 0, 0.0 if knee is KneeBranch.LOWER else 0.945])

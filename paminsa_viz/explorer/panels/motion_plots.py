@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from paminsa_viz.engines import why_missing
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots, marker
@@ -41,7 +42,9 @@ INPUTS = (
     ),
     Checkbox(
         "plots.engine", "MuJoCo", order=6.5,
-        hint="Marks: the torques of an independent physics engine",
+        hint=lambda _: why_missing("MuJoCo")
+        or "Marks: the torques of an independent physics engine",
+        disabled=lambda _: bool(why_missing("MuJoCo")),
         visible=lambda state: state.plots.plot == "torques",
         **attribute("plots.engine"),
     ),

@@ -4,20 +4,24 @@ from __future__ import annotations
 
 import sys
 import threading
+import tomllib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from paminsa_viz.engines import EngineMissing
+from paminsa_viz.engines import EngineMissing, why_missing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions, exports
+from paminsa_viz.explorer.entries import given
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
 from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, Answer, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_plots
 from paminsa_viz.explorer.panels.motion_plots import (
+    INPUTS,
     EngineChecker,
     caption_html,
     difference_html,
@@ -181,6 +185,24 @@ def test_nothing_is_compared_where_the_motion_fails(state: State) -> None:
 
     nowhere = line(0.9, 0.95)
     assert "cannot run any" in caption(analyzed(nowhere), nowhere)
+
+
+def test_plain_installation_has_mujoco_and_a_missing_engine_is_disabled(
+    state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    project = tomllib.loads(
+        (Path(__file__).parents[3] / "pyproject.toml").read_text(encoding="utf-8")
+    )["project"]
+    assert any(item.startswith("mujoco") for item in project["dependencies"])
+    switch = next(entry for entry in INPUTS if entry.key == "plots.engine")
+    assert switch.disabled is not None
+    assert not switch.disabled(state)
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    why_missing.cache_clear()
+    assert switch.disabled(state)
+    assert "pip install mujoco" in given(switch.hint, state)
+    monkeypatch.undo()
+    why_missing.cache_clear()
 
 
 def test_missing_engine_is_reported_once_for_all_designs(
