@@ -177,6 +177,7 @@ def _fit_known(
         The values (42,), the basis (42, m), its singular values (m,), and the noise.
     """
     noise, count = problem.noise(values, rank), rank
+    basis, found = np.zeros((COUNT, 0)), np.zeros(0)
     for _ in range(_ROUNDS):
         _, singular, directions = np.linalg.svd(problem.jacobian(values), full_matrices=False)
         margin = stdtrit(problem.freedom(count), 0.5 + CONFIDENCE / 2)
