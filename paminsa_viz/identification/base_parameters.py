@@ -29,7 +29,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.arrays import Array, together
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.lumped import (
     COEFFICIENTS,
@@ -38,7 +38,7 @@ from paminsa_viz.model.lumped import (
     mass_vector,
     term_matrix,
 )
-from paminsa_viz.model.regressor import leg_unit_terms, torque_regressor
+from paminsa_viz.model.regressor import BLOCK, leg_unit_terms, torque_regressor
 
 
 class BaseParameter(NamedTuple):
@@ -158,8 +158,13 @@ def leg_base_regressor(
     The last axis is in the order of `LEG_PARAMETERS`; over the legs they add up to those columns
     of `base_regressor`. Arguments as there.
     """
+    shape, motion = together(pose=pose, velocity=velocity, acceleration=acceleration)
     terms = (term_matrix() @ SELECTION)[:19, list(LEG_PARAMETERS)]
-    return leg_unit_terms(geometry, pose, velocity, acceleration) @ terms
+    found = np.empty((len(motion[0]), 4, 3, terms.shape[1]))
+    for start in range(0, len(found), BLOCK):
+        part = slice(start, start + BLOCK)
+        found[part] = leg_unit_terms(geometry, *(values[part] for values in motion)) @ terms
+    return found.reshape(*shape, *found.shape[1:])
 
 
 def identity_row(geometry: Geometry, gravity: float) -> Array:

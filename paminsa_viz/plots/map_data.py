@@ -51,6 +51,7 @@ class MapData:
             smooth boundary; without it the boundary follows the cells.
         leg: (ny, nx) int8 index of the leg that limits the reach, -1 for none, or None.
         missing: Where and why poses that can be taken have no value, or None.
+        bounded: Whether colors span all values: none of them explodes near a singularity.
     """
 
     x: NDArray[np.float64]
@@ -69,6 +70,7 @@ class MapData:
     margin: NDArray[np.float64] | None = None
     leg: NDArray[np.int8] | None = None
     missing: Missing | None = None
+    bounded: bool = False
 
     def __post_init__(self) -> None:
         x, y = _axis("x", self.x), _axis("y", self.y)
@@ -269,6 +271,7 @@ def map_data(
         design=design,
         title=chosen[0].title if len(chosen) == 1 else "Static torques of the rotary actuators",
         signed=any(quantity.signed for quantity in chosen),
+        bounded=all(quantity.bounded for quantity in chosen),
         margin=field.margin,
         leg=field.leg,
         missing=None if (why := chosen[0].missing) is None else why(field, design),

@@ -79,6 +79,8 @@ def choose_scales(
             at every resolution.
     """
     asked = choice or ScaleChoice()
+    if data.bounded and not data.signed:
+        asked = replace(asked, full=True)
     spans_zero = asked.low is not None and asked.high is not None and asked.low < 0 < asked.high
     if spans_zero and not data.signed and not (data.values < 0).any():
         asked = replace(asked, low=0.0)  # colors of impossible values would dull the others

@@ -105,7 +105,7 @@ class CalibrationProblem:
             lambda step: self.residuals(origin + basis @ step),
             basis.T @ (guess - origin),
             jac=lambda step: self.jacobian(origin + basis @ step) @ basis,  # type: ignore[arg-type]
-            method="trf", x_scale="jac", xtol=1e-12, ftol=1e-10, gtol=1e-15, max_nfev=60,
+            method="lm", x_scale="jac", xtol=1e-12, ftol=1e-10, gtol=1e-15, max_nfev=60,
         )  # fmt: skip
         return origin + basis @ found.x
 

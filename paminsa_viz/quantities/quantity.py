@@ -46,6 +46,7 @@ class Quantity:
         value: ``value(field, design)`` of a solved grid and a design (...) [SI]; by default the
             first result of the formula, for what the geometry alone decides. What it solves stays
             in the field, so that masses, loads and limits rescale it.
+        bounded: Whether it grows at no singularity, so that a map's colors span all its values.
         signed: Whether zero is its natural center: diverging colors.
         color: ``#rrggbb`` of its heading.
         cost: Time that the formula takes [s] a pose, on NumPy arrays.
@@ -62,6 +63,7 @@ class Quantity:
     formula: Formula
     value: Callable[[Field, Design], Array] | None = None
     signed: bool = False
+    bounded: bool = False
     color: str = INK
     cost: float = 1e-7
     family: str = "other"

@@ -42,7 +42,10 @@ def _quantity(
     unit: str,
     value: Callable[[Field, Design], Array],
 ) -> Quantity:
-    return Quantity(key, symbol, label, title, unit, LEAST_MARGIN, value, cost=COST)
+    bounded = not key.startswith("deflection")
+    return Quantity(
+        key, symbol, label, title, unit, LEAST_MARGIN, value, bounded=bounded, cost=COST
+    )
 
 
 STIFFNESS = in_family(

@@ -59,12 +59,20 @@ def test_a_clean_log_of_an_engine_gives_the_design_to_a_thousandth(knee: KneeBra
 @pytest.mark.parametrize("leg", [0, 1, 2])
 def test_a_heavier_bar_is_named_first(leg: int) -> None:
     defects = Defects(bars=(HeavierBar(leg, "B4", 1.2),))
-    found = find_causes(
-        identify(engine_log(DESIGN, noise=LogNoise(), defects=defects), APPENDIX_4, QUICK)
-    )
+    log = engine_log(DESIGN, noise=LogNoise(), defects=defects)
+    found = find_causes(identify(log, APPENDIX_4, QUICK))
     assert found.named[0].leg == leg + 1
     assert found.named[0].label == f"leg {leg + 1}: B4 heavier"
     assert found.named[0].value == pytest.approx(0.2, abs=0.03)
+    # With masses of its own for each leg the same shows as contrasts, and nothing is left over.
+    legs = identify(log, APPENDIX_4, replace(QUICK, legs=True))
+    imbalance = 0.2 * DESIGN.links.b4 * DESIGN.gravity / 2
+    for other in range(3):
+        contrast = legs.estimate(f"ΔM_p2, leg {other + 1}")
+        expected = imbalance * (2 / 3 if other == leg else -1 / 3)
+        assert contrast.value == pytest.approx(expected, abs=1.5 * contrast.half_width)
+        assert contrast.half_width < 0.1
+    assert find_causes(legs).named == ()
 
 
 def test_a_spring_breaks_the_identity() -> None:

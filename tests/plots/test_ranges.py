@@ -115,3 +115,14 @@ def test_scales_are_counted() -> None:
     assert per_panel(data, scale) == (scale,) * 3
     with pytest.raises(InvalidScale):
         per_panel(data, [scale] * 2)
+
+
+def test_bounded_quantities_show_all_their_values() -> None:
+    """A frequency is zero at a singularity and largest at the center, where people work."""
+    data = real(quantities=("frequency_1",))
+    assert data.bounded
+    (scale,) = choose_scales(data)
+    finite = data.values[np.isfinite(data.values)]
+    assert scale.low <= finite.min()
+    assert finite.max() <= scale.high < 1.3 * finite.max()
+    assert not real(quantities=("condition",)).bounded
