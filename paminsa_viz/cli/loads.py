@@ -141,7 +141,7 @@ class ImpossiblePose(PaminsaError):
 
 def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
     head = ("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in ("r", "z", "M")))
-    rows = [head]
+    rows: list[tuple[str, ...]] = [head]
     for index, joint in enumerate(JOINTS):
         cells = []
         for leg in range(3):
