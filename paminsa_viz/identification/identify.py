@@ -127,7 +127,7 @@ def identify(
     return Identification(
         design, log, settings,
         None if start is None else tuple(np.asarray(start, np.float64).tolist()),
-        estimates, _identity(design, model, solution, settings),
+        estimates, _identity(design, model, solution, settings, estimates),
         signals, model.columns @ solution.x + model.known, solution.noise, tuple(notes),
         model, solution, blocks, numbers, lag,
     )  # fmt: skip
@@ -213,12 +213,15 @@ def _moves(
 
 
 def _identity(
-    design: Design, model: FitModel, solution: FitSolution, settings: IdentificationSettings
-) -> Identity:
+    design: Design, model: FitModel, solution: FitSolution, settings: IdentificationSettings,
+    estimates: tuple[Estimate, ...],
+) -> Identity:  # fmt: skip
     row = identity_row(design.geometry, design.gravity) @ model.report[: len(BASE_SYMBOLS)]
     error = float(solution.deviation(row[None])[0])
     value = float(row @ solution.x)
     told = bool(solution.known(row[None])[0]) and not settings.constrain and error > 0
+    # A poor motion leaves tens of newtons open, and an interval of few blocks is not that exact.
+    told = told and all(item.known for item in estimates[1:5])
     return Identity(
         value if told else 0.0,
         solution.quantile * error if told else np.inf,

@@ -68,7 +68,7 @@ class Identity:
     Attributes:
         value: What is left [N]; a constant upward force at every joint 9 makes it negative.
         half_width: Half of its 95 % interval [N].
-        z: Value over standard error; NaN if the motion does not excite it, or it was held.
+        z: Value over standard error; NaN if one of its base parameters is unknown, or it was held.
     """
 
     value: float

@@ -13,7 +13,7 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.reach import LEAST_MARGIN, Limit
-from paminsa_viz.quantities.quantity import Quantity, in_family
+from paminsa_viz.quantities.quantity import Missing, Quantity, in_family
 
 COST = 3e-4
 """Time for the first frequency of a pose of the whole robot [s]."""
@@ -36,19 +36,35 @@ def _frequency(name: str, find: Callable[[Design, Array], Array]) -> Callable[..
     return over
 
 
+_TEXTS = ("", "not held: weight and load push the platform away harder than it is held")
+_WORDS = ("", "not-held")
+
+
+def _not_held(over: Callable[[Field, Design], Array]) -> Callable[[Field, Design], Missing]:
+    """Return where poses that can be taken have no frequency."""
+
+    def missing(field: Field, design: Design) -> Missing:
+        empty = (field.status == Limit.OK) & np.isnan(over(field, design))
+        return Missing(empty.astype(np.uint8), _TEXTS, _WORDS)
+
+    return missing
+
+
+_FIRST = _frequency("frequency_1", first_frequencies)
+_DRIVES = _frequency(
+    "frequency_drives", lambda design, poses: drive_modes(design, poses).frequencies[..., 0]
+)
+
 VIBRATION = in_family(
     "stiffness",
     Quantity(
         "frequency_1", "f₁", "first natural frequency",
-        "First natural frequency of the whole robot, motors locked", "Hz", LEAST_MARGIN,
-        _frequency("frequency_1", first_frequencies), bounded=True, cost=COST,
+        "First natural frequency of the whole robot, motors locked", "Hz", LEAST_MARGIN, _FIRST,
+        bounded=True, cost=COST, missing=_not_held(_FIRST),
     ),
     Quantity(
         "frequency_drives", "f₁ drives", "first frequency, drives alone",
-        "First natural frequency with rigid bars and elastic drives", "Hz", LEAST_MARGIN,
-        _frequency(
-            "frequency_drives", lambda design, poses: drive_modes(design, poses).frequencies[..., 0]
-        ),
-        bounded=True, cost=DRIVES_COST,
+        "First natural frequency with rigid bars and elastic drives", "Hz", LEAST_MARGIN, _DRIVES,
+        bounded=True, cost=DRIVES_COST, missing=_not_held(_DRIVES),
     ),
 )  # fmt: skip

@@ -11,8 +11,14 @@ from paminsa_viz.files.design_file import load_design
 from paminsa_viz.files.example_logs import ExampleLog, example_log
 from paminsa_viz.files.log_table import log_table
 from paminsa_viz.files.tables import table_csv
-from paminsa_viz.identification import make_log
-from paminsa_viz.model import APPENDIX_4, static_imbalance
+from paminsa_viz.identification import MultiSine, make_log
+from paminsa_viz.model import (
+    APPENDIX_4,
+    inverse_dynamics,
+    inverse_kinematics,
+    static_imbalance,
+)
+from paminsa_viz.trajectory import Plan, home
 from tests.support.commands import check_refused, run, run_json
 
 
@@ -72,6 +78,26 @@ def test_wrong_encoder_is_named_and_ends_with_1(capsys) -> None:
     assert "named: " in out
     named = next(line for line in out.splitlines() if line.startswith("named: "))
     assert "M1" in named or "leg 1" in named
+
+
+def test_poor_motion_leaves_unknowns_and_accuses_nobody(capsys) -> None:
+    """A motion along x alone: no verdict on the masses, and what motion would tell them."""
+    sine = np.zeros((3, 4))
+    sine[[0, 2], 0] = 0.06, -0.02
+    curve = MultiSine(home(APPENDIX_4.geometry), sine, np.zeros((3, 4)), 10)
+    motion = Plan(curve, 20.0).sample(200.0)
+    torque = inverse_dynamics(APPENDIX_4, *motion.at(motion.t)).torque
+    torque += 0.02 * torque.std(axis=0) * np.random.default_rng(1).standard_normal(torque.shape)
+    position = inverse_kinematics(APPENDIX_4.geometry, motion.pose).actuators
+    log = make_log(motion.t, position.round(5), torque)
+    Path("log.csv").write_bytes(table_csv(log_table(log)))
+    found = run_json("identify", capsys, "log.csv")
+    unknown = {item["symbol"]: item["reason"] for item in found["parameters"] if not item["known"]}
+    assert {"b_7", "b_v4", "c4", "b_9"} <= set(unknown)
+    assert all("would tell it" in reason for reason in unknown.values())
+    assert "vertical accelerations" in unknown["b_7"]
+    assert found["identity"]["holds"] is None
+    assert found["named"] == []
 
 
 def test_currents_come_with_gains(capsys) -> None:

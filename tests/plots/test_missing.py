@@ -72,3 +72,14 @@ def test_global_indices_leave_poses_without_a_bound_out() -> None:
     region = replace(default_region(COARSE), theta=(THETA,), z=(-0.3,))
     values = [metric.value(RegionResults(COARSE, region)) for metric in global_indices(["error_x"])]
     assert np.isfinite(values).all()
+
+
+def test_a_cell_whose_pose_is_not_held_says_so() -> None:
+    """Beside the singular circle the payload pushes the platform away."""
+    heavy = APPENDIX_4.vary({"payload.mass": 50.0, "elastic.drive_rotary": 300.0})
+    field = workspace_field(heavy.geometry, 0.5, -0.55, 24)
+    data = map_data(field, heavy, (0.0, 0.0, 0.5, -0.55), ("frequency_drives",))
+    empty = (data.status == 0) & np.isnan(data.values[0])
+    assert 3 < empty.sum() < (data.status == 0).sum()
+    assert {text.split(":")[0] for text in reasons(data, 0)[empty]} == {"not held"}
+    assert data.missing_word == "not held"
