@@ -6,10 +6,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from paminsa_viz.identification.base_parameters import (
     BASE_SYMBOLS,
     LEG_PARAMETERS,
+    SELECTION,
     base_regressor,
     leg_base_regressor,
     mass_columns,
@@ -22,6 +24,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.jacobians import inverse_jacobian_rate, jacobian
 from paminsa_viz.model.kinematics import nearest_solution
 from paminsa_viz.model.lumped import MASS_PATHS
+from paminsa_viz.model.regressor import torque_regressor
 
 BARS = ("b3", "b4", "b7", "b8")
 
@@ -90,13 +93,9 @@ def _bars(design: Design, signals: Signals) -> list[PossibleCause]:
 
 def _zeros(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCause]:
     """Encoders whose zero is off: the actuator is where they show, less that."""
-    found = []
+    found, before = [], _torques(geometry, signals, b)
     for place in range(4):
-        shift = np.zeros(4)
-        shift[place] = STEP
-        column = (
-            _torques(geometry, signals, b, -shift) - _torques(geometry, signals, b, shift)
-        ) / (2 * STEP)
+        column = (_torques(geometry, signals, b, -STEP * np.eye(4)[place]) - before) / STEP
         unit, plausible = ("m", 5e-3) if place == 3 else ("rad", np.radians(1.0))
         label = f"encoder zero of M{place + 1}"
         found.append(PossibleCause(label, unit, (place + 1) % 4, float(plausible), column))
@@ -105,20 +104,15 @@ def _zeros(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCause
 
 def _lengths(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCause]:
     """Lengths that are larger than the design's."""
-    found = []
+    found, before = [], _torques(geometry, signals, b)
     for name, (symbol, plausible) in LENGTHS.items():
-        low, high = (
-            _torques(
-                replace(geometry, **{name: getattr(geometry, name) + step}), signals, b, np.zeros(4)
-            )
-            for step in (-STEP, STEP)
-        )
-        label = f"{symbol} longer"
-        found.append(PossibleCause(label, "m", 0, plausible, (high - low) / (2 * STEP)))
+        longer = replace(geometry, **{name: getattr(geometry, name) + STEP})
+        column = (_torques(longer, signals, b) - before) / STEP
+        found.append(PossibleCause(f"{symbol} longer", "m", 0, plausible, column))
     return found
 
 
-def _torques(geometry: Geometry, signals: Signals, b: Array, shift: Array) -> Array:
+def _torques(geometry: Geometry, signals: Signals, b: Array, shift: ArrayLike = 0.0) -> Array:
     """Return X b, (m, 4), with actuators moved by a shift, or of other lengths."""
     samples = signals.samples
     pose = nearest_solution(geometry, samples.position + shift, samples.pose)
@@ -126,8 +120,8 @@ def _torques(geometry: Geometry, signals: Signals, b: Array, shift: Array) -> Ar
     turn = partial(np.einsum, "nij,nj->ni")
     velocity = turn(j, samples.speed)
     drift = turn(inverse_jacobian_rate(geometry, pose, velocity), velocity)
-    torque = base_regressor(geometry, pose, velocity, turn(j, samples.growth - drift)) @ b
-    return signals.smooth(torque)
+    y = torque_regressor(geometry, pose, velocity, turn(j, samples.growth - drift))
+    return signals.smooth(y @ (SELECTION @ b))
 
 
 def _actuators(identification: Identification) -> list[PossibleCause]:
