@@ -237,7 +237,8 @@ def _axes_parts(bar: str, repeated: int = 1) -> tuple[Array, Array, Array]:
         a[0, 0] = b[2, 0] = b[0, 1] = c[1, 2] = 1.0
         a[2, 1] = -1.0
     eye = np.eye(repeated)
-    return np.kron(eye, a), np.kron(eye, b), np.kron(eye, c)
+    first, second, third = (np.asarray(np.kron(eye, part), np.float64) for part in (a, b, c))
+    return first, second, third
 
 
 def _turned(bar: str, size: int) -> Array:

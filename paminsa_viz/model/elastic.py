@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import Group, parameter
@@ -166,8 +166,8 @@ class Elastic(Group, path="elastic"):
         given = (getattr(self, f"{bar}_{name}") for name in SECTION_VALUES)
         tube = tube_section(outer, inner, self.poisson)
         both = zip(given, tube, strict=False)
-        found: Any = [own if value is None else value for value, own in both]
-        return BeamSection(*found, tube.shear, tube.radius)
+        area, inside, outside, torsion = (own if value is None else value for value, own in both)
+        return BeamSection(area, inside, outside, torsion, tube.shear, tube.radius)
 
     def in_force(self, name: str) -> float:
         """Return a number as it counts: the tube's section values, infinity for rigid."""
