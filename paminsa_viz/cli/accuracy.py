@@ -203,7 +203,7 @@ def _print(design: Design, here: DriveErrors, region: Region, over: RegionErrors
     for bound, count in over.unbounded.items():
         print(f"no bound at {count} of them: {bound.reason()}")
     head = ("worst: median", "95 % below", "largest", "linear: median", "RMS: median")
-    rows = [("", *head)]
+    rows: list[tuple[str, ...]] = [("", *head)]
     for row in over.rows:
         values = (*statistics(row.worst), statistics(row.linear)[0], statistics(row.rms)[0])
         name = f"{row.name} [{display_unit(row.unit).text}]"

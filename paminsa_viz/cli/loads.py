@@ -100,13 +100,15 @@ class Loads(JsonFlags, MotionFlags, PoseFlags, DesignFlags):
         if forces.status != Limit.OK:
             print_error(ImpossiblePose(str(status_words(forces.status, forces.leg))))
             return 1
+        sideways = sideways_forces(design, pose)
         if self.json:
-            print_json(_pose_data(design, pose, forces, sideways_forces(design, pose)))
+            print_json(_pose_data(design, pose, forces, sideways))
         else:
-            _print_pose(forces, sideways_forces(design, pose))
-        if self.out:
-            bar = self.bar
-            self._write(joint_table(forces, pose) if bar is None else bar_table(forces, pose, bar))
+            _print_pose(forces, sideways)
+        if self.bar is not None:
+            self._write(bar_table(forces, pose, self.bar))
+        elif self.out:
+            self._write(joint_table(forces, pose, sideways.force))
         return 0
 
     def _motion(self, design: Design) -> int:
@@ -139,7 +141,7 @@ class ImpossiblePose(PaminsaError):
 
 def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
     head = ("joint", *(f"{part} {leg}" for leg in (1, 2, 3) for part in ("r", "z", "M")))
-    rows = [head]
+    rows: list[tuple[str, ...]] = [head]
     for index, joint in enumerate(JOINTS):
         cells = []
         for leg in range(3):

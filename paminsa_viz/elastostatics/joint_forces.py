@@ -173,7 +173,7 @@ def joint_forces(
             speed = actuator_velocity(design, p, v)
             drives += friction_torque(design.actuator_friction, speed)
     status, leg = reach_status(geometry, p)
-    known = np.isfinite(drives).all(axis=-1) & np.isfinite(magnitude(force)).all(axis=(1, 2))
+    known = np.isfinite(drives).all(axis=-1) & np.all(np.isfinite(magnitude(force)), axis=(1, 2))
     given = np.isfinite(np.concatenate([v, a, wrench], axis=-1)).all(axis=-1)
     lost = (status == Limit.OK) & ~known
     status[lost] = np.where(given[lost], np.uint8(Limit.SINGULAR), np.uint8(Limit.NOT_FINITE))
@@ -212,7 +212,8 @@ def _platform_forces(
         for leg in range(3)
     ]
     determinant = platform_determinant(m, pose[:, 0], pose[:, 1], np.cos(pose[:, 2]))
-    split = solve_wrench(
+    solved: Any = solve_wrench
+    split = solved(
         determinant, *legs,
         given[:, 0] - fx.sum(axis=-1),
         given[:, 1] - fy.sum(axis=-1),

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Geometry
@@ -40,8 +40,8 @@ class LegFrame:
 
     geometry: Geometry
     pose: Array
-    status: Array
-    leg: Array
+    status: NDArray[np.uint8]
+    leg: NDArray[np.int8]
     axes: Array
     arm: Array
     psi: Array

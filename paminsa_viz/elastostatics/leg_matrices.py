@@ -241,7 +241,7 @@ def _axes_parts(bar: str, repeated: int = 1) -> tuple[Array, Array, Array]:
 def _turned(bar: str, size: int) -> Array:
     """Return the turn of a bar that never turns: B2 points up, B10 outward; (size, size)."""
     a, b, c = _axes_parts(bar, size // 3)
-    return c + b if bar == "b2" else c - a
+    return np.asarray(c + b if bar == "b2" else c - a)
 
 
 def _add_turned(terms: Array, bar: str, places: NDArray[np.intp], matrix: Array) -> None:

@@ -50,12 +50,12 @@ def natural_modes(stiffness: ArrayLike, mass: ArrayLike, count: int | None = Non
     """
     k, m = _matrices(stiffness, mass)
     shape, size = k.shape[:-2], k.shape[-1]
-    count = size if count is None else min(count, size)
+    kept = size if count is None else min(count, size)
     k, m = k.reshape(-1, size, size), m.reshape(-1, size, size)
-    frequencies = np.full((len(k), count), np.nan)
-    shapes = np.full((len(k), size, count), np.nan)
+    frequencies = np.full((len(k), kept), np.nan)
+    shapes = np.full((len(k), size, kept), np.nan)
     stable = np.zeros(len(k), dtype=bool)
-    known = np.isfinite(k).all(axis=(1, 2)) & np.isfinite(m).all(axis=(1, 2))
+    known = np.all(np.isfinite(k), axis=(1, 2)) & np.all(np.isfinite(m), axis=(1, 2))
     known &= (np.einsum("nii->ni", k) > 0).all(axis=1)
     if known.any():
         scale = 1 / np.sqrt(np.einsum("nii->ni", k[known]))
@@ -67,13 +67,13 @@ def natural_modes(stiffness: ArrayLike, mass: ArrayLike, count: int | None = Non
         # B with B^T K B = 1
         basis = scale[firm, :, None] * axes[firm] / np.sqrt(values[firm, None, :])
         inertia, vectors = np.linalg.eigh(np.swapaxes(basis, 1, 2) @ m[good] @ basis)
-        inertia, vectors = inertia[:, ::-1][:, :count], vectors[:, :, ::-1][:, :, :count]
+        inertia, vectors = inertia[:, ::-1][:, :kept], vectors[:, :, ::-1][:, :, :kept]
         inertia = np.maximum(inertia, 0.0)
         frequencies[good] = 1 / (2 * np.pi * np.sqrt(inertia))
         shapes[good] = basis @ vectors / np.sqrt(inertia)[:, None, :]
     return Modes(
-        frequencies.reshape(*shape, count),
-        shapes.reshape(*shape, size, count),
+        frequencies.reshape(*shape, kept),
+        shapes.reshape(*shape, size, kept),
         stable.reshape(shape),
     )
 

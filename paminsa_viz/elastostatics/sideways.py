@@ -98,7 +98,7 @@ def sideways_forces(
         index = JOINT_INDEX[key]
         force[..., index] = sign * values[0]
         moment[..., index, 0], moment[..., index, 1] = sign * values[1], sign * values[2]
-    bad = ~np.isfinite(plane.force[..., 0]).all(axis=(-1, -2))
+    bad = ~np.all(np.isfinite(plane.force[..., 0]), axis=(-1, -2))
     force[bad], moment[bad] = np.nan, np.nan
     return SidewaysForces(plane, force, moment)
 
@@ -114,7 +114,7 @@ def _redundants(
                 f[..., column, other] += row.flexibility * value * factor
     right = f[..., APPLIED:, FORCE_W] * tangential[..., None]
     right[..., [S2 - APPLIED, M2 - APPLIED]] += _arm(design, frame, plane, shear)
-    good = np.isfinite(f).all(axis=(-1, -2)) & np.isfinite(right).all(axis=-1)
+    good = np.all(np.isfinite(f), axis=(-1, -2)) & np.isfinite(right).all(axis=-1)
     inner = np.where(good[..., None, None], f[..., APPLIED:, APPLIED:], np.eye(COLUMNS - APPLIED))
     found = -np.linalg.solve(inner, np.where(good[..., None], right, 0.0)[..., None])[..., 0]
     return np.where(good[..., None], found, np.nan)

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.elastostatics.leg_compliance import LegCompliance, leg_compliance
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
@@ -58,8 +58,8 @@ class PlatformStiffness:
 
     design: Design
     pose: Array
-    status: Array
-    leg: Array
+    status: NDArray[np.uint8]
+    leg: NDArray[np.int8]
     matrix: Array
     compliance: Array
 
@@ -99,7 +99,7 @@ class PlatformStiffness:
             (..., 3, 3).
         """
         block = self.compliance[..., :3, :3]
-        good = np.isfinite(block).all(axis=(-1, -2))[..., None]
+        good = np.all(np.isfinite(block), axis=(-1, -2))[..., None]
         axes, directions = np.linalg.eigh(np.where(good[..., None], block, np.eye(3)))
         return np.where(good, axes, np.nan), np.where(good[..., None], directions, np.nan)
 
@@ -127,7 +127,8 @@ def platform_stiffness(
     pose = as_vectors(pose, "pose")
     flat = pose.reshape(-1, 4)
     matrix = np.empty((len(flat), 6, 6))
-    status, leg = np.empty(len(flat), np.uint8), np.empty(len(flat), np.int8)
+    status = np.empty(len(flat), np.uint8)
+    leg = np.empty(len(flat), np.int8)
     for start in range(0, len(flat), BLOCK):
         part = slice(start, start + BLOCK)
         frame = leg_frame(design.geometry, flat[part])
@@ -162,10 +163,10 @@ def _at_platform(design: Design, maps: Array, compliance: Array) -> Array:
     return 0.5 * (k + np.swapaxes(k, -1, -2))
 
 
-def _inverse(matrix: Array, length: float) -> tuple[Array, Array]:
+def _inverse(matrix: Array, length: float) -> tuple[Array, NDArray[np.bool_]]:
     """Return the inverses, and where there is none; rotations count times a length."""
     scale = np.array([1.0, 1.0, 1.0, length, length, length])
-    good = np.isfinite(matrix).all(axis=(-1, -2))
+    good = np.all(np.isfinite(matrix), axis=(-1, -2))
     scaled = np.where(good[:, None, None], matrix / scale / scale[:, None], np.eye(6))
     values, vectors = np.linalg.eigh(scaled)
     singular = good & ~(values[:, 0] > SINGULAR * values[:, -1])

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.elastostatics.beams import beam_stiffness, rotated
 from paminsa_viz.elastostatics.leg_frame import LegFrame, leg_frame
@@ -57,10 +57,11 @@ class Structure:
         )
 
     @property
-    def split(self) -> tuple[Array, Array]:
+    def split(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """Indices of the freedoms inside a leg, and of the four that are kept."""
         kept = np.array([*self.model.joint5, self.model.carriage])
-        return np.setdiff1d(np.arange(self.model.size), kept), kept
+        inner = np.setdiff1d(np.arange(self.model.size), kept)
+        return np.asarray(inner, np.intp), np.asarray(kept, np.intp)
 
     @property
     def platform_map(self) -> Array:
@@ -154,7 +155,7 @@ def structure(
     for bar, first, second in model.elements:
         along = positions[..., second, :] - positions[..., first, :]
         length = np.linalg.norm(along, axis=-1)
-        e = along / length[..., None]
+        e: Array = np.asarray(along / length[..., None], np.float64)
         across = _across(e, horizontal=bar == "b1")
         own = np.stack([e, np.cross(across, e), across], axis=-2)
         section = design.elastic.section(bar)
@@ -194,14 +195,14 @@ def _joint_positions(frame: LegFrame) -> dict[int, Array]:
 def _across(e: Array, *, horizontal: bool) -> Array:
     """Return the direction across the plane a bar bends in: w, or horizontal for the arm."""
     if not horizontal:
-        return np.broadcast_to([0.0, 1.0, 0.0], e.shape)
+        return np.broadcast_to(np.array([0.0, 1.0, 0.0]), e.shape)
     return np.stack([-e[..., 1], e[..., 0], np.zeros_like(e[..., 0])], axis=-1)
 
 
 def _solved(matrix: Array, right: Array) -> Array:
     """Solve, with NaN where the matrix is not finite."""
-    good = np.isfinite(matrix).all(axis=(-1, -2))
+    good = np.all(np.isfinite(matrix), axis=(-1, -2))
     if good.all():
-        return np.linalg.solve(matrix, right)
+        return np.asarray(np.linalg.solve(matrix, right))
     usable = np.where(good[..., None, None], matrix, np.eye(matrix.shape[-1]))
     return np.where(good[..., None, None], np.linalg.solve(usable, right), np.nan)

@@ -80,7 +80,8 @@ def find_loads(job: LoadsJob) -> LoadsOutcome:
         first = analysis.check.first
         reason = first.explanation if first is not None else "singular everywhere"
         return LoadsOutcome(job, None, f"the motion has no start: it fails {reason}")
-    found.bar_peak, found.utilization  # noqa: B018 computed here, on the job's thread
+    for name in ("bar_peak", "utilization"):
+        getattr(found, name)  # computed here, on the job's thread
     return LoadsOutcome(job, found)
 
 

@@ -33,10 +33,25 @@ LEGS = (0, 1, 2)
 Columns = dict[str, NDArray[Any]]
 
 
-def joint_table(forces: JointForces, pose: NDArray[np.float64]) -> DataTable:
-    """Return the forces at the joints in one pose, a row for each joint of each leg."""
+def joint_table(
+    forces: JointForces,
+    pose: NDArray[np.float64],
+    sideways: NDArray[np.float64] | None = None,
+) -> DataTable:
+    """Return the forces at the joints in one pose, a row for each joint of each leg.
+
+    Args:
+        forces: Forces in the legs' planes.
+        pose: (4,) [m, m, rad, m].
+        sideways: (3 legs, 10 joints) forces across them [N], where the legs' stiffness is known to
+            decide them; without it that column is empty but for joint 5.
+    """
     rows = [(leg, index) for leg in LEGS for index in range(len(JOINTS))]
     force = np.array([forces.force[leg, index] for leg, index in rows])
+    why = NEEDS_STIFFNESS
+    if sideways is not None:
+        force[:, 1] = [sideways[leg, index] for leg, index in rows]
+        why = "at rest, from the stiffness of bars and bearings"
     columns: Columns = {
         "leg": _texts(str(leg + 1) for leg, _ in rows),
         "joint": _texts(JOINTS[index].key for _, index in rows),
@@ -47,10 +62,7 @@ def joint_table(forces: JointForces, pose: NDArray[np.float64]) -> DataTable:
         "vertical_N": force[:, 2],
         "moment_Nm": np.array([forces.moment[leg, index] for leg, index in rows]),
     }
-    facts = {
-        "pose [m, m, rad, m]": " ".join(map(repr, pose.tolist())),
-        "tangential": NEEDS_STIFFNESS,
-    }
+    facts = {"pose [m, m, rad, m]": _pose(pose), "tangential": why}
     return DataTable(columns, provenance(JOINTS_FORMAT, facts | _design(forces.design)))
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import NamedTuple, TextIO
+from typing import Any, NamedTuple, TextIO
 
 import numpy as np
 
@@ -77,6 +77,6 @@ def read_measurements(path: str | os.PathLike[str]) -> MeasurementTable:
 def measurement_table(measurements: Measurements, **facts: str) -> DataTable:
     """Return measurements as a table that `read_measurements` reads."""
     names = (*POSE, *TILT)[: measurements.poses.shape[1]]
-    columns = dict(zip(names, measurements.poses.T, strict=True))
+    columns: dict[str, Any] = dict(zip(names, measurements.poses.T, strict=True))
     columns |= dict(zip(ACTUATORS, measurements.actuators.T, strict=True))
     return DataTable(columns, provenance(FORMAT, facts))

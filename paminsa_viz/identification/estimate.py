@@ -44,13 +44,13 @@ class NormalBlocks(NamedTuple):
         matrix: (B, 4, n, n).
         right: (B, 4, n).
         square: (B, 4) sums of the squared torques.
-        count: (B,) numbers of samples.
+        samples: (B,) numbers of samples.
     """
 
     matrix: Array
     right: Array
     square: Array
-    count: Array
+    samples: Array
 
 
 def jackknife(without: Array) -> Array:
@@ -160,7 +160,7 @@ class FitSolution:
         covariance of twenty numbers.
         """
         inner = np.linalg.inv(self.excited.T @ self.information @ self.excited)
-        spread = self.deviation(np.linalg.pinv(self.excited))
+        spread = self.deviation(np.asarray(np.linalg.pinv(self.excited)))
         return float(np.median(spread / np.sqrt(np.diag(inner))))
 
 
@@ -172,7 +172,7 @@ def solve(blocks: NormalBlocks) -> FitSolution:
     Raises:
         InvalidLog: If no column is excited at all.
     """
-    square, count = blocks.square.sum(axis=0), float(blocks.count.sum())
+    square, count = blocks.square.sum(axis=0), float(blocks.samples.sum())
     # What no sensor resolves: a thousand-millionth of the largest torque or force.
     floor = RESOLUTION**2 * max(float(square.max()) / count, 1e-30)
     variance = np.maximum(square / count, floor)

@@ -11,7 +11,7 @@ left, so that a tenth of the samples of a 1 kHz log carry all of it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -159,8 +159,8 @@ def filter_log(
 
     every = thinning_for(log.rate, cut_off) if thinning is None else thinning
     rate = log.rate / every
-    sections = butter(ORDER, cut_off, fs=log.rate, output="sos")
-    slow = butter(ORDER, cut_off, fs=rate, output="sos")
+    sections: Any = butter(ORDER, cut_off, fs=log.rate, output="sos")
+    slow: Any = butter(ORDER, cut_off, fs=rate, output="sos")
     first = butter(
         ORDER, min(ANTI_ALIAS[0] * cut_off, ANTI_ALIAS[1] * rate), fs=log.rate, output="sos"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.columns import FitModel, fit_model
@@ -177,7 +177,7 @@ def _modeled(
 
 
 def _step(
-    columns: Array, model: FitModel, first: FitSolution, numbers: Array
+    columns: Array, model: FitModel, first: FitSolution, numbers: NDArray[np.int64]
 ) -> tuple[Array, Array]:
     """Fit columns to what the first log's estimates leave, (n,), with half widths, (n,).
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import Group, parameter
@@ -165,7 +165,8 @@ class Elastic(Group, path="elastic"):
         outer, inner = getattr(self, f"{bar}_outer"), getattr(self, f"{bar}_inner")
         given = (getattr(self, f"{bar}_{name}") for name in SECTION_VALUES)
         tube = tube_section(outer, inner, self.poisson)
-        found = [own if value is None else value for value, own in zip(given, tube, strict=False)]
+        both = zip(given, tube, strict=False)
+        found: Any = [own if value is None else value for value, own in both]
         return Section(*found, tube.shear, tube.radius)
 
     def in_force(self, name: str) -> float:

@@ -229,17 +229,25 @@ class Statistics(NamedTuple):
 
 
 def statistics(t: Values, trace: Trace, until: int | None = None) -> Statistics:
-    """Return peak and RMS of a trace over time (n,) [s], up to a failure or its first gap."""
-    ends = [end for end in (until, trace.until, trace.values.size) if end is not None]
-    values = trace.values[: min(ends)]
-    gaps = np.isnan(values)
-    if gaps.any():
-        values = values[: int(gaps.argmax())]
-    if values.size == 0:
+    """Return peak and RMS of a trace over time (n,) [s], as far as it is drawn.
+
+    A motion that fails leaves gaps; what is drawn beyond them counts, by the time it takes.
+
+    Args:
+        t: Instants.
+        trace: The trace.
+        until: Samples that count; None for all.
+    """
+    values = trace.values[:until]
+    pieces = runs(values)
+    if not pieces:
         return Statistics(math.nan, math.nan, math.nan)
-    t = t[: values.size]
-    top = int(np.abs(values).argmax())
-    return Statistics(float(values[top]), float(t[top]), float(rms(t, values[:, None])[0]))
+    top = int(np.nanargmax(np.abs(values)))
+    spans = np.array([t[piece][-1] - t[piece][0] for piece in pieces])
+    means = np.array([float(rms(t[piece], values[piece, None])[0]) for piece in pieces])
+    weights = spans if spans.any() else np.ones(len(pieces))
+    mean = math.sqrt(float(np.average(means**2, weights=weights)))
+    return Statistics(float(values[top]), float(t[top]), mean)
 
 
 def readable_unit(

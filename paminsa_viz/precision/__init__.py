@@ -72,7 +72,7 @@ _HOMES = {
     "Combination": "calibration",
     "calibrate": "calibration",
 }
-"""Modules that are imported late: scipy.stats takes half a second."""
+"""Modules that are imported late: SciPy's optimizers take a while to load."""
 
 
 def __getattr__(name: str) -> object:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -136,7 +136,7 @@ def calibrate(
     origin = problem.scaled(start)
     values, rank, singular = _first_fit(problem, origin)
     values, basis, found, noise = _fit_known(problem, origin, values, rank)
-    margin = student.ppf(0.5 + CONFIDENCE / 2, problem.freedom(len(found)))
+    margin = stdtrit(problem.freedom(len(found)), 0.5 + CONFIDENCE / 2)
     combinations = tuple(
         Combination(
             direction.reshape(3, -1), float(size / np.sqrt(problem.rows)),
@@ -177,9 +177,10 @@ def _fit_known(
         The values (42,), the basis (42, m), its singular values (m,), and the noise.
     """
     noise, count = problem.noise(values, rank), rank
+    basis, found = np.zeros((COUNT, 0)), np.zeros(0)
     for _ in range(_ROUNDS):
         _, singular, directions = np.linalg.svd(problem.jacobian(values), full_matrices=False)
-        margin = student.ppf(0.5 + CONFIDENCE / 2, problem.freedom(count))
+        margin = stdtrit(problem.freedom(count), 0.5 + CONFIDENCE / 2)
         known = (margin * noise < KNOWN * singular) & (singular > GAP * singular[0])
         before, count = count, int(known.sum())
         basis, found = directions[:count].T, singular[:count]

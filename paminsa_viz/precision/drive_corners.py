@@ -161,4 +161,4 @@ def beyond_reach(
     corners[..., 3] += np.array([-lift, lift])[:, None]
     reach = check_reach(geometry, corners.reshape(len(pose), 16, 4))
     first = np.argmax(~reach.ok, axis=1)[:, None]
-    return ~reach.ok.all(axis=1), np.take_along_axis(reach.leg, first, axis=1)[:, 0]
+    return np.any(~reach.ok, axis=1), np.take_along_axis(reach.leg, first, axis=1)[:, 0]

@@ -22,7 +22,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -155,9 +155,8 @@ class _Flat(NamedTuple):
 
 def _shaped(found: _Flat, accuracy: DriveAccuracy, pose: Array) -> DriveErrors:
     shape = pose.shape[:-1]
-    return DriveErrors(
-        pose, accuracy, *(values.reshape((*shape, *values.shape[1:])) for values in found)
-    )
+    shaped: Any = (values.reshape((*shape, *values.shape[1:])) for values in found)
+    return DriveErrors(pose, accuracy, *shaped)
 
 
 @np.errstate(all="ignore")

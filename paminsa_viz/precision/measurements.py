@@ -112,3 +112,34 @@ def prediction_errors(
 def differences(found: UnequalPose, measured: Measurements) -> Array:
     """Return predicted minus measured coordinates, (n, c) [m, m, rad, m, rad, rad]."""
     return found.coordinates[:, : measured.poses.shape[1]] - measured.poses
+
+
+def rotation_coordinates(rotation: ArrayLike) -> Array:
+    """Return theta and the tilt of rotation matrices, for poses that are measured as matrices.
+
+    R = R_z(theta) exp(tilt) with a tilt about a horizontal axis of the platform is the only such
+    product, unless the platform is upside down.
+
+    Args:
+        rotation: (..., 3, 3) from the platform's axes to the base's.
+
+    Returns:
+        (..., 3) = (theta, tilt_x, tilt_y) [rad].
+
+    Raises:
+        InvalidInput: If these are no rotations.
+    """
+    matrix = as_numbers(rotation, "rotation")
+    if matrix.shape[-2:] != (3, 3) or not (
+        np.allclose(matrix @ np.swapaxes(matrix, -1, -2), np.eye(3), atol=1e-6)
+        and (np.linalg.det(matrix) > 0).all()
+    ):
+        raise InvalidInput("rotation", "rotation matrices (..., 3, 3) are needed")
+    # the last row is that of exp(tilt) alone: (-sin t t_y/t, sin t t_x/t, cos t)
+    x, y, z = np.moveaxis(matrix[..., 2, :], -1, 0)
+    sine = np.hypot(x, y)
+    size = np.arctan2(sine, z)
+    factor = np.where(sine > 0, size / np.where(sine > 0, sine, 1.0), 1.0)
+    # exp(tilt) is symmetric in x and y, so that these two hold theta alone
+    theta = np.arctan2(matrix[..., 1, 0] - matrix[..., 0, 1], matrix[..., 0, 0] + matrix[..., 1, 1])
+    return np.stack([theta, factor * y, -factor * x], axis=-1)

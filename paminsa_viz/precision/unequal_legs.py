@@ -27,8 +27,8 @@ from paminsa_viz.precision.leg_lengths import INDEX, as_lengths
 COORDINATES = ("x", "y", "theta", "z", "tilt_x", "tilt_y")
 """Names of the platform's six coordinates [m, m, rad, m, rad, rad]."""
 
-_FORWARD = np.arange(9)
-_INVERSE = np.arange(4, 13)
+_FORWARD = np.arange(9, dtype=np.intp)
+_INVERSE = np.arange(4, 13, dtype=np.intp)
 
 _MOST_STEPS = 40
 _LAST_STEP = 1e-9
@@ -186,7 +186,7 @@ def _start(geometry: Geometry, pose: Array) -> Array:
 
 
 def _solve(
-    geometry: Geometry, lengths: Array, start: Array, unknown: Array, side: Array
+    geometry: Geometry, lengths: Array, start: Array, unknown: NDArray[np.intp], side: Array
 ) -> UnequalPose:
     """Solve for some entries of the state by Newton's method, all of a batch at once.
 

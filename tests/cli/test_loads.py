@@ -39,7 +39,7 @@ def test_forces_of_a_pose_are_the_models(capsys) -> None:
     assert len(rows) == 30
     assert rows[6]["joint"] == "7"
     assert float(rows[6]["vertical_N"]) == expected.of("7")[0, 2]
-    assert rows[6]["tangential_N"] == ""
+    assert float(rows[6]["tangential_N"]) == sideways_forces(design, pose).force[0, 6]
     assert found["legs"][1]["joints"]["9"]["force_N"][0] == expected.of("9")[1, 0]
     code, out, _ = run("loads", capsys, *POSE)
     assert code == 0

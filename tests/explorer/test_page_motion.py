@@ -11,6 +11,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind, Timing
 from paminsa_viz.explorer.panels.motion_panel import TIME
+from paminsa_viz.explorer.state import State
 from paminsa_viz.plots.series_uplot import MOST_POINTS
 from paminsa_viz.trajectory import Trajectory, analyze
 from tests.support.chromium import Tab, until
@@ -212,3 +213,21 @@ def test_motion_passes_a_singularity_when_the_box_is_checked(tab: Tab) -> None:
     tab.dispatch(lambda s: motions.scrub(s, 0.37))
     tab.open_tab("Pose")
     until(lambda: "lies between this pose and home" in tab.text("status"), "the status")
+
+
+def test_rows_of_the_reference_are_seen_and_time_ends_with_the_motion(motion: Tab) -> None:
+    def pinned(state: State) -> State:
+        heavier = actions.vary(actions.pin_reference(state), {"joints.j7": 1.0})
+        return motions.choose_preset(heavier, "paper-like")
+
+    motion.dispatch(pinned)
+    rows = motion.page.get_by_test_id("motion-numbers").locator("tr")
+    until(lambda: rows.count() == 9, "a head, and four rows for each design")
+    motion.wait_frames(300)
+    box = rows.last.bounding_box()
+    assert "M4 reference" in rows.last.inner_text()
+    assert box["y"] + box["height"] <= motion.page.viewport_size["height"]
+    end = planned(motion).duration
+    until(lambda: motion.handle(TIME).max == round(end, 3), "the end of the slider")
+    motion.press(TIME, "End")
+    until(lambda: motion.state.playback.time == end, "the end of the motion")

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4, Design, KneeBranch, check_reach, inverse_kinematics
@@ -19,6 +20,7 @@ from paminsa_viz.precision.measurements import (
     coordinate_scales,
     length_scales,
     predict,
+    rotation_coordinates,
 )
 from paminsa_viz.precision.measuring_poses import measuring_poses
 from tests.support.samples import random_design, random_poses
@@ -217,3 +219,17 @@ def test_proposed_poses_show_more_than_random_ones() -> None:
     for options in ({"poses": 0}, {"poses": 1001}, {"poses": 5, "coordinates": 5}):
         with pytest.raises(InvalidInput, match="are possible"):
             measuring_poses(design, **options)
+
+
+def test_rotations_become_theta_and_tilt() -> None:
+    random = np.random.default_rng(0)
+    theta = random.uniform(-3.1, 3.1, 50)
+    tilt = random.uniform(-0.8, 0.8, (50, 2))
+    tilt[0] = 0.0
+    turned = Rotation.from_rotvec(np.concatenate([tilt, np.zeros((50, 1))], axis=-1))
+    matrices = (Rotation.from_euler("z", theta[:, None]) * turned).as_matrix()
+    found = rotation_coordinates(matrices)
+    assert np.allclose(found, np.concatenate([theta[:, None], tilt], axis=-1), atol=1e-12)
+    for wrong in (np.eye(2), 2 * np.eye(3), np.diag([1.0, 1.0, -1.0])):
+        with pytest.raises(InvalidInput, match="rotation matrices"):
+            rotation_coordinates(wrong)

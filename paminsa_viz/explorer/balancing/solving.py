@@ -160,8 +160,8 @@ def effects(job: Job, after: Design) -> tuple[Effect, ...]:
     """Return what the step from the job's design to another one does."""
     ends = (job.design, after)
     found = [
-        Effect("M_p2", "N", *map(static_imbalance, ends)),
-        Effect("mass of the robot", "kg", *map(whole_mass, ends)),
+        Effect("M_p2", "N", static_imbalance(job.design), static_imbalance(after)),
+        Effect("mass of the robot", "kg", whole_mass(job.design), whole_mass(after)),
     ]
     sizes = zip(*(actuator_sizes(job, design) for design in ends), strict=True)
     for (group, units), before, now in zip(SIZES.items(), *zip(*sizes, strict=True), strict=True):

@@ -182,7 +182,7 @@ class LoadsEntries(NamedTuple):
             raise InvalidInput("pose", "there are no joint forces at this pose")
         pose = np.array(at.pose)
         if name == "Joints":
-            return joint_table(forces, pose)
+            return joint_table(forces, pose, sideways_at(at))
         return bar_table(forces, pose, state.loads.bar)
 
 

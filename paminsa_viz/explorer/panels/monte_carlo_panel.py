@@ -37,7 +37,7 @@ def shown_lengths(frame: Frame) -> tuple[Design, Pose]:
     """Return what errors by manufacture depend on: lengths and tolerances, and the pose."""
     x, y, theta, z = frame.configuration.pose.tolist()
     shown = frame.shown_design
-    legs = dict(zip(LEG_NAMES, shown.deviations, strict=True))
+    legs: Any = dict(zip(LEG_NAMES, shown.deviations, strict=True))
     design = Design(geometry=shown.geometry, tolerances=shown.tolerances, **legs)
     return design, (x, y, theta, z)
 

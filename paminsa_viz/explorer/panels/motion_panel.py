@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from viser import Icon
 
@@ -75,8 +73,13 @@ def status_html(state: State, analysis: TrajectoryAnalysis | None) -> str:
 
 
 def playback_end(state: State) -> float:
-    """Return the end of the time slider, the duration rounded up to its step [s]."""
-    return max(math.ceil(1e3 * motions.duration(state) - 1e-6) / 1e3, 0.001)
+    """Return the end of the time slider, the duration rounded to its step [s]."""
+    return max(round(motions.duration(state), 3), 0.001)
+
+
+def scrub(state: State, time: float) -> State:
+    """Go to an instant that the slider shows [s]; its end is that of the motion."""
+    return motions.scrub(state, motions.duration(state) if time >= playback_end(state) else time)
 
 
 PLAYBACK = (
@@ -95,7 +98,7 @@ PLAYBACK = (
     Slider(
         "playback.time", TIME, range=lambda state: (0.0, playback_end(state)), step=0.001,
         hint="The instant shown; drag it to go through", undo=False,
-        read=lambda state: round(state.playback.time, 3), apply=motions.scrub,
+        read=lambda state: round(state.playback.time, 3), apply=scrub,
     ),
 )  # fmt: skip
 

@@ -106,9 +106,7 @@ class MotionPlots:
         self._key = key
         self._drawn = () if found is None else drawn_charts(state, found)
         self._read = {
-            trace: statistics(chart.t, trace, chart.until)
-            for chart in self._drawn
-            for trace in chart.traces
+            trace: statistics(chart.t, trace) for chart in self._drawn for trace in chart.traces
         }
         for index, chart in enumerate(self.charts):
             chart.draw(self._drawn[index] if index < len(self._drawn) else None)

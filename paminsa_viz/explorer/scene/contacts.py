@@ -57,7 +57,7 @@ class ContactView:
                 top = max(found.point[leg, pairs], key=lambda place: place[2])
                 self._nodes.append(
                     self._scene.add_label(
-                        f"/contacts/{leg + 1}", ", ".join(map(pair_name, pairs)),
+                        f"/contacts/{leg + 1}", ", ".join(map(pair_name, pairs.tolist())),
                         font_screen_scale=0.8, anchor="bottom-center",
                         position=top + np.array([0.0, 0.0, RADIUS]),
                     )

@@ -6,6 +6,7 @@ import math
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 from viser import GlbHandle, LabelHandle, MeshHandle
 
 from paminsa_viz import palette
@@ -53,7 +54,7 @@ def nice_scale(largest: float, longest: float) -> float:
     return next(step * power for step in (5, 2, 1) if step * power <= most * (1 + 1e-9))
 
 
-def sphere() -> tuple[Array, Array]:
+def sphere() -> tuple[Array, NDArray[np.uint32]]:
     """Return vertices (n, 3) and triangles of a unit sphere."""
     up = np.pi * np.arange(_LATITUDES) / (_LATITUDES - 1)
     around = 2 * np.pi * np.arange(_LONGITUDES) / _LONGITUDES

@@ -104,6 +104,17 @@ def test_drawn_points_are_few_and_keep_peaks_and_gaps(failing: State) -> None:
         assert series[2].any()
 
 
+def test_numbers_of_a_failing_motion_are_of_all_that_is_drawn(failing: State) -> None:
+    found = results(failing)
+    assert found.analysis.check.until < found.analysis.trajectory.size
+    for chart in drawn_charts(failing, found):
+        for trace in chart.traces:
+            peak, at, mean = statistics(chart.t, trace)
+            assert abs(peak) == np.nanmax(np.abs(trace.values))
+            assert trace.values[np.searchsorted(chart.t, at)] == peak
+            assert 0 < mean <= abs(peak)
+
+
 def test_no_curve_is_drawn_over_a_gap() -> None:
     values = np.array([np.nan, 1.0, 2.0, np.nan, np.nan, 3.0, np.nan, 4.0])
     assert runs(values) == [slice(1, 3), slice(5, 6), slice(7, 8)]
@@ -112,6 +123,12 @@ def test_no_curve_is_drawn_over_a_gap() -> None:
     pieces = series_uplot.uplot_data(chart, 3)[3:]
     assert [int((~np.isnan(piece)).sum()) for piece in pieces] == [2, 1, 1]
     assert np.isnan(statistics(chart.t, trace, 0).peak)
+    assert statistics(chart.t, trace)[:2] == (4.0, 7.0)
+    # Pieces count by their time; a single sample takes none.
+    line = Trace("d", np.array([3.0, 3.0, 3.0, np.nan, -4.0, -4.0]), "#000000")
+    peak, at, mean = statistics(np.arange(6.0), line)
+    assert (peak, at) == (-4.0, 4.0)
+    assert mean == pytest.approx(np.sqrt((2 * 9 + 1 * 16) / 3))
     assert series_uplot.bounds(chart.traces) == (1.0, 4.0)
 
 
