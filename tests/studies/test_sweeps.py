@@ -29,6 +29,7 @@ pytestmark = pytest.mark.slow
 
 
 ALL = tuple(QUANTITIES)
+CHEAP = tuple(key for key, quantity in QUANTITIES.items() if quantity.cost <= 1e-6)
 AXES = {
     "x": np.linspace(-0.3, 0.3, 7),
     "y": np.linspace(-0.3, 0.25, 6),
@@ -59,7 +60,9 @@ def test_the_summary_is_that_of_numpy(
     # a little off, so that no pose is exactly symmetrical and no two values tie
     axes = {name: (AXES[name][:4] + 0.00123 * (1 + len(name))) * scale[name] for name in names}
     grid = Grid.over(fixed, **axes)
-    summary = sweep(design, grid, ALL, block=block, threads=threads)
+    # every block costs as much as some hundred poses
+    keys = ALL if block >= 64 else CHEAP
+    summary = sweep(design, grid, keys, block=block, threads=threads)
     pose = grid.poses().reshape(-1, 4)
     status, quantities = at_poses(design, pose)
     assert summary.poses == len(pose) == grid.size
@@ -67,9 +70,11 @@ def test_the_summary_is_that_of_numpy(
     for limit in Limit:
         assert summary.counts[limit] == np.count_nonzero(status == limit)
     ok = status == Limit.OK
-    for quantity, values in quantities.items():
-        chosen = values[ok]
-        if not ok.any():
+    for quantity in keys:
+        values = quantities[quantity]
+        known = ok & np.isfinite(values)
+        chosen = values[known]
+        if not known.any():
             figures = summary.largest, summary.smallest, summary.mean, summary.rms
             assert all(np.isnan(figure[quantity]) for figure in figures)
             assert np.isnan(summary.largest_at[quantity]).all()
@@ -83,9 +88,9 @@ def test_the_summary_is_that_of_numpy(
         rms = np.sqrt(np.mean(chosen**2))
         assert summary.rms[quantity] == pytest.approx(rms, rel=rough, abs=spread)
         place = np.array(summary.largest_at[quantity])
-        assert (np.abs(pose[ok] - place).max(axis=-1) == 0).sum() == 1
-        there = at_poses(design, place[None])[1][quantity][0]
-        assert there == pytest.approx(largest, rel=rough, abs=spread)
+        there = np.abs(pose[known] - place).max(axis=-1) == 0
+        assert there.sum() == 1
+        assert chosen[there] == pytest.approx(largest, rel=rough, abs=spread)
 
 
 def test_a_sweep_out_of_reach_finds_nothing() -> None:

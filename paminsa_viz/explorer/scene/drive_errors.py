@@ -19,7 +19,7 @@ from paminsa_viz.units import display_unit, number
 
 Array = NDArray[np.float64]
 
-FARTHEST: Final = 0.25
+FARTHEST: Final = 0.30
 """Largest distance of the drawn errors from the platform's center [m]."""
 
 RING: Final = 48
