@@ -14,7 +14,7 @@ from paminsa_viz.cli.arguments import UsageError
 from paminsa_viz.cli.flags import DesignFlags, JsonFlags, MotionFlags, PoseFlags, check_ending
 from paminsa_viz.cli.output import print_error, print_json, print_table, print_written
 from paminsa_viz.elastostatics.bar_diagram import COMPONENTS
-from paminsa_viz.elastostatics.bar_loads import all_bar_loads
+from paminsa_viz.elastostatics.bar_loads import all_bar_loads, arm_tip
 from paminsa_viz.elastostatics.joint_forces import (
     JOINTS,
     NEEDS_STIFFNESS,
@@ -172,6 +172,15 @@ def _print_pose(forces: JointForces, sideways: SidewaysForces) -> None:
         rows.append((bar.upper(), *cells))
     print("largest N [N], V [N], M [N m] along the bars, stress over yield stress\n")
     print_table(rows, right=True)
+    tip = arm_tip(forces)
+    bending = ", ".join(
+        _number(value) for value in (tip.sideways * forces.design.geometry.arm_length).reshape(3)
+    )
+    torsion = ", ".join(_number(value) for value in tip.torsion.reshape(3))
+    print(
+        f"\nroots of the arms B1, without sideways shares: horizontal bending {bending} N m, "
+        f"torsion {torsion} N m"
+    )
 
 
 def _print_motion(found: MotionLoads) -> None:

@@ -109,11 +109,13 @@ def _shaft(forces: JointForces) -> BarLoads:
     length, weight = design.geometry.shaft_length, forces.bodies.lift_apparent
     three, two = _joint(forces, "3"), _joint(forces, "2")
     moment = forces.moment.reshape(-1, 3, forces.moment.shape[-1])[..., JOINT_INDEX["2"]]
+    # a shaft without length is a point at joint 2
+    spread, point = (design.links.b2 / length, 0.0) if length else (0.0, design.links.b2)
     points = [
         PointLoad(0.0, -three.z, three.r),
-        PointLoad(length, two.z + design.joints.j2 * weight, -two.r, moment),
+        PointLoad(length, two.z + (design.joints.j2 + point) * weight, -two.r, moment),
     ]
-    load = design.links.b2 / length * weight if length else 0.0 * weight
+    load = spread * weight
     return make_diagram(forces.force.shape[:-2], "b2", length, points, (load, load, 0.0, 0.0), 0.0)
 
 
@@ -144,7 +146,8 @@ def _arm(forces: JointForces) -> BarLoads:
     design, bodies = forces.design, forces.bodies
     length, load = design.geometry.arm_length, arm_tip(forces)
     weight = design.links.b1 / length * bodies.lift_apparent if length else 0.0
-    points = [PointLoad(0.0, load.along, load.up, load.bending)]
+    at_tip = load.up if length else load.up + design.links.b1 * bodies.lift_apparent
+    points = [PointLoad(0.0, load.along, at_tip, load.bending)]
     loads = make_diagram(
         forces.force.shape[:-2], "b1", length, points, (0.0, 0.0, weight, weight), 0.0
     )

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.elastic import Elastic, Section
+from paminsa_viz.model.elastic import BeamSection, Elastic
 
 
 def beam_stiffness(
-    length: ArrayLike, section: Section, elastic: Elastic, *, shear: bool = False
+    length: ArrayLike, section: BeamSection, elastic: Elastic, *, shear: bool = False
 ) -> Array:
     """Return the stiffness of a bar in element axes, (..., 12, 12).
 

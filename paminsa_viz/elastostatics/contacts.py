@@ -48,7 +48,7 @@ class Contacts:
     def touching(self) -> list[str]:
         """Return the pairs that would touch in any leg of any pose: ``"B2–B10"``."""
         found = (self.gap < 0).reshape(-1, len(PAIRS)).any(axis=0)
-        return [pair_name(i) for i, touches in enumerate(found.tolist()) if touches]
+        return [pair_name(i) for i, touches in enumerate(np.atleast_1d(found)) if touches]
 
 
 def pair_name(index: int) -> str:

@@ -174,7 +174,7 @@ def joint_forces(
             drives += friction_torque(design.actuator_friction, speed)
     status, leg = reach_status(geometry, p)
     known = np.isfinite(drives).all(axis=-1) & np.all(np.isfinite(magnitude(force)), axis=(1, 2))
-    given = np.isfinite(np.concatenate([v, a, wrench], axis=-1)).all(axis=-1)
+    given = np.all(np.isfinite(np.concatenate([v, a, wrench], axis=-1)), axis=-1)
     lost = (status == Limit.OK) & ~known
     status[lost] = np.where(given[lost], np.uint8(Limit.SINGULAR), np.uint8(Limit.NOT_FINITE))
     bad = status != Limit.OK

@@ -15,7 +15,14 @@ from typing import Any
 import numpy as np
 
 from paminsa_viz.elastostatics.leg_frame import LegFrame
-from paminsa_viz.elastostatics.leg_loads import APPLIED, COLUMNS, FORCE_Z, PARTS, Row, leg_rows
+from paminsa_viz.elastostatics.leg_loads import (
+    APPLIED,
+    COLUMNS,
+    FORCE_Z,
+    PARTS,
+    StrainRow,
+    leg_rows,
+)
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import Elastic
 
@@ -30,7 +37,7 @@ class LegCompliance:
         redundant: (..., 5, 2) redundants for unit forces at joint 5 [1, m].
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[StrainRow, ...]
     matrix: Array
     redundant: Array
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from paminsa_viz.elastostatics.leg_frame import LegFrame
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.elastic import BARS, Elastic, Section
+from paminsa_viz.model.elastic import BARS, BeamSection, Elastic
 
 PARTS = ("B1", "B2", "B3", "B4", "B7", "B8", "B10", "drive", "bearings", "ball joint", "guide")
 """Parts of a leg that deform; the drive is that of its M_k."""
@@ -62,7 +62,7 @@ Number = Array | float
 """One number, or one for every leg of a batch."""
 
 
-class Row(NamedTuple):
+class StrainRow(NamedTuple):
     """One internal force or moment of a part.
 
     Attributes:
@@ -77,19 +77,19 @@ class Row(NamedTuple):
     loads: dict[int, Number]
 
 
-class _Rows(list[Row]):
+class _Rows(list[StrainRow]):
     """Collects rows."""
 
     def put(self, part: str, flexibility: Number, **loads: Number) -> None:
         """Add a row, its loads by name."""
         columns: dict[int, Number] = {_COLUMN[name]: value for name, value in loads.items()}
-        self.append(Row(part, flexibility, columns))
+        self.append(StrainRow(part, flexibility, columns))
 
 
 _COLUMN = {"w": FORCE_W, "z": FORCE_Z, "s": S2, "m": M2}
 
 
-def leg_rows(frame: LegFrame, elastic: Elastic, *, shear: bool = False) -> tuple[Row, ...]:
+def leg_rows(frame: LegFrame, elastic: Elastic, *, shear: bool = False) -> tuple[StrainRow, ...]:
     """Return the internal forces of the legs for unit loads; arguments as in `leg_compliance`."""
     rows = _Rows()
     sections = {bar: elastic.section(bar) for bar in BARS}
@@ -110,17 +110,17 @@ class _Material:
     elastic: Elastic
     shear: bool
 
-    def axial(self, section: Section, length: Number) -> Number:
+    def axial(self, section: BeamSection, length: Number) -> Number:
         return length / (self.elastic.young_modulus * section.area)
 
-    def twist(self, section: Section, length: Number) -> Number:
+    def twist(self, section: BeamSection, length: Number) -> Number:
         return length / (self.elastic.shear_modulus * section.torsion)
 
     def bend(self, inertia: float, length: Number) -> Number:
         """For the moment at the middle."""
         return length / (self.elastic.young_modulus * inertia)
 
-    def across(self, section: Section, inertia: float, length: Number) -> Number:
+    def across(self, section: BeamSection, inertia: float, length: Number) -> Number:
         """For the shear force: the moment's change along the bar, and shear if it counts."""
         own = length**3 / (12 * self.elastic.young_modulus * inertia)
         if self.shear:
@@ -165,7 +165,7 @@ def _mixed(
 
 
 def _add_across(
-    rows: _Rows, points: Plane, sections: dict[str, Section], material: _Material
+    rows: _Rows, points: Plane, sections: dict[str, BeamSection], material: _Material
 ) -> None:
     """Add twist, bending and shear across the plane of all bars in it."""
     for bar, first, second, loads in _SPANS:
@@ -175,13 +175,13 @@ def _add_across(
         c, s = (r2 - r1) * inverse, (z2 - z1) * inverse
         force, mu, mz = carried(points, 0.5 * (r1 + r2), 0.5 * (z1 + z2), loads)
         section, part = sections[bar], bar.upper()
-        rows.append(Row(part, material.twist(section, length), _mixed(mu, c, mz, s)))
+        rows.append(StrainRow(part, material.twist(section, length), _mixed(mu, c, mz, s)))
         bend = material.bend(section.inertia_out, length)
-        rows.append(Row(part, bend, _mixed(mz, c, mu, -s)))
-        rows.append(Row(part, material.across(section, section.inertia_out, length), force))
+        rows.append(StrainRow(part, bend, _mixed(mz, c, mu, -s)))
+        rows.append(StrainRow(part, material.across(section, section.inertia_out, length), force))
 
 
-def _add_arm(rows: _Rows, frame: LegFrame, section: Section, material: _Material) -> None:
+def _add_arm(rows: _Rows, frame: LegFrame, section: BeamSection, material: _Material) -> None:
     """Add the arm, which carries the shaft's vertical force, S and the moment at joint 2."""
     length, k = frame.geometry.arm_length, frame.geometry.magnification
     au, aw = np.moveaxis(frame.arm, -1, 0)
@@ -219,7 +219,7 @@ def _add_plane(
     rows: _Rows,
     frame: LegFrame,
     points: Plane,
-    sections: dict[str, Section],
+    sections: dict[str, BeamSection],
     material: _Material,
 ) -> None:
     """Add stretch and bending in the plane, for the force along z."""
@@ -258,28 +258,28 @@ def _add_joints(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic) -
     """Add the drive of M_k, and the joints that are not rigid."""
     k = frame.geometry.magnification
     force, mu, mz = carried(points, *points[0], (1.0, 1.0, 0.0))
-    rows.append(Row("drive", 1 / elastic.drive_rotary, mz))
+    rows.append(StrainRow("drive", 1 / elastic.drive_rotary, mz))
     _add_revolutes(rows, frame, points, elastic)
     if elastic.bearing_radial is not None:  # of joint 2 and of M_k, about vertical axes
         rows.put("bearings", 1 / elastic.bearing_radial, s=1.0)
-        rows.append(Row("bearings", 1 / elastic.bearing_radial, force))
+        rows.append(StrainRow("bearings", 1 / elastic.bearing_radial, force))
     if elastic.bearing_axial is not None:
         rows.put("bearings", 1 / elastic.bearing_axial, z=k)
         rows.put("bearings", 1 / elastic.bearing_axial, z=k - 1)
     if elastic.bearing_tilt is not None:
         rows.put("bearings", 1 / elastic.bearing_tilt, m=1.0)
-        rows.append(Row("bearings", 1 / elastic.bearing_tilt, mu))
+        rows.append(StrainRow("bearings", 1 / elastic.bearing_tilt, mu))
         rows.put("bearings", 1 / elastic.bearing_tilt, z=(k - 1) * points[8][0])
     if elastic.ball is not None:
         rows.put("ball joint", 1 / elastic.ball, w=1.0)
         rows.put("ball joint", 1 / elastic.ball, z=1.0)
     force, mu, mz = carried(points, *points[8], (1.0, 1.0, 0.0))
     if elastic.guide is not None:
-        rows.append(Row("guide", 1 / elastic.guide, force))
+        rows.append(StrainRow("guide", 1 / elastic.guide, force))
         rows.put("guide", 1 / elastic.guide, z=k - 1)
     if elastic.guide_tilt is not None:
-        rows.append(Row("guide", 1 / elastic.guide_tilt, mu))
-        rows.append(Row("guide", 1 / elastic.guide_tilt, mz))
+        rows.append(StrainRow("guide", 1 / elastic.guide_tilt, mu))
+        rows.append(StrainRow("guide", 1 / elastic.guide_tilt, mz))
 
 
 def _add_revolutes(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic) -> None:
@@ -293,7 +293,7 @@ def _add_revolutes(rows: _Rows, frame: LegFrame, points: Plane, elastic: Elastic
         if elastic.bearing_radial is not None:
             rows.put("bearings", 1 / elastic.bearing_radial, z=pin)
         if elastic.bearing_axial is not None:
-            rows.append(Row("bearings", 1 / elastic.bearing_axial, force))
+            rows.append(StrainRow("bearings", 1 / elastic.bearing_axial, force))
         if elastic.bearing_tilt is not None:
-            rows.append(Row("bearings", 1 / elastic.bearing_tilt, mu))
-            rows.append(Row("bearings", 1 / elastic.bearing_tilt, mz))
+            rows.append(StrainRow("bearings", 1 / elastic.bearing_tilt, mu))
+            rows.append(StrainRow("bearings", 1 / elastic.bearing_tilt, mz))

@@ -47,7 +47,7 @@ _PINS = {9: "b8", 4: "b4", 5: "b4", 3: "b3", 7: "b3", 2: "b2"}
 """Bar that the mass of a joint sits on; that of joint 8 is the slider's."""
 
 
-class BarMass(NamedTuple):
+class BarElementMass(NamedTuple):
     """Lengths of a bar's spans [m], and its mass [kg/m] and inertias along and across it [kg m]."""
 
     spans: tuple[float, ...]
@@ -56,7 +56,7 @@ class BarMass(NamedTuple):
     rotary: float
 
 
-def bar_masses(design: Design) -> dict[str, BarMass]:
+def bar_masses(design: Design) -> dict[str, BarElementMass]:
     """Return what every bar of a leg weighs per length.
 
     Where Appendix 4 gives no transverse inertia, for B1 and B2, the bar is slender.
@@ -83,7 +83,9 @@ def bar_masses(design: Design) -> dict[str, BarMass]:
         mass, length = getattr(links, bar), sum(lengths)
         slender = mass * length**2 / 12
         rotary = across.get(bar, slender) - slender
-        found[bar] = BarMass(lengths, mass / length, axial.get(bar, 0.0) / length, rotary / length)
+        found[bar] = BarElementMass(
+            lengths, mass / length, axial.get(bar, 0.0) / length, rotary / length
+        )
     return found
 
 
@@ -235,7 +237,8 @@ def _axes_parts(bar: str, repeated: int = 1) -> tuple[Array, Array, Array]:
         a[0, 0] = b[2, 0] = b[0, 1] = c[1, 2] = 1.0
         a[2, 1] = -1.0
     eye = np.eye(repeated)
-    return np.kron(eye, a), np.kron(eye, b), np.kron(eye, c)
+    first, second, third = (np.asarray(np.kron(eye, part), np.float64) for part in (a, b, c))
+    return first, second, third
 
 
 def _turned(bar: str, size: int) -> Array:

@@ -59,7 +59,7 @@ class Node:
 
 
 @dataclass(frozen=True)
-class Spring:
+class JointSpring:
     """An elastic joint: a spring between two freedoms, of the stiffness of a field of `Elastic`."""
 
     stiffness: str
@@ -84,7 +84,7 @@ class LegModel:
     size: int
     nodes: tuple[Node, ...]
     elements: tuple[tuple[str, int, int], ...]
-    springs: tuple[Spring, ...]
+    springs: tuple[JointSpring, ...]
     joint5: tuple[int, int, int]
     carriage: int
     drive: tuple[int, int]
@@ -102,7 +102,7 @@ def leg_model(elastic: Elastic, divisions: int = 1) -> LegModel:
 
 @lru_cache(maxsize=32)
 def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
-    made = _Builder(soft)
+    made = _LegBuilder(soft)
     carriage = made.new(1)[0]
     joint5 = made.new(3)
     base = (FIXED,) * 6
@@ -147,13 +147,13 @@ def _leg_model(soft: frozenset[str], divisions: int) -> LegModel:
     )  # fmt: skip
 
 
-class _Builder:
+class _LegBuilder:
     """Numbers freedoms, and makes joints of them."""
 
     def __init__(self, soft: frozenset[str]) -> None:
         self.soft = soft
         self.count = 0
-        self.springs: list[Spring] = []
+        self.springs: list[JointSpring] = []
 
     def new(self, count: int) -> tuple[int, ...]:
         self.count += count
@@ -181,7 +181,7 @@ class _Builder:
                 found.append(self.new(1)[0])
             elif kind in self.soft or kind == "drive_rotary":
                 found.append(self.new(1)[0])
-                self.springs.append(Spring(kind, freedom, found[-1]))
+                self.springs.append(JointSpring(kind, freedom, found[-1]))
             else:
                 found.append(freedom)
         return tuple(found)

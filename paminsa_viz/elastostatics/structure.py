@@ -205,4 +205,5 @@ def _solved(matrix: Array, right: Array) -> Array:
     if good.all():
         return np.asarray(np.linalg.solve(matrix, right))
     usable = np.where(good[..., None, None], matrix, np.eye(matrix.shape[-1]))
-    return np.where(good[..., None, None], np.linalg.solve(usable, right), np.nan)
+    found = np.linalg.solve(usable, right)
+    return np.asarray(np.where(good[..., None, None], found, np.nan))

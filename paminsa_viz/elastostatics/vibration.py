@@ -120,9 +120,10 @@ def iterated_modes(robot: ReducedRobot, count: int = 1) -> Modes:
     """Return the lowest modes after a step of subspace iteration; shapes (n, 7, count)."""
     start = guyan_modes(robot)
     x = start.shapes * (2 * np.pi * start.frequencies[:, None, :])  # x^T K x = 1
-    real = np.isfinite(x).all(axis=1)  # not those without mass
+    real = np.all(np.isfinite(x), axis=1)  # not those without mass
     x = np.where(real[:, None, :], x, 0.0)
-    firm = np.where(start.stable[:, None, None], robot.stiffness, np.eye(SHARED))
+    stable = np.asarray(start.stable)[:, None, None]
+    firm = np.where(stable, robot.stiffness, np.eye(SHARED))
     inertia = robot.mass @ x
     y = np.linalg.solve(firm, inertia)
     x_t, y_t = np.swapaxes(x, 1, 2), np.swapaxes(y, 1, 2)

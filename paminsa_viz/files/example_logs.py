@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from enum import Enum
 from importlib.resources import files
@@ -24,9 +25,8 @@ class ExampleLog(Enum):
 
 def example_log(kind: ExampleLog = ExampleLog.BEST) -> Log:
     """Return a log that comes with the program."""
-    place = files("paminsa_viz.files").joinpath(kind.value)
-    with place.open(encoding="utf-8", newline="") as lines:
-        return parse_log(lines, kind.value)
+    text = files("paminsa_viz.files").joinpath(kind.value).read_text(encoding="utf-8")
+    return parse_log(io.StringIO(text), kind.value)
 
 
 EXAMPLES = {

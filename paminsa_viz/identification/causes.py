@@ -103,14 +103,13 @@ def find_causes(identification: Identification) -> Causes:
     ranked = sorted(found, key=lambda cause: -cause.explains)
     named: list[Cause] = []
     current = ranked
-    while len(named) < MOST_NAMED and current and current[0].significant:
-        first = replace(current[0], named=len(named) + 1)
+    while len(named) < MOST_NAMED and (significant := [c for c in current if c.significant]):
+        first = replace(significant[0], named=len(named) + 1)
         named.append(first)
         base.append(places.pop(first.label))
         left = [item for item in candidates if item.label in places]
         current = _tried(identification, blocks, base, places, left)
         current.sort(key=lambda cause: -cause.explains)
-        # Sizes are those with all that is named before in the model; p values count all tries.
     order = {cause.label: cause.named for cause in named}
     unseen = [
         f"{cause.label}: below {_size(cause)}"

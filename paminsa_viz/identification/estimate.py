@@ -160,7 +160,7 @@ class FitSolution:
         covariance of twenty numbers.
         """
         inner = np.linalg.inv(self.excited.T @ self.information @ self.excited)
-        spread = self.deviation(np.asarray(np.linalg.pinv(self.excited)))
+        spread = self.deviation(np.asarray(np.linalg.pinv(self.excited), np.float64))
         return float(np.median(spread / np.sqrt(np.diag(inner))))
 
 

@@ -129,10 +129,18 @@ def optimize_excitation(
     center = home(design.geometry)
     family = MultiSineFamily(settings.harmonics, center, _scale(design))
     info = Information(design, limits, family, settings.period, settings.samples)
-    starts = random_motions(info, settings.random, settings.seed)
+    stopped = False
+
+    def tick() -> None:
+        nonlocal stopped
+        if report is not None and not stopped:
+            stopped = report(min((time.monotonic() - begin) / max(settings.seconds, 1e-9), 1.0))
+
+    starts = random_motions(info, settings.random, settings.seed, tick)
     info.noise = NOISE_SHARE * np.mean(info.torque_rms(starts[:CHUNK]), axis=0)
     worth = in_chunks(info.log_det, starts)
     search = Search(info, settings, begin, report)
+    search.over = search.over or stopped
     first = int(np.argmax(worth))
     search.best, search.best_value = starts[first], float(worth[first])
     search.run(starts[np.argsort(-worth, kind="stable")])

@@ -107,8 +107,16 @@ class NoExcitation(PaminsaError):
     """No motion about the home pose keeps the limits."""
 
 
-def random_motions(info: Information, count: int, seed: int) -> Array:
+def random_motions(
+    info: Information, count: int, seed: int, tick: Callable[[], object] = lambda: None
+) -> Array:
     """Return random motions within the limits, each as large as they allow, (count, size).
+
+    Args:
+        info: What the limits are known from.
+        count: How many are drawn; those that no size makes possible are left out.
+        seed: Of the random numbers.
+        tick: Called a dozen times on the way.
 
     Raises:
         NoExcitation: If there is none.
@@ -118,6 +126,7 @@ def random_motions(info: Information, count: int, seed: int) -> Array:
     drawn[:, :4] *= 0.3
     low, high = np.zeros(count), np.full(count, 4.0)
     for _ in range(12):
+        tick()
         middle = 0.5 * (low + high)
         good = in_chunks(info.worst_room, drawn * middle[:, None]) > 0.0
         low, high = np.where(good, middle, low), np.where(good, high, middle)

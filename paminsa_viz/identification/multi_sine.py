@@ -51,8 +51,8 @@ def fourier(harmonics: int, u: Array, order: int = 0) -> Array:
     """Return a derivative of all sines and cosines of a period in unit time, (n, 2 harmonics)."""
     rate = 2.0 * np.pi * np.arange(1, harmonics + 1)
     phase = u[..., None] * rate + 0.5 * np.pi * order
-    waves = np.concatenate([np.sin(phase), np.cos(phase)], axis=-1)
-    return np.asarray(waves * np.tile(rate, 2) ** order)
+    waves: Array = np.concatenate([np.sin(phase), np.cos(phase)], axis=-1)
+    return np.asarray(waves * np.tile(rate, 2) ** order, np.float64)
 
 
 class MultiSineFamily:

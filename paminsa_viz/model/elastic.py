@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.model.parameters import Group, parameter
@@ -21,7 +21,7 @@ SECTION_VALUES = ("area", "inertia_in", "inertia_out", "torsion")
 """Values of a section that may be given in place of those of the tube."""
 
 
-class Section(NamedTuple):
+class BeamSection(NamedTuple):
     """Cross-section of a bar.
 
     Attributes:
@@ -160,14 +160,14 @@ class Elastic(Group, path="elastic"):
         """Poisson's ratio of an isotropic material with this E and G."""
         return self.young_modulus / (2 * self.shear_modulus) - 1
 
-    def section(self, bar: str) -> Section:
+    def section(self, bar: str) -> BeamSection:
         """Return the section of a bar of `BARS`: what is given, and the tube's for the rest."""
         outer, inner = getattr(self, f"{bar}_outer"), getattr(self, f"{bar}_inner")
         given = (getattr(self, f"{bar}_{name}") for name in SECTION_VALUES)
         tube = tube_section(outer, inner, self.poisson)
         both = zip(given, tube, strict=False)
-        found: Any = [own if value is None else value for value, own in both]
-        return Section(*found, tube.shear, tube.radius)
+        area, inside, outside, torsion = (own if value is None else value for value, own in both)
+        return BeamSection(area, inside, outside, torsion, tube.shear, tube.radius)
 
     def in_force(self, name: str) -> float:
         """Return a number as it counts: the tube's section values, infinity for rigid."""
@@ -178,7 +178,7 @@ class Elastic(Group, path="elastic"):
         return float(getattr(self.section(bar), what)) if bar in BARS else math.inf
 
 
-def tube_section(outer: float, inner: float, poisson: float = 0.3) -> Section:
+def tube_section(outer: float, inner: float, poisson: float = 0.3) -> BeamSection:
     """Return the section of a round tube; diameters [m]. The shear area is Cowper's (1966)."""
     second = math.pi / 64 * (outer**4 - inner**4)
     ratio = (inner / outer) ** 2
@@ -186,4 +186,4 @@ def tube_section(outer: float, inner: float, poisson: float = 0.3) -> Section:
     shear = 6 * (1 + poisson) * ring
     shear /= (7 + 6 * poisson) * ring + (20 + 12 * poisson) * ratio
     area = math.pi / 4 * (outer**2 - inner**2)
-    return Section(area, second, second, 2 * second, shear, outer / 2)
+    return BeamSection(area, second, second, 2 * second, shear, outer / 2)

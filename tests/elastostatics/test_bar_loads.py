@@ -7,15 +7,20 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
 
 from paminsa_viz.elastostatics.bar_loads import BAR_NAMES, all_bar_loads, arm_tip, bar_loads
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
+from paminsa_viz.elastostatics.utilization import utilization
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4, Design
+from paminsa_viz.model.dynamics import inverse_dynamics
 from paminsa_viz.model.load import LoadCase
 from paminsa_viz.model.parameters import BAR_ENDS
+from paminsa_viz.model.reach import Limit, home_pose
 from tests import oracle
 from tests.elastostatics.test_joint_forces import EACH, loaded, states
+from tests.support import samples
 
 PANTOGRAPH = ("b3", "b4", "b7", "b8")
 ON_BAR = {
@@ -155,3 +160,23 @@ def test_unknown_bars_are_refused() -> None:
     assert set(all_bar_loads(forces)) == set(BAR_NAMES)
     with pytest.raises(InvalidInput, match="b4"):
         bar_loads(forces, "b5")
+
+
+@given(design=samples.possible_designs())
+@settings(max_examples=25, deadline=None)
+def test_any_possible_design_is_in_equilibrium_or_has_a_reason(design: Design) -> None:
+    """Extreme masses and lengths, none at all among them: torques, used-up loads, utilization."""
+    poses = home_pose(design.geometry) + np.array([[0.0, 0.0, 0.0, 0.0], [0.01, -0.02, 0.1, 0.01]])
+    forces = joint_forces(design, poses)
+    expected = inverse_dynamics(design, poses, np.zeros(4), np.zeros(4))
+    np.testing.assert_array_equal(forces.status, expected.status)
+    good = forces.status == Limit.OK
+    assert np.isnan(forces.torque[~good]).all()
+    if not good.any():
+        return
+    largest = forces.magnitude[good].max() * (1 + design.geometry.shaft_length)
+    scale = largest + np.abs(expected.torque[good]).max()
+    assert np.abs(forces.torque[good] - expected.torque[good]).max() <= 1e-9 * scale
+    for loads in all_bar_loads(forces).values():
+        assert np.abs(loads.residual[good]).max() <= 1e-9 * scale * max(1.0, loads.length)
+    assert np.isfinite(utilization(forces)[good]).all()

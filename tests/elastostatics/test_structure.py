@@ -13,10 +13,10 @@ from paminsa_viz.elastostatics.leg_model import leg_model
 from paminsa_viz.elastostatics.structure import structure
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.design import APPENDIX_4
-from paminsa_viz.model.elastic import Elastic, Section
+from paminsa_viz.model.elastic import BeamSection, Elastic
 from tests.elastostatics.robots import POSE, elastic_design, poses_of
 
-SECTION = Section(4e-4, 6e-8, 9e-8, 1.1e-7, 0.54, 0.02)
+SECTION = BeamSection(4e-4, 6e-8, 9e-8, 1.1e-7, 0.54, 0.02)
 ELASTIC = Elastic()
 LENGTH = 0.63
 

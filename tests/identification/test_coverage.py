@@ -56,8 +56,10 @@ def test_intervals_cover_the_truth_as_often_as_they_say() -> None:
 @pytest.mark.slow
 def test_a_right_robot_is_hardly_ever_accused() -> None:
     assert study().accused <= 3
-    assert (np.abs(study().z) < 3).mean() > 0.98
-    assert np.std(study().z) < 1.2
+    judged = study().z[np.isfinite(study().z)]
+    assert len(judged) > 0.98 * len(study().z)
+    assert (np.abs(judged) < 3).mean() > 0.98
+    assert 0.8 < np.std(judged) < 1.2
 
 
 @pytest.mark.slow

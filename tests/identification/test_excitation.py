@@ -16,7 +16,7 @@ from paminsa_viz.identification import (
     optimize_excitation,
 )
 from paminsa_viz.identification.excitation_search import random_motions
-from paminsa_viz.identification.information import Information
+from paminsa_viz.identification.information import LIMITED, Information
 from paminsa_viz.identification.multi_sine import MultiSineFamily
 from paminsa_viz.model import (
     APPENDIX_4,
@@ -25,6 +25,7 @@ from paminsa_viz.model import (
     actuator_velocity,
     inverse_dynamics,
 )
+from paminsa_viz.model.reach import check_reach
 from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.trajectory import Plan, home
 from paminsa_viz.trajectory.check import check_path
@@ -86,6 +87,29 @@ def test_slopes_are_those_of_differences() -> None:
         assert found.slope[index] == pytest.approx((above.value - below.value) / 2e-5, rel=1e-4)
         slope = (above.room - below.room) / 2e-5
         np.testing.assert_allclose(found.room_slope[:, index], slope, atol=1e-5)
+
+
+def test_room_is_what_the_model_leaves_of_every_limit() -> None:
+    info = information()
+    info.sharp = True
+    limits = info.limits
+    states = info.states(some_motion(info))
+    pose, velocity, acceleration = np.split(states, 3, axis=-1)
+    speed = actuator_velocity(ROBOT, pose, velocity)
+    torque = inverse_dynamics(ROBOT, pose, velocity, acceleration).torque
+    reach = check_reach(ROBOT.geometry, pose).margins.min(axis=(-1, -2))
+    wanted = [
+        *(1 - np.abs(speed) / limits.speed).T,
+        *(1 - np.abs(torque) / limits.torque).T,
+        1 - measure_singularity(ROBOT.geometry, pose).condition / limits.condition,
+        (-pose[:, 3] - ROBOT.geometry.platform_joint_height - limits.clearance)
+        / ROBOT.geometry.base_radius,
+        (reach - limits.clearance) / ROBOT.geometry.base_radius,
+    ]
+    room = info.at(states).room
+    found = [*room[:, :10].T, room[:, 10:].min(axis=1)]
+    np.testing.assert_allclose(found, wanted, atol=1e-9)
+    assert len(wanted) == len(LIMITED)
 
 
 def test_information_is_that_of_measured_torques() -> None:

@@ -115,7 +115,7 @@ def test_report_is_one_self_contained_file() -> None:
     assert "url(" not in text
     ids = page.attributes["id"]
     assert ids == [
-        "design", "workspace", "maps", "forces", "stiffness", "accuracy", "trajectory",
+        "design", "workspace", "maps", "forces", "stiffness", "accuracy", "trajectory", "loads",
         "verification", "balance", "provenance",
     ]  # fmt: skip
     assert {f"#{key}" for key in ids} == set(page.attributes["href"])
