@@ -17,13 +17,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.files.atomic import write_bytes
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import APPENDIX_4, Design
-from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis, home
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.trajectory import Trajectory, TrajectoryAnalysis
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -130,6 +132,9 @@ def map_view(
     pose: ArrayLike | None = None,
     *,
     quantity: str = "torques",
+    theta: float | None = None,
+    z: float | None = None,
+    at: tuple[float, float] | None = None,
     cells: int = 100,
     width: int = 900,
 ) -> go.Figure:
@@ -139,23 +144,29 @@ def map_view(
         design: The robot.
         pose: (4,) [m, m, rad, m]; the maps are at its theta and z, and a ring marks its x and y.
         quantity: ``"torques"`` for those of M1, M2 and M3, or a key of
-            `paminsa_viz.quantities.QUANTITIES`.
+            `paminsa_viz.quantities.QUANTITIES`; with hyphens too, as on the command line.
+        theta, z, at: Angle [rad], height [m] and position (x, y) [m] in place of the pose's.
         cells: Cells along each side.
         width: Of the figure [pixels].
 
     Raises:
-        InvalidInput: If there is no such quantity.
+        InvalidInput: If there is no such quantity, or a number is not finite.
     """
     from paminsa_viz.plots.interactive import interactive_map
     from paminsa_viz.plots.map_data import map_data, workspace_field
     from paminsa_viz.plots.ranges import choose_scales
     from paminsa_viz.quantities import selections
 
+    quantity = quantity.replace("-", "_")
     if quantity not in selections():
         raise InvalidInput("quantity", f"there are {', '.join(selections())}")
-    place = _pose(design, pose)
-    theta, z = place[2:].tolist()
-    field = workspace_field(design.geometry, theta, z, cells)
+    place = _pose(design, pose).copy()
+    for where, given in ((slice(0, 2), at), (2, theta), (3, z)):
+        if given is not None:
+            place[where] = given
+    if not np.isfinite(place).all():
+        raise InvalidInput("pose", "finite numbers are needed")
+    field = workspace_field(design.geometry, float(place[2]), float(place[3]), cells)
     data = map_data(field, design, place, selections()[quantity])
     return interactive_map(data, choose_scales(data), width)
 
@@ -180,4 +191,4 @@ def curve_view(
 
 def _pose(design: Design, pose: ArrayLike | None) -> Array:
     """Return the given pose, or the one in the middle of the workspace."""
-    return home(design.geometry) if pose is None else as_vectors(pose, "pose")
+    return np.array(home_pose(design.geometry)) if pose is None else as_vectors(pose, "pose")

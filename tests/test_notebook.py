@@ -74,6 +74,10 @@ def test_maps_show_the_static_torques() -> None:
     pose = np.stack([x, y, np.full_like(x, POSE[2]), np.full_like(x, POSE[3])], axis=-1)
     np.testing.assert_allclose(values, static_torques(APPENDIX_4, pose)[..., 1], rtol=1e-6)
     assert len(map_view(APPENDIX_4, POSE, quantity="condition", cells=20).data) > 0
+    words = map_view(quantity="max-torque", theta=POSE[2], z=POSE[3], at=POSE[:2], cells=20)
+    assert words == map_view(APPENDIX_4, POSE, quantity="max_torque", cells=20)
+    with pytest.raises(InvalidInput, match="finite"):
+        map_view(theta=float("nan"))
     with pytest.raises(InvalidInput, match="there are torques, tau_1"):
         map_view(quantity="beauty")
 

@@ -15,7 +15,8 @@ from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_end
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import open_atomically
 from paminsa_viz.files.example_logs import given_log
-from paminsa_viz.trajectory import MotionLimits, home, plan_crossing, spline_path
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.trajectory import MotionLimits, plan_crossing, spline_path
 
 DESCRIPTION = """\
 Write a design report: one HTML file with everything inside, to attach to a design review.
@@ -56,7 +57,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
         if self.max_torque is not None and not self.cross:
             raise UsageError("--max-torque belongs to --cross")
         design = self.given_design()
-        pose = self.given_pose or tuple(home(design.geometry).tolist())
+        pose = self.given_pose or home_pose(design.geometry)
         trajectory = self.given_motion(design.geometry)
         if self.cross:
             limits = MotionLimits(torque=self.max_torque)

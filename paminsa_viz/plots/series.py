@@ -49,7 +49,7 @@ class Trace:
         marks: Whether its values are drawn as marks; between them it has none.
         until: Samples before its own motion first fails; None for all.
         peak: Time [s] and value of a marked point, the largest in size; None for none.
-        level: Value of a level line, the RMS on the side of the peak; None for none.
+        band: RMS, drawn as a band to both sides of zero; None for none.
     """
 
     label: str
@@ -61,7 +61,7 @@ class Trace:
     marks: bool = False
     until: int | None = None
     peak: tuple[float, float] | None = None
-    level: float | None = None
+    band: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

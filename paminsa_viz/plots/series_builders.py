@@ -117,7 +117,7 @@ def _torques(sources: SeriesSources) -> Iterator[SeriesPanel]:
 
 def _with_torque(unit: str, summary: ActuatorSummary, trace: Trace) -> tuple[Trace, str]:
     peak, peak_t, mean = summary.peak, summary.peak_t, summary.rms
-    marked = replace(trace, peak=(peak_t, peak), level=math.copysign(mean, peak))
+    marked = replace(trace, peak=(peak_t, peak), band=mean)
     return marked, f"{_peak_text(peak, peak_t, unit)}, RMS {_text(mean, unit)}"
 
 

@@ -216,8 +216,8 @@ def _entries(data: SeriesData) -> dict[str, Line2D | Patch]:
     traces = [trace for panel in data.panels for trace in panel.traces]
     if any(trace.peak for trace in traces):
         found["largest in size"] = Line2D([], [], mec=INK, **RING)
-    if any(trace.level is not None for trace in traces):
-        found["RMS"] = Line2D([], [], color=MUTED, lw=0.6, ls=DASHES["dashdot"])
+    if any(trace.band is not None for trace in traces):
+        found["± RMS"] = Patch(fc=MUTED, alpha=0.2, ec="none")
     failures = series_text.failures(data)
     if failures:
         reasons = list(dict.fromkeys(each.reason for each in failures))

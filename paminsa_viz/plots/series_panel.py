@@ -52,11 +52,10 @@ def line_height(size: float) -> float:
 def value_range(panel: SeriesPanel) -> tuple[DisplayUnit, float, float]:
     """Return the unit of a panel's value axis, and the axis' lower and upper end in that unit.
 
-    It shows all of a panel's curves and levels. Where nothing changes but by rounding errors, it
+    It shows all of a panel's curves. Where nothing changes but by rounding errors, it
     is wide enough not to show those.
     """
-    levels = [trace.level for trace in panel.traces if trace.level is not None]
-    known = np.concatenate([*(t.values[np.isfinite(t.values)] for t in panel.traces), levels])
+    known = np.concatenate([t.values[np.isfinite(t.values)] for t in panel.traces] or [[]])
     if not known.size:
         return readable_unit(panel.unit, 0.0), 0.0, 1.0
     unit = readable_unit(panel.unit, largest_size(panel.traces), bound=_LARGEST)
@@ -115,9 +114,9 @@ def _draw_trace(area: Axes, data: SeriesData, trace: Trace, factor: float, zorde
     area.plot(data.time[kept], trace.values[kept] * factor, color=trace.color, lw=trace.width,
               ls=DASHES[trace.dash], zorder=zorder, solid_capstyle="round",
               solid_joinstyle="round")  # fmt: skip
-    if trace.level is not None:
-        area.axhline(trace.level * factor, color=trace.color, lw=0.6, ls=DASHES["dashdot"],
-                     zorder=2)  # fmt: skip
+    if trace.band is not None:
+        half = trace.band * factor
+        area.axhspan(-half, half, fc=trace.color, ec="none", alpha=0.1, zorder=1)
     if trace.peak is not None:
         t, value = trace.peak
         area.plot(t, value * factor, mec=trace.color, zorder=2 + zorder, clip_on=False, **RING)

@@ -112,7 +112,7 @@ def _about(data: SeriesData) -> list[str]:
     sources = data.sources
     compared = _compared_sentences(sources)
     if data.kind == "torques":
-        return ["The RMS over time is drawn on the side of the peak.", *compared]
+        return ["The band is the RMS over time, to both sides of zero.", *compared]
     if data.kind == "power":
         return ["Positive where an actuator drives.", *compared]
     if data.kind == "energy":

@@ -87,7 +87,7 @@ def test_torques_are_those_of_the_analysis(analysis, everything) -> None:
         np.testing.assert_array_equal(published, everything["published"].torque[:, j])
         summary, drawn = analysis.summary[j], panel.traces[-1]
         assert drawn.peak == (summary.peak_t, summary.peak)
-        assert drawn.level == np.copysign(summary.rms, summary.peak)
+        assert drawn.band == summary.rms
         assert len(panel.notes) == 3
 
 
