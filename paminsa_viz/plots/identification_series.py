@@ -9,7 +9,14 @@ import numpy as np
 from paminsa_viz.identification.findings import Findings
 from paminsa_viz.identification.results import Identification
 from paminsa_viz.palette import ACTUATOR_COLORS, INK
-from paminsa_viz.plots.series import EngineTorques, SeriesData, SeriesSources, Trace
+from paminsa_viz.plots.series import (
+    Dash,
+    EngineTorques,
+    SeriesData,
+    SeriesSources,
+    Trace,
+    Values,
+)
 from paminsa_viz.plots.series_builders import SYMBOLS, UNITS, build_series
 from paminsa_viz.plots.series_uplot import Chart
 from paminsa_viz.trajectory import analyze
@@ -54,9 +61,9 @@ def log_charts(found: Identification, actuator: int) -> tuple[Chart, Chart]:
     gaps = np.flatnonzero(np.diff(found.signals.segment)) + 1
     unit, color = display_unit(UNITS[actuator]), ACTUATOR_COLORS[actuator]
 
-    def curve(label: str, values: np.ndarray, *style: object) -> Trace:
+    def curve(label: str, values: Values, line: str, dash: Dash, width: float) -> Trace:
         whole = np.insert(unit.factor * values[:, actuator], gaps, np.nan)
-        return Trace(label, whole, *style)  # type: ignore[arg-type]
+        return Trace(label, whole, line, dash, width)
 
     times = np.insert(t, gaps, t[gaps - 1] + 1e-9 if gaps.size else t[:0])
     failing = np.zeros(times.size, dtype=bool)

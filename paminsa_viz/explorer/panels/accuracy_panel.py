@@ -13,7 +13,7 @@ from paminsa_viz.explorer.entries import ButtonGroup, Effect, Folder, Html, Tabs
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Slider
 from paminsa_viz.explorer.panels import render
-from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE
+from paminsa_viz.explorer.panels.manufacture_panel import MANUFACTURE, grown
 from paminsa_viz.explorer.panels.maps_panel import choose_quantity
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import PARAMETER, DriveAccuracy
@@ -29,8 +29,6 @@ MAPS = {
     "linear, plane": "linear_error_horizontal",
 }
 """What the buttons show on the single map."""
-
-Range = tuple[float, float]
 
 
 def pose_html(frame: Frame) -> str:
@@ -66,16 +64,12 @@ def _choices(state: State) -> dict[str, Effect]:
     return found
 
 
-def _grown(ends: Range, value: float) -> Range:
-    return min(ends[0], value), max(ends[1], value)
-
-
 def _slider(name: str, label: str, high: float, step: float) -> Slider:
     path = f"accuracy.{name}"
     parameter = PARAMETER[path]
     unit = display_unit("m:um" if parameter.unit == "m" else "rad")
     return Slider(
-        path, label, range=(0.0, high), step=step, unit=unit, fit=_grown,
+        path, label, range=(0.0, high), step=step, unit=unit, fit=grown,
         hint=f"{parameter.label[0].upper()}{parameter.label[1:]}, at the actuator [{unit.text}]",
         read=lambda state: state.document.design.value(path),
         apply=lambda state, value: actions.vary(state, {path: value}),

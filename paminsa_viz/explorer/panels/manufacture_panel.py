@@ -123,7 +123,8 @@ def _set_deviation(state: State, value: float) -> State:
     return actions.vary(state, {path: round(value / factor, 12)})
 
 
-def _grown(ends: tuple[float, float], value: float) -> tuple[float, float]:
+def grown(ends: tuple[float, float], value: float) -> tuple[float, float]:
+    """Return the ends of a slider, grown to hold a value."""
     return min(ends[0], value), max(ends[1], value)
 
 
@@ -142,7 +143,7 @@ def _slider(name: str) -> Slider:
     high, step = (500.0, 1.0) if parameter.unit == "m" else (0.2, 0.001)
     label = parameter.label[0].upper() + parameter.label[1:]
     return Slider(
-        path, _LABELS[name], range=(0.0, high), step=step, unit=unit, fit=_grown,
+        path, _LABELS[name], range=(0.0, high), step=step, unit=unit, fit=grown,
         hint=f"{label} [{unit.text}]",
         read=lambda state: state.document.design.value(path),
         apply=lambda state, value: actions.vary(state, {path: value}),
