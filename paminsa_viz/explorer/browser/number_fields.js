@@ -42,7 +42,9 @@
     for (let fiber = key && field[key]; fiber; fiber = fiber.return) {
       const props = fiber.memoizedProps;
       const found = props && "decimalScale" in props && !("onValueChange" in props);
-      if (found && typeof props.onChange === "function") return current(fiber)?.memoizedProps;
+      if (found && typeof props.onChange === "function") {
+        return current(fiber)?.memoizedProps ?? props;
+      }
     }
     return undefined;
   };
