@@ -196,12 +196,12 @@ def test_a_third_of_a_turn_permutes_the_legs(case: Case, seed: int) -> None:
 
 def test_all_lengths_scaled_scale_the_pose() -> None:
     g = APPENDIX_4.geometry
-    metres = np.array([item.unit == "m" for item in LENGTHS])
+    meters = np.array([item.unit == "m" for item in LENGTHS])
     lengths = nominal_lengths(g) + random_deviations(3, 1e-3)
     pose = BY_HAND[1]
     actuators = inverse_kinematics(g, pose).actuators
     first = solve_pose(g, lengths, actuators, pose)
-    twice = np.where(metres, 1.01 * lengths, lengths)
+    twice = np.where(meters, 1.01 * lengths, lengths)
     second = solve_pose(g, twice, actuators * [1, 1, 1, 1.01], pose)
     factors = [1.01, 1.01, 1, 1.01, 1, 1]
     assert np.allclose(second.coordinates, first.coordinates * factors, rtol=0, atol=1e-12)
