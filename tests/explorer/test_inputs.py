@@ -295,5 +295,6 @@ def test_input_is_set_back_after_a_refused_value(
     handle = FakeInput(session, refuse)
     handle.value = wrong
     handle.report()
+    eventually(lambda: session.client.notices)
     eventually(lambda: handle.value == 0.0)
     assert len(session.client.notices) == 1
