@@ -205,5 +205,6 @@ def _solved(matrix: Array, right: Array) -> Array:
     if good.all():
         return np.asarray(np.linalg.solve(matrix, right))
     usable = np.where(good[..., None, None], matrix, np.eye(matrix.shape[-1]))
-    found = np.linalg.solve(usable, right)
-    return np.asarray(np.where(good[..., None, None], found, np.nan))
+    found = np.asarray(np.linalg.solve(usable, right), np.float64)
+    found[~good] = np.nan
+    return found

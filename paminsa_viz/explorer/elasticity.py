@@ -118,7 +118,9 @@ def analyze_elasticity(job: ElasticJob) -> ElasticOutcome:
         plain, _ = whole_matrices(matrices, pose, loaded=False)
         force = np.zeros((len(plain), 1))
         force[: SHARED - 1, 0] = wrench
-        vectors = np.asarray(np.concatenate([np.linalg.solve(plain, force), modes.shapes], axis=1))
+        vectors: Array = np.concatenate(
+            [np.linalg.solve(plain, force).astype(np.float64), modes.shapes], axis=1
+        )
         lines = center_lines(matrices, pose, vectors)
         if wrench.any():
             found = replace(

@@ -115,7 +115,7 @@ def _lengths(geometry: Geometry, signals: Signals, b: Array) -> list[PossibleCau
 def _torques(geometry: Geometry, signals: Signals, b: Array, shift: ArrayLike = 0.0) -> Array:
     """Return X b, (m, 4), with actuators moved by a shift, or of other lengths."""
     samples = signals.samples
-    pose = nearest_solution(geometry, samples.position + shift, samples.pose)
+    pose = nearest_solution(geometry, samples.position + np.asarray(shift), samples.pose)
     j = jacobian(geometry, pose)
     turn = partial(np.einsum, "nij,nj->ni")
     velocity = turn(j, samples.speed)

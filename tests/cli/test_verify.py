@@ -91,11 +91,10 @@ def test_figures_are_written_into_their_folder(capsys) -> None:
     assert b"<svg" in Path("a/b/formulae_mujoco.svg").read_bytes()
 
 
-def test_without_the_engine_the_line_names_the_extra(capsys, monkeypatch) -> None:
+def test_without_the_engine_the_line_says_how_to_install_it(capsys, monkeypatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
     code, _, err = run(capsys, *QUICK)
     assert code == 2
     assert err == (
-        "paminsa-viz: MuJoCo is not installed; it comes with the extra 'verify': "
-        "pip install 'paminsa-viz[verify]'\n"
+        "paminsa-viz: MuJoCo is not installed; it is part of the installation: pip install mujoco\n"
     )

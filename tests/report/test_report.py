@@ -191,7 +191,7 @@ def test_verification_is_reported_or_the_reason_it_is_missing(
         note = blocks(shown, Note)[0]
         assert (note.kind, note.text[:8]) == (kind, verdict)
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    assert "pip install 'paminsa-viz[verify]'" in str(checked(request_for()))
+    assert "pip install mujoco" in str(checked(request_for()))
 
 
 def test_a_motion_that_fails_is_named() -> None:
