@@ -47,7 +47,7 @@ class Cause:
         value: Its size, if it alone were the reason.
         half_width: Half of the 95 % interval.
         p_value: Chance of a size like this in a log without it, times the number of causes tried.
-        explains: Share of the weighted squared residuals that it takes away.
+        explains: Share of the weighted squared residuals that it explains.
         detectable: Size from which on it would be named in such a log.
         plausible: Size that one has to reckon with.
         named: Whether it is named as a reason, and as which: 1 for the first; 0 for not named.

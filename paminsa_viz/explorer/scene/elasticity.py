@@ -86,7 +86,7 @@ class ModeShape:
     """The layer ``mode_shape``: the chosen mode as tubes that swing about the center lines.
 
     The browser plays the animation by itself. A new one is sent when the page is idle, and the old
-    one is taken away as soon as the robot moves.
+    one is removed as soon as the robot moves.
     """
 
     def __init__(self, context: SceneContext) -> None:
