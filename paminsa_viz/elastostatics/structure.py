@@ -203,7 +203,7 @@ def _solved(matrix: Array, right: Array) -> Array:
     """Solve, with NaN where the matrix is not finite."""
     good = np.all(np.isfinite(matrix), axis=(-1, -2))
     if good.all():
-        return np.asarray(np.linalg.solve(matrix, right))
+        return np.asarray(np.linalg.solve(matrix, right), np.float64)
     usable = np.where(good[..., None, None], matrix, np.eye(matrix.shape[-1]))
     found = np.asarray(np.linalg.solve(usable, right), np.float64)
     found[~good] = np.nan
