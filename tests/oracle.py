@@ -149,7 +149,8 @@ def bodies(design: Design, q: tuple[Any, Any, Any, Any]) -> list[Body]:
     turned = ((cos(theta), sin(theta), 0.0), (-1.0 * sin(theta), cos(theta), 0.0), UP)
     platform, payload = design.platform, design.payload
     found.append(Body("platform", platform.mass, (x, y, z), turned, (0, 0, platform.inertia)))
-    found.append(Body("payload", payload.mass, (x, y, z), turned, (0, 0, payload.inertia)))
+    center = (x, y, z + payload.height)
+    found.append(Body("payload", payload.mass, center, turned, (0, 0, payload.inertia)))
     return found
 
 

@@ -222,8 +222,9 @@ def _platform_forces(
     tangential = np.stack(split, axis=-1) * g.rho
     # Moments about P's horizontal axes: the joints 5 are l_B5 above it.
     height = geometry.platform_joint_height
-    about_x = wrench[:, 3] + height * given[:, 1]
-    about_y = height * given[:, 0] - wrench[:, 4]
+    above = design.payload.mass * design.payload.height
+    about_x = wrench[:, 3] + height * given[:, 1] + above * acceleration[:, 1]
+    about_y = height * given[:, 0] - wrench[:, 4] + above * acceleration[:, 0]
     tilt = g.px * about_y[:, None] + g.py * about_x[:, None]
     vertical = given[:, 3:] / 3 + tilt * (2 / (3 * geometry.platform_radius**2))
     return tangential, vertical

@@ -47,7 +47,12 @@ def platform_mass(design: Design) -> Array:
     mass = design.platform.mass + design.payload.mass
     inertia = design.platform.inertia + design.payload.inertia
     tilt = design.value("elastic.platform_tilt_inertia") + design.payload.inertia / 2
-    return np.diag([mass, mass, mass, tilt, tilt, inertia])
+    found = np.diag([mass, mass, mass, tilt, tilt, inertia])
+    above = design.payload.mass * design.payload.height
+    found[[0, 4], [4, 0]] += above
+    found[[1, 3], [3, 1]] -= above
+    found[[3, 4], [3, 4]] += above * design.payload.height
+    return found
 
 
 def shared_map(frame: LegFrame) -> Array:
@@ -62,6 +67,9 @@ def _join(design: Design, pose: Array, stiffness: Array, mass: Array, loaded: bo
     """Add what is not in the legs to matrices of the shared coordinates (..., 7, 7)."""
     if loaded:
         stiffness[(..., *np.ix_(POSE_AXES, POSE_AXES))] += geometric_stiffness(design, pose)
+        # A tilt lowers a center above P, and lifts one below it.
+        payload = design.payload
+        stiffness[..., [3, 4], [3, 4]] -= payload.mass * design.gravity * payload.height
     stiffness[..., 6, 6] += design.elastic.drive_linear
     mass[..., :6, :6] += platform_mass(design)
 

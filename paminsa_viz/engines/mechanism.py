@@ -177,7 +177,8 @@ def _platform(design: Design) -> Link:
     platform, load = design.platform, design.payload
     parts = [Part(PLATFORM, platform.mass, ORIGIN, _vertical(platform.inertia))]
     if load.mass > 0 or load.inertia > 0:
-        parts.append(Part("payload", load.mass, ORIGIN, _vertical(load.inertia)))
+        center = (0.0, 0.0, load.height)
+        parts.append(Part("payload", load.mass, center, _vertical(load.inertia)))
     width = 0.06 * max(g.platform_radius, 0.2 * g.base_radius)
     corners = [_joint_5(design, leg) for leg in range(3)]
     rods = [Rod(ORIGIN, (x, y, 0), 2 * width) for x, y, _ in corners]

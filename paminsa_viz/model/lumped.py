@@ -57,7 +57,9 @@ COEFFICIENTS: tuple[str, ...] = (
 """Names of the entries of c."""
 
 MASS_PATHS: tuple[str, ...] = tuple(
-    p.path for p in PARAMETERS if p.group in ("joints", "links", "inertias", "platform", "payload")
+    p.path
+    for p in PARAMETERS
+    if p.group in ("joints", "links", "inertias", "platform", "payload") and p.unit != "m"
 )
 """Design values in which c is linear."""
 

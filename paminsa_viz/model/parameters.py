@@ -211,10 +211,15 @@ class Platform(Group, path="platform"):
 
 @dataclass(frozen=True)
 class Payload(Group, path="payload"):
-    """A body carried with its mass center on the platform's vertical axis (none in the paper)."""
+    """A body carried with its mass center on the platform's vertical axis (none in the paper).
+
+    The center's height over P matters to joint forces and vibration only: the platform does not
+    tilt, so that the actuators do not feel it. It adds a constant to V, which is left out.
+    """
 
     mass: float = parameter(0.0, "m_load", "kg", "payload")
     inertia: float = parameter(0.0, "I_load", "kg m^2", "payload, about the vertical")
+    height: float = parameter(0.0, "h_load", "m", "payload's center above P", signed=True)
 
 
 @dataclass(frozen=True)

@@ -69,6 +69,8 @@ def test_the_platform_is_in_equilibrium(design: Design) -> None:
     inertia = design.platform.inertia + design.payload.inertia
     world += wrench[:, :3] - mass * (acceleration[:, [0, 1, 3]] + [0, 0, design.gravity])
     moment += wrench[:, 3:] - acceleration[:, 2:3] * [0, 0, inertia]
+    inertial = design.payload.mass * acceleration[:, [0, 1, 3]]
+    moment -= np.cross([0, 0, design.payload.height], inertial)
     largest = forces.magnitude.max()
     assert np.abs(world).max() < 1e-12 * largest
     assert np.abs(moment).max() < 1e-12 * largest

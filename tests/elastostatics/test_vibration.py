@@ -19,6 +19,7 @@ from paminsa_viz.elastostatics.vibration import (
     first_frequencies,
     guyan_modes,
     iterated_modes,
+    platform_mass,
     reduced_robot,
     robot_modes,
     whole_matrices,
@@ -39,7 +40,7 @@ SOFT = replace(
 )  # fmt: skip
 LOADED = replace(
     APPENDIX_4,
-    payload=Payload(mass=4.0, inertia=0.02),
+    payload=Payload(mass=4.0, inertia=0.02, height=0.07),
     load=LoadCase(12.0, -7.0, -30.0, moment_z=1.5, point_x=0.04),
     counterweights=(
         Counterweight("b8", 8, 0.1, 0.7), Counterweight("b4", 9, 0.15, 0.4),
@@ -267,3 +268,27 @@ def test_center_lines_of_a_static_shape_are_the_structure_s() -> None:
     index = along * (POINTS - 1)
     near, far = lines.moves[b4, int(index), :, 0], lines.moves[b4, int(index) + 1, :, 0]
     assert near + (index % 1) * (far - near) == pytest.approx(expected, abs=2e-6)
+
+
+def test_payload_above_the_center_has_the_energies_of_its_rigid_body() -> None:
+    payload = Payload(mass=3.0, inertia=0.02, height=0.11)
+    platform = APPENDIX_4.platform
+    rng = np.random.default_rng(4)
+    found = platform_mass(replace(APPENDIX_4, payload=payload))
+    spin = np.array([0.5, 0.5, 1.0])
+    for _ in range(5):
+        v, w = rng.normal(size=(2, 3))
+        center = v + np.cross(w, [0.0, 0.0, payload.height])
+        energy = 0.5 * (platform.mass * v @ v + payload.mass * center @ center)
+        energy += 0.5 * (platform.inertia + payload.inertia) * spin @ w**2
+        assert 0.5 * np.r_[v, w] @ found @ np.r_[v, w] == pytest.approx(energy, rel=1e-12)
+    raised = replace(APPENDIX_4, payload=payload)
+    level = replace(APPENDIX_4, payload=replace(payload, height=0.0))
+    pose = np.array([[0.05, -0.03, 0.2, -0.5]])
+    change = np.subtract(
+        *(reduced_robot(leg_matrices(design), pose).stiffness[0] for design in (raised, level))
+    )
+    # V = m g h cos(tilt)
+    expected = np.zeros((7, 7))
+    expected[3, 3] = expected[4, 4] = -payload.mass * APPENDIX_4.gravity * payload.height
+    np.testing.assert_allclose(change, expected, atol=1e-8)

@@ -82,7 +82,7 @@ def test_every_number_of_a_design_is_listed_once_with_symbol_label_and_unit() ->
     for name in ("symbol", "label"):
         assert len({getattr(p, name) for p in own}) == len(own)
     units = {"joints": {"kg"}, "links": {"kg"}, "inertias": {"kg m^2"}, "geometry": {"", "m"}}
-    units |= {"platform": {"kg", "kg m^2"}, "payload": {"kg", "kg m^2"}, "design": {"m/s^2"}}
+    units |= {"platform": {"kg", "kg m^2"}, "payload": {"kg", "kg m^2", "m"}, "design": {"m/s^2"}}
     for p in PARAMETERS:
         assert p.unit in units.get(p.group, {p.unit})
         assert bool(p.unit) == (p.symbol != "k")

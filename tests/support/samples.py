@@ -87,7 +87,7 @@ def random_design(rng: np.random.Generator, *, payload: bool = True) -> Design:
             b10_vertical=rng.uniform(0.005, 0.05),
         ),
         platform=Platform(mass=rng.uniform(0.5, 5.0), inertia=rng.uniform(0.005, 0.05)),
-        payload=Payload(mass=rng.uniform(0.0, 10.0), inertia=rng.uniform(0.0, 0.1))
+        payload=Payload(rng.uniform(0.0, 10.0), rng.uniform(0.0, 0.1), rng.uniform(-0.2, 0.2))
         if payload
         else Payload(),
         gravity=rng.uniform(1.6, 12.0),

@@ -59,6 +59,7 @@ class SliderGroup:
 
 GROUPS = (
     SliderGroup("Masses", "Platform and payload [kg]", ("platform.mass", "payload.mass")),
+    SliderGroup("Masses", "Payload's center [mm]", ("payload.height",), open=False),
     SliderGroup("Masses", "Links of each leg [kg]", ("links.",)),
     SliderGroup("Masses", "Joints of each leg [kg]", ("joints.",)),
     SliderGroup(
@@ -116,6 +117,7 @@ NAMES = {
     "geometry.guide_link_length": "guide link",
     "platform.inertia": "platform",
     "payload.inertia": "payload",
+    "payload.height": "above P",
     "inertias.b2_vertical": "shaft",
     "inertias.b10_vertical": "guide link",
     "load.moment_x": "bearings",
