@@ -74,17 +74,19 @@ def test_nothing_is_cut_off(open_tab: Callable[..., Tab]) -> None:
         tab.open_tab(name)
         groups = [group for group in GROUPS if group.tab == name]
         for group in groups:
-            if not group.open:
-                tab.page.get_by_text(group.title, exact=True).last.click()
-        labels = [label_of(p) for group in groups for p in group.parameters]
-        uuids = [tab.handle(label)._impl.uuid for label in labels]
+            if not group.open:  # once what unfolds above it has come to rest
+                title = tab.page.get_by_text(group.title, exact=True).last
+                tab.steady_box(title)
+                title.click()
+            labels = [label_of(parameter) for parameter in group.parameters]
+            uuids = [tab.handle(label)._impl.uuid for label in labels]
 
-        def unfolded(uuids: list[str] = uuids) -> Any:
-            found = tab.page.evaluate(MEASURE, uuids)
-            return found if all(row["height"] > 12 for row in found) else None
+            def unfolded(uuids: list[str] = uuids) -> Any:
+                found = tab.page.evaluate(MEASURE, uuids)
+                return found if all(row["height"] > 12 for row in found) else None
 
-        for text, row in zip(labels, until(unfolded, name), strict=True):
-            assert row["height"] < 24, f"{text} takes two lines"
-            assert row["right"] < row["left"], f"{text} runs into its number"
-            assert row["room"] >= 0, f"the number of {text} is cut off"
-            assert row["end"] <= width, f"the number of {text} is off the page"
+            for text, row in zip(labels, until(unfolded, group.title), strict=True):
+                assert row["height"] < 24, f"{text} takes two lines"
+                assert row["right"] < row["left"], f"{text} runs into its number"
+                assert row["room"] >= 0, f"the number of {text} is cut off"
+                assert row["end"] <= width, f"the number of {text} is off the page"
