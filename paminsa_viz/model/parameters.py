@@ -214,7 +214,7 @@ class Payload(Group, path="payload"):
     """A body carried with its mass center on the platform's vertical axis (none in the paper).
 
     The center's height over P matters to joint forces and vibration only: the platform does not
-    tilt, so that the actuators do not feel it. It adds a constant to V, which is left out.
+    tilt, so that the actuators do not feel it.
     """
 
     mass: float = parameter(0.0, "m_load", "kg", "payload")

@@ -189,8 +189,8 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
     """Return V, (...) [J] (Eq. 11): zero height is the plane of the guides.
 
     As in the paper the joints 8 and the guide links, which never change height, do not count, and
-    the platform's mass center is at height z. A load is no part of it: one that turns with the
-    platform has no potential.
+    the platform's mass center is at height z, a payload's at z + h_load. A load is no part of it:
+    one that turns with the platform has no potential.
     """
     configuration = inverse_kinematics(design.geometry, pose)
     c = lumped_coefficients(design)
@@ -198,4 +198,6 @@ def potential_energy(design: Design, pose: ArrayLike) -> Array:
     legs = (
         c[0] * z5 + c[1] * z9 + c[2] * configuration.actuators[..., 3:] + potential_constant(design)
     )
-    return c[16] * design.gravity * configuration.pose[..., 3] + legs.sum(axis=-1)
+    payload = design.payload
+    rest = c[16] * configuration.pose[..., 3] + payload.mass * payload.height
+    return design.gravity * rest + legs.sum(axis=-1)
