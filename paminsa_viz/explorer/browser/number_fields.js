@@ -14,6 +14,7 @@
   const CONTROL = ".mantine-NumberInput-control";
   const HINT_TIME = 6000;
   const PAUSE = 1000;
+  const ANSWER_TIME = 500; // after which a committed number is shown as the page has it [ms]
   const stopped = new AbortController();
 
   // --- text to number -----------------------------------------------------------------------
@@ -125,6 +126,12 @@
     } else {
       close();
       take(number);
+      const mine = edit; // a page that answers late may find a selection that looks like editing
+      setTimeout(() => {
+        if (edit !== mine || mine.dirty || mine.field.value === mine.held) return;
+        mine.shown.set.call(mine.field, mine.held);
+        mine.field.select();
+      }, ANSWER_TIME);
     }
   };
   const end = () => {
