@@ -167,3 +167,14 @@ def test_stroke_typed_as_it_is_and_no_singular_rotation(tab: Tab) -> None:
     tab.open_tab("Pose")
     until(lambda: "none" in tab.text("quality"), "no rotation is singular")
     assert "inf" not in tab.text("quality") + tab.text("status")
+
+
+def test_number_taken_after_a_pause_stays_in_the_box_with_enter(tab: Tab) -> None:
+    field = tab.number_box(X)
+    for text, ends in (("33.5", "Enter"), ("-7.25", "Tab")):
+        field.click()
+        field.press_sequentially(text)
+        until(lambda w=1e-3 * float(text): abs(tab.state.document.pose[0] - w) < 1e-12, text)
+        field.press(ends)
+        tab.wait_frames(200)
+        assert field.input_value() == text

@@ -14,7 +14,6 @@
   const CONTROL = ".mantine-NumberInput-control";
   const HINT_TIME = 6000;
   const PAUSE = 1000;
-  const ANSWER_TIME = 500; // after which a committed number is shown as the page has it [ms]
   const stopped = new AbortController();
 
   // --- text to number -----------------------------------------------------------------------
@@ -100,8 +99,11 @@
   const preview = () => {
     const { number } = parse(edit?.dirty ? edit.field.value : "");
     if (number === undefined) return;
-    if (!edit.previewed) edit.before = holder(edit.field)?.value;
+    const { value } = holder(edit.field) ?? {};
+    if (!edit.previewed) edit.before = value;
     edit.previewed = true;
+    // The page does not write a box that shows the number as it would itself.
+    if (number !== value) edit.held = edit.field.value;
     take(number);
   };
   const close = () => {
@@ -126,12 +128,6 @@
     } else {
       close();
       take(number);
-      const mine = edit; // a page that answers late may find a selection that looks like editing
-      setTimeout(() => {
-        if (edit !== mine || mine.dirty || mine.field.value === mine.held) return;
-        mine.shown.set.call(mine.field, mine.held);
-        mine.field.select();
-      }, ANSWER_TIME);
     }
   };
   const end = () => {
