@@ -32,7 +32,7 @@ from paminsa_viz.balancing import (
     tornado,
 )
 from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
-from paminsa_viz.studies import Requirements, Weights, here, processes, search_geometry
+from paminsa_viz.studies import BoxRequirements, Weights, here, processes, search_geometry
 from paminsa_viz.trajectory import PRESET, Trajectory, solve_trajectory
 
 DESIGN = APPENDIX_4
@@ -117,7 +117,7 @@ def optima() -> None:
 
 def search() -> None:
     """Time the search for lengths, here and in a pool of two processes."""
-    needs = Requirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45))
+    needs = BoxRequirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45))
     weights = Weights(1.0, 0.1, 1.0)
     rows = []
     with processes(2) as pool:

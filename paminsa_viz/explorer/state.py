@@ -18,6 +18,7 @@ from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.quantities.requirements import Requirements
 
 
 @dataclass(frozen=True)
@@ -72,12 +73,14 @@ class Document:
         pose: The requested pose; it may be out of reach.
         reference: A pinned design to compare with, or None.
         motion: The motion that is planned.
+        requirements: What the robot is needed for.
     """
 
     design: Design = APPENDIX_4
     pose: Pose = (0.0, 0.0, 0.0, 0.0)
     reference: Design | None = None
     motion: Motion = field(default_factory=Motion)
+    requirements: Requirements = field(default_factory=Requirements)
 
 
 @dataclass(frozen=True)

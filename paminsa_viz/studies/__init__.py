@@ -23,7 +23,7 @@ from paminsa_viz.studies.metrics import (
     measure_design,
     measure_motion,
 )
-from paminsa_viz.studies.requirements import Measures, Requirements, measure, resized
+from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure, resized
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
 from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks
@@ -32,6 +32,7 @@ from paminsa_viz.studies.variations import DesignAxis, DesignGrid, DesignRange, 
 __all__ = [
     "METRICS",
     "MOTION_METRICS",
+    "BoxRequirements",
     "DesignAxis",
     "DesignGrid",
     "DesignRange",
@@ -40,7 +41,6 @@ __all__ = [
     "Metric",
     "RandomDesigns",
     "Region",
-    "Requirements",
     "SearchProgress",
     "SearchResult",
     "Study",

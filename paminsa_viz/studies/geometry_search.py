@@ -17,7 +17,7 @@ from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.requirements import Measures, Requirements, measure, resized
+from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure, resized
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -64,7 +64,7 @@ class GeometryCost:
 
     design: Design
     paths: tuple[str, ...]
-    needs: Requirements
+    needs: BoxRequirements
     weights: Weights
     scale_bars: bool
 
@@ -135,7 +135,7 @@ class SearchResult:
 
 def search_geometry(
     design: Design,
-    needs: Requirements,
+    needs: BoxRequirements,
     weights: Weights | None = None,
     *,
     ranges: Mapping[str, tuple[float, float]] | None = None,

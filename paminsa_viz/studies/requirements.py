@@ -1,4 +1,4 @@
-"""Requirements on a box of poses, a robot's measures over it, and robots of other lengths."""
+"""BoxRequirements on a box of poses, a robot's measures over it, and robots of other lengths."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ Pose = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True)
-class Requirements:
+class BoxRequirements:
     """A box of poses that the robot has to reach, and how far from its limits.
 
     Attributes:
@@ -64,7 +64,7 @@ class Requirements:
         ]
         return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 4)
 
-    def finer(self) -> Requirements:
+    def finer(self) -> BoxRequirements:
         """Return the same with poses `FINER` times as close."""
         x, y, theta, z = (FINER * (count - 1) + 1 for count in self.counts)
         return replace(self, counts=(x, y, theta, z))
@@ -90,13 +90,13 @@ class Measures:
     radius_clearance: float
     turn_clearance: float
 
-    def broken(self, needs: Requirements) -> float:
+    def broken(self, needs: BoxRequirements) -> float:
         """Return by how much requirements are broken in all [m, rad]; zero if all are met."""
         names = ("margin", "radius_clearance", "turn_clearance")
         return float(sum(max(0.0, getattr(needs, n) - getattr(self, n)) for n in names))
 
 
-def measure(design: Design, needs: Requirements) -> Measures:
+def measure(design: Design, needs: BoxRequirements) -> Measures:
     """Measure a robot over a box of poses.
 
     Reach, torque and condition are those of the sample poses; clearances from

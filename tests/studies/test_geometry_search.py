@@ -17,8 +17,8 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.studies import (
+    BoxRequirements,
     Measures,
-    Requirements,
     SearchProgress,
     SearchResult,
     Weights,
@@ -33,7 +33,7 @@ from tests.support.samples import with_knee
 pytestmark = pytest.mark.slow
 
 
-NEEDS = Requirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45), counts=(3, 3, 3, 3))
+NEEDS = BoxRequirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45), counts=(3, 3, 3, 3))
 SHORT = {"generations": 6, "population": 6, "seed": 3}
 
 
@@ -84,7 +84,7 @@ def test_progress_and_canceling() -> None:
 
 
 def test_unreachable_box_is_infeasible() -> None:
-    deep = Requirements((0, 0, 0, -9.0), (0, 0, 0, -9.0))
+    deep = BoxRequirements((0, 0, 0, -9.0), (0, 0, 0, -9.0))
     result = search_geometry(APPENDIX_4, deep, **SHORT)
     assert not result.feasible
     assert result.after.margin < 0
@@ -103,7 +103,7 @@ def test_measures_of_appendix_4() -> None:
     all_of_them = measure_singularity(APPENDIX_4.geometry, inside)
     assert all_of_them.position_distance.min() >= found.radius_clearance
     assert all_of_them.position_distance.min() < found.radius_clearance + 0.01
-    mirrored = Requirements(
+    mirrored = BoxRequirements(
         (NEEDS.low[0], NEEDS.low[1], NEEDS.low[2], 0.45 - 0.055), (0.08, 0.08, 0.4, 0.6 - 0.055),
         counts=NEEDS.counts,
     )  # fmt: skip
@@ -113,7 +113,7 @@ def test_measures_of_appendix_4() -> None:
 
 def test_violations_add_up() -> None:
     found = Measures(1.0, 2.0, 1.0, 0.005, 0.01, 0.2)
-    needs = Requirements((0, 0, 0, -1), (0, 0, 0, -1), 0.01, 0.03, 0.15)
+    needs = BoxRequirements((0, 0, 0, -1), (0, 0, 0, -1), 0.01, 0.03, 0.15)
     assert found.broken(needs) == pytest.approx(0.005 + 0.02)
 
 
@@ -132,9 +132,9 @@ def test_bars_grow_with_their_length() -> None:
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: Requirements((0, 0, 0, 1), (0, 0, 0, 0)),
-        lambda: Requirements((0, 0, 0, np.nan), (0, 0, 0, 0)),
-        lambda: Requirements((0, 0, 0, 0), (0, 0, 0, 0), counts=(0, 1, 1, 1)),
+        lambda: BoxRequirements((0, 0, 0, 1), (0, 0, 0, 0)),
+        lambda: BoxRequirements((0, 0, 0, np.nan), (0, 0, 0, 0)),
+        lambda: BoxRequirements((0, 0, 0, 0), (0, 0, 0, 0), counts=(0, 1, 1, 1)),
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={}),
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={"links.b3": (0, 1)}),
         lambda: search_geometry(APPENDIX_4, NEEDS, ranges={"geometry.base_radius": (1, 1)}),

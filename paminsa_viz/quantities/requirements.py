@@ -1,0 +1,128 @@
+"""What a robot is needed for: bounds on quantities, and the workspace over which they hold."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.quantities import find
+from paminsa_viz.quantities.quantity import Quantity
+
+Range = tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Requirement:
+    """A bound on a quantity over headings and heights.
+
+    Attributes:
+        quantity: Key of a quantity of the registry.
+        low, high: Least and largest value that is allowed, in the quantity's SI unit; None for no
+            bound on that side. A bound on a magnitude is ``low = -high``.
+        theta: Headings over which it holds (least, largest) [rad]; None for all that are required.
+        z: Heights of the platform over which it holds (least, largest) [m]; None for all.
+
+    Raises:
+        InvalidInput: If the quantity is unknown, or a bound or a range is not possible.
+    """
+
+    quantity: str
+    low: float | None = None
+    high: float | None = None
+    theta: Range | None = None
+    z: Range | None = None
+
+    def __post_init__(self) -> None:
+        find([self.quantity])
+        given = [bound for bound in (self.low, self.high) if bound is not None]
+        if not given:
+            raise InvalidInput(self.quantity, "a least or a largest value is needed")
+        if any(math.isnan(bound) for bound in given) or given != sorted(given):
+            raise InvalidInput(
+                self.quantity, f"low has to be a number below high, not {self.low} and {self.high}"
+            )
+        _check_range("theta", self.theta)
+        _check_range("z", self.z)
+
+    @property
+    def entry(self) -> Quantity:
+        """The quantity."""
+        return find([self.quantity])[0]
+
+    def margin(self, values: ArrayLike) -> Array:
+        """Return how far values are inside the bounds, negative outside (...) [SI]; NaN of NaN."""
+        values = np.asarray(values, np.float64)
+        low = -math.inf if self.low is None else self.low
+        high = math.inf if self.high is None else self.high
+        return np.minimum(values - low, high - values)
+
+
+class WorkspaceShape(Enum):
+    """Shape of a regular workspace; its axis is vertical."""
+
+    CYLINDER = "cylinder"
+    BOX = "box"
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A regular workspace of the platform's center P.
+
+    Attributes:
+        shape: Cylinder or box.
+        size: (diameter, diameter, height) of a cylinder; extent along (x, y, z) of a box [m].
+        center: Its center (x, y, z) [m]; a coordinate that is None is free to be found.
+
+    Raises:
+        InvalidInput: If a size is not positive, or a number is not finite.
+    """
+
+    shape: WorkspaceShape
+    size: tuple[float, float, float]
+    center: tuple[float | None, float | None, float | None] = (0.0, 0.0, None)
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(extent) and extent > 0 for extent in self.size):
+            raise InvalidInput("workspace.size", f"positive numbers are needed, not {self.size}")
+        if not all(place is None or math.isfinite(place) for place in self.center):
+            raise InvalidInput("workspace.center", f"finite numbers are needed, not {self.center}")
+        if self.shape is WorkspaceShape.CYLINDER and self.size[0] != self.size[1]:
+            raise InvalidInput("workspace.size", "a cylinder has one diameter along x and y")
+
+
+@dataclass(frozen=True)
+class Requirements:
+    """What a robot has to do: reach a workspace with every heading, within bounds on quantities.
+
+    Every pose that counts can be taken, and is joined to home without a singularity between.
+
+    Attributes:
+        bounds: Bounds on quantities.
+        theta: Headings that count (least, largest) [rad].
+        workspace: What has to lie within the volume where all bounds hold; None if any will do.
+
+    Raises:
+        InvalidInput: If the range of headings is not possible.
+    """
+
+    bounds: tuple[Requirement, ...] = ()
+    theta: Range = (0.0, 0.0)
+    workspace: Workspace | None = None
+
+    def __post_init__(self) -> None:
+        _check_range("theta", self.theta)
+
+    def headings(self, requirement: Requirement) -> Range:
+        """Return the headings over which a requirement holds (least, largest) [rad]."""
+        return self.theta if requirement.theta is None else requirement.theta
+
+
+def _check_range(name: str, limits: Range | None) -> None:
+    if limits is not None and not (all(map(math.isfinite, limits)) and limits[0] <= limits[1]):
+        raise InvalidInput(name, f"two finite numbers, least and largest, are needed, not {limits}")
