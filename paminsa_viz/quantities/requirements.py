@@ -58,9 +58,10 @@ class Requirement:
     def margin(self, values: ArrayLike) -> Array:
         """Return how far values are inside the bounds, negative outside (...) [SI]; NaN of NaN."""
         values = np.asarray(values, np.float64)
-        low = -math.inf if self.low is None else self.low
-        high = math.inf if self.high is None else self.high
-        return np.minimum(values - low, high - values)
+        above = values - self.low if self.low is not None else None
+        below = self.high - values if self.high is not None else None
+        sides = [side for side in (above, below) if side is not None]
+        return np.minimum(sides[0], sides[-1])
 
 
 class WorkspaceShape(Enum):
