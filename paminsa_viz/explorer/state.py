@@ -18,6 +18,7 @@ from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.palette import DARK, LIGHT, Theme
 from paminsa_viz.quantities.requirements import Requirements
 
 
@@ -40,6 +41,14 @@ class RangeMode(Enum):
     AUTO = "robust"
     FULL = "full"
     MANUAL = "manual"
+
+
+class Appearance(Enum):
+    """Which theme the page has."""
+
+    BROWSER = "as the browser"
+    LIGHT = "light"
+    DARK = "dark"
 
 
 @dataclass(frozen=True)
@@ -116,6 +125,8 @@ class State:
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
+        appearance: Which theme the page has.
+        browser_dark: Whether the browser asks for a dark one.
     """
 
     document: Document
@@ -136,6 +147,15 @@ class State:
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
+    appearance: Appearance = Appearance.BROWSER
+    browser_dark: bool = False
+
+    @property
+    def theme(self) -> Theme:
+        """Colors of the page; what is exported is always light."""
+        follows = self.appearance is Appearance.BROWSER
+        dark = self.browser_dark if follows else self.appearance is Appearance.DARK
+        return DARK if dark else LIGHT
 
     def updated(self, part: str, **changes: Any) -> State:
         """Return the state with other attributes of a part, such as ``"simulating.settings"``."""

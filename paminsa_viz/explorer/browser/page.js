@@ -45,6 +45,11 @@
     return send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
   }, 200);
 
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const sendScheme = () => retry(() => send("scheme", dark.matches), 50);
+  dark.addEventListener("change", sendScheme, { signal: stopped.signal });
+  sendScheme();
+
   const shown = () => retry(() => send("shown", null), 50);
   const whenIdle = window.requestIdleCallback || ((run) => setTimeout(run, 200));
   requestAnimationFrame(() => whenIdle(shown, { timeout: 1000 }));

@@ -14,6 +14,7 @@ from paminsa_viz.explorer.motion.results import MotionStore, split_path
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.palette import rgb
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
 from paminsa_viz.plots.map_data import MapData
@@ -75,7 +76,7 @@ class MapPicture:
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
         gui.add_html(marker(name, inputs))
-        blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
+        blank = np.full((2, max(slots.width(name), 2), 3), rgb(session.state.theme.paper), np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
         self._markers = gui.add_html("")
         self._place = gui.add_folder(None)
@@ -96,7 +97,7 @@ class MapPicture:
         motion = self._motions.analysis(state) if "path" in state.layers else None
         # Where the robot is, is not part of it: the marker lies over the picture.
         values = (document.design, document.pose[2:], reference, view, quantities, width)
-        shown = (*values, self._slots.ratio, motion and motion.trajectory)
+        shown = (*values, self._slots.ratio, motion and motion.trajectory, state.theme)
         if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
             self._mark(state)
             return
@@ -104,7 +105,7 @@ class MapPicture:
         scales = self._store.scales(state, data, quantities, dragging=dragging)
         ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)
-        picture = self._live.draw(data, scales, width, ratio, path, COLUMNS)
+        picture = self._live.draw(data, scales, width, ratio, path, COLUMNS, state.theme)
         if not dragging:
             opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss

@@ -13,7 +13,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
-from paminsa_viz.meshes.bodies import body_glb, lengths_of
+from paminsa_viz.meshes.bodies import ground_glb, lengths_of
 from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.model.design import Geometry
@@ -66,7 +66,7 @@ class Stage:
             "/stage/key", intensity=2.1, position=KEY_LIGHT, cast_shadow=False
         )
         scene.add_light_directional("/stage/fill", intensity=0.7, position=FILL_LIGHT)
-        self._lengths: object = None
+        self._drawn: object = None
         self._height = 0.0
         self._ground: GlbHandle | None = None
         self._spot = scene.add_image(
@@ -77,10 +77,11 @@ class Stage:
         """Follow the geometry, the platform, and what is shown."""
         del dragging
         layers = frame.state.layers
-        lengths = lengths_of("ground", frame.shown_design.geometry)
-        if lengths != self._lengths:
-            self._lengths = lengths
-            self._build(frame.shown_design.geometry)
+        geometry, dark = frame.shown_design.geometry, frame.state.theme.dark
+        key = (lengths_of("ground", geometry), dark)
+        if key != self._drawn:
+            self._drawn = key
+            self._build(geometry, dark)
         if frame.drawable:
             self._spot.position = self.shadow_place(frame.configuration)
         # Over a map it would only dim the colors, and true shadows need no help.
@@ -92,9 +93,9 @@ class Stage:
         x, y = configuration.pose[:2]
         return (float(x), float(y), self._height + 0.0012)
 
-    def _build(self, geometry: Geometry) -> None:
+    def _build(self, geometry: Geometry, dark: bool) -> None:
         self._height = layout(geometry).ground
-        data = body_glb("ground", geometry, fine=False)
+        data = ground_glb(geometry, dark=dark)
         if self._ground is None:
             self._ground = self._scene.add_glb(
                 "/stage/ground", data, cast_shadow=False, receive_shadow=False
