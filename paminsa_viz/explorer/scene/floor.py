@@ -12,6 +12,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.motion.points import click_map
@@ -19,7 +20,6 @@ from paminsa_viz.explorer.scene.curves import Curve, thinned
 from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.map_data import MapData

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import GlbHandle
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes.bodies import body_glb, lengths_of
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import Configuration
 
