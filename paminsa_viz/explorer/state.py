@@ -13,6 +13,7 @@ from paminsa_viz.explorer.identifying import Identifying
 from paminsa_viz.explorer.loads import LoadsState
 from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
+from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
@@ -119,6 +120,7 @@ class State:
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
+        point_editing: Which of the poses that a motion is built from is edited, and how.
         simulating, balancing, driving, manufacture, loads, elastic_view, identifying,
             engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
@@ -136,6 +138,7 @@ class State:
     floor_opacity: float = 0.85
     playback: Playback = field(default_factory=Playback)
     plots: PlotView = field(default_factory=PlotView)
+    point_editing: PointEditing = field(default_factory=PointEditing)
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     driving: Driving = field(default_factory=Driving)

@@ -13,7 +13,9 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import Theme, rgb
 
-BRAND = "#0b6e99"
+BRAND = {False: "#04293c", True: "#4dabdb"}
+"""What viser mixes ten shades of, by whether the ground is dark: it writes in the seventh on light
+ground and in the ninth on dark."""
 
 
 class ThemeView:
@@ -41,7 +43,7 @@ class ThemeView:
 def configure(client: viser.ClientHandle, theme: Theme) -> None:
     """Set what viser draws of the page."""
     client.gui.configure_theme(
-        control_width="large", show_logo=False, show_share_button=False, brand_color=rgb(BRAND),
+        control_width="large", show_logo=False, show_share_button=False, brand_color=rgb(BRAND[theme.dark]),
         dark_mode=theme.dark,
     )  # fmt: skip
 

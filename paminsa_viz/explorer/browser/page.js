@@ -119,6 +119,13 @@
   for (const kind of ["pointerdown", "pointerup"])
     document.addEventListener(kind, onPointer, { capture: true, signal: stopped.signal });
 
+  // --- buttons in texts ---------------------------------------------------------------------
+  // What is pressed may lie in an element that carries the message, such as a row of a table.
+  document.addEventListener("click", (event) => {
+    const found = event.target.closest?.("[data-paminsa-send]");
+    if (found) send(found.dataset.paminsaSend, found.dataset.paminsaValue);
+  }, { signal: stopped.signal });
+
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
   let reported = "";

@@ -10,8 +10,9 @@ import numpy as np
 from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.motion import points
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import motion_points, render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import rgb
@@ -113,7 +114,6 @@ class MapPicture:
         self.data, self.scales = data, scales
         self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
         self._mark(state)
-        self._caption.content = caption(state, data)
         # How finely the values are drawn is not part of what can be read off.
         if not dragging and values != self._readable:
             self._show_values(data, self._layout)
@@ -124,9 +124,15 @@ class MapPicture:
         if self.data is None or self._layout is None:
             return
         self.data = self.data.with_pose(state.document.pose)
+        layout, data = self._layout, self.data
+        found = [] if "path" not in state.layers else points.listed(state)
         self._markers.content = render(
-            "map_markers.j2", layout=self._layout, places=self._layout.positions(self.data)
-        )
+            "map_markers.j2", layout=layout, places=layout.positions(data),
+            points=[(point.name, layout.places(data, *point.pose[:2])) for point in found],
+        )  # fmt: skip
+        text = caption(state, data)
+        if text != self._caption.content:
+            self._caption.content = text
 
     def _show_values(self, data: MapData, layout: MapLayout) -> None:
         figure = cast(Any, HoverFigure(data, layout, self._name))
@@ -157,4 +163,7 @@ def caption(state: State, data: MapData) -> str:
         theta=format_value(data.theta, "rad"),
         z=format_value(data.z, "m"),
         missing=data.missing_word,
+        drawing=points.is_drawing(state),
+        message=motion_points.DRAW,
+        number=len(state.document.motion.waypoints) + 1,
     )
