@@ -43,8 +43,8 @@ class ThemeView:
 def configure(client: viser.ClientHandle, theme: Theme) -> None:
     """Set what viser draws of the page."""
     client.gui.configure_theme(
-        control_width="large", show_logo=False, show_share_button=False, brand_color=rgb(BRAND[theme.dark]),
-        dark_mode=theme.dark,
+        control_width="large", show_logo=False, show_share_button=False,
+        brand_color=rgb(BRAND[theme.dark]), dark_mode=theme.dark,
     )  # fmt: skip
 
 
