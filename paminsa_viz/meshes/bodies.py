@@ -284,6 +284,14 @@ def body_glb(body: str, geometry: Geometry, *, fine: bool = True) -> bytes:
         return part.glb(color_of(body), plain=True)
 
 
+def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
+    """Return the ground as a GLB in the world frame, light or for a dark page."""
+    if not dark:
+        return body_glb("ground", geometry, fine=False)
+    with plain_shapes():
+        return make_body("ground", geometry).renamed("dark").glb(plain=True)
+
+
 def prepare(geometry: Geometry) -> None:
     """Make and keep every body's GLB, so that no scene need wait for them; the plain ones first."""
     for fine in (False, True):

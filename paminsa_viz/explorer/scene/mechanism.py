@@ -235,6 +235,7 @@ class PointMassView:
             self._balls.visible = "mass_centers" in shown
         if self._arrows is not None:
             self._arrows.visible = "gravity" in shown
+            self._arrows.colors = linear_colors(frame.state.theme.ink)[0]
 
     def _draw_balls(self, points: PointMasses) -> None:
         centers = points.center.astype(np.float32)
