@@ -1,1 +1,1 @@
-"""From requirements to a robot: where they hold, proven workspaces, and the search for lengths."""
+"""Synthesis: from requirements to a robot."""
