@@ -164,7 +164,10 @@ def _number(text: str, value: str, unit: str | None, entry: Quantity) -> float:
     if given and given not in (_plain(ascii_unit(own)), _plain(own.text)):
         needed = ascii_unit(own) or "no unit"
         _refuse(text, f"{entry.key} is given in {needed}, not in {(unit or '')[:20]!r}")
-    return own.to_si(float(value))
+    found = own.to_si(float(value))
+    if not math.isfinite(found):
+        _refuse(text, f"a finite number is needed, not {value[:20]}")
+    return found
 
 
 def _plain(unit: str) -> str:
