@@ -140,7 +140,7 @@ def test_empty_volume_shows_the_best_pose_of_each() -> None:
     found = check_requirements(APPENDIX_4, requirements)
     assert found.over is Over.BEST
     assert [item.holds for item in found.items] == [True, True, False, True]
-    # at the center kappa is f or 1/f, f = X_1/(sqrt(2) |R_b cos theta - R_pl|); at theta = 0 that is
+    # at the center kappa is f or 1/f, f = X_1/(sqrt(2) |R_b cos theta - R_pl|); at theta = 0 it is
     # the root of 2, its largest over these headings and the least of all positions
     assert found.items[2].value == pytest.approx(math.sqrt(2), rel=1e-9)
 
