@@ -44,7 +44,7 @@ def build_tabs(
     with places["Balance"]:
         balance = BalancePanel(session, bridge)
     with places["Motion"]:
-        motion = MotionPanel(session, motions)
+        motion = MotionPanel(session, bridge, motions)
     with places["Drives"]:
         drives = Panel(session, DRIVES)
     with places["Loads"]:

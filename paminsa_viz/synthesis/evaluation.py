@@ -16,7 +16,7 @@ from paminsa_viz.synthesis import kernels
 from paminsa_viz.synthesis.case import Regime, SynthesisCase
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.region import farthest
-from paminsa_viz.synthesis.samples import Density
+from paminsa_viz.synthesis.samples import TRIAL, Density
 from paminsa_viz.synthesis.trial import Poses, Robots, Trial
 
 REFUSED = 1e9
@@ -76,7 +76,7 @@ class Evaluator:
 
     case: SynthesisCase
     regime: Regime
-    density: Density = Density()
+    density: Density = TRIAL
     tighter: tuple[float, ...] = ()
     _poses: Poses = field(init=False, repr=False)
 

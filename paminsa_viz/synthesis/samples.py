@@ -22,8 +22,8 @@ class Density:
         z: Heights.
     """
 
-    around: int = 8
-    rings: int = 3
+    around: int = 12
+    rings: int = 4
     theta: int = 5
     z: int = 5
 
@@ -36,6 +36,10 @@ class Density:
             theta=times * (self.theta - 1) + 1,
             z=times * (self.z - 1) + 1,
         )
+
+
+TRIAL = Density()
+"""How close the poses of a trial lie."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from paminsa_viz.synthesis.case import Limit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.outer import Canceled, Progress, RegimeState, search_round
-from paminsa_viz.synthesis.samples import Density
+from paminsa_viz.synthesis.samples import TRIAL
 
 FINER = 4
 """How many times closer the poses of the verification lie."""
@@ -163,7 +163,7 @@ def _verified(
 ) -> _Answer:
     """Return the best trial as the finer poses see it, searched on until it holds there."""
     coarse = Evaluator(case, state.regime)
-    finer = Evaluator(case, state.regime, Density().finer(FINER))
+    finer = Evaluator(case, state.regime, TRIAL.finer(FINER))
     tighter = np.zeros(len(case.requirements.bounds))
     for _ in range(ROUNDS_OF_REPAIR):
         best = np.array([state.best])

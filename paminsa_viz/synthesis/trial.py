@@ -19,7 +19,7 @@ from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis import kernels
 from paminsa_viz.synthesis.case import Guide, SynthesisCase
 from paminsa_viz.synthesis.region import Spans, reach_margins, spans
-from paminsa_viz.synthesis.samples import Density, Samples, sample
+from paminsa_viz.synthesis.samples import TRIAL, Density, Samples, sample
 
 SPARE = 1e-9
 """What a guide that follows is longer than the workspace takes, against rounding [m]."""
@@ -35,7 +35,7 @@ class Poses:
     """
 
     case: SynthesisCase
-    density: Density = Density()
+    density: Density = TRIAL
 
     @cached_property
     def alike(self) -> bool:
@@ -143,12 +143,12 @@ class Trial:
     def radii(self) -> Array:
         """Largest radii about z of joints 5, 8, 9 and the guides' ends over the workspace (4,) [m].
 
-        On the workspace's outline, where they are largest.
+        Those of the knees may be largest inside the workspace.
         """
         found = self.poses.over(self.case.requirements.theta)
         out = np.zeros(4)
         guide = self.geometry.guide_link_length
-        xy = found.place(found.outline, self.workspace)
+        xy = found.place(found.within, self.workspace)
         kernels.load()[2](self.mechanism, guide, xy, found.turns, self.heights(), out)
         return np.sqrt(out)
 

@@ -45,6 +45,11 @@
     return send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
   }, 200);
 
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const sendScheme = () => retry(() => send("scheme", dark.matches), 50);
+  dark.addEventListener("change", sendScheme, { signal: stopped.signal });
+  sendScheme();
+
   const shown = () => retry(() => send("shown", null), 50);
   const whenIdle = window.requestIdleCallback || ((run) => setTimeout(run, 200));
   requestAnimationFrame(() => whenIdle(shown, { timeout: 1000 }));
@@ -113,6 +118,13 @@
   };
   for (const kind of ["pointerdown", "pointerup"])
     document.addEventListener(kind, onPointer, { capture: true, signal: stopped.signal });
+
+  // --- buttons in texts ---------------------------------------------------------------------
+  // What is pressed may lie in an element that carries the message, such as a row of a table.
+  document.addEventListener("click", (event) => {
+    const found = event.target.closest?.("[data-paminsa-send]");
+    if (found) send(found.dataset.paminsaSend, found.dataset.paminsaValue);
+  }, { signal: stopped.signal });
 
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;

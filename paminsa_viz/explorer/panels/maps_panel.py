@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,10 @@ from paminsa_viz.explorer.browser.style import dock_width, is_folded
 from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
-from paminsa_viz.explorer.maps import MapStore, go_to
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.motion.points import click_map
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels import motion_points
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
@@ -257,6 +260,7 @@ class MapsPanel:
         if is_folded(session.window[0]):
             panel.minimize()
         bridge.on("click", self._click)
+        bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw the maps that are seen, and what the inputs show: the ranges of the pictures."""
@@ -267,10 +271,10 @@ class MapsPanel:
             view.draw(frame, dragging)
 
     def _click(self, data: Any) -> None:
-        """Move the robot to where a map was clicked; ``data`` comes from the page."""
+        """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""
         place = clicked_place(data)
         if place is not None:
-            self._session.dispatch("map click", lambda state: go_to(state, *place))
+            self._session.dispatch("map click", lambda state: click_map(state, *place))
 
 
 def clicked_place(data: Any) -> tuple[float, float] | None:

@@ -8,10 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_radius
 from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.meshes.frame import lift_motor_height, plinth_radius
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
 

@@ -12,13 +12,14 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
+from paminsa_viz.explorer.motion.points import click_map
 from paminsa_viz.explorer.scene.curves import Curve, thinned
 from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import State
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import contours
 from paminsa_viz.plots.map_data import MapData
@@ -150,7 +151,7 @@ class FloorMap:
     def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
         if place is not None:
-            self._dispatch("floor click", lambda state: go_to(state, *place))
+            self._dispatch("floor click", lambda state: click_map(state, *place))
 
 
 def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:

@@ -12,7 +12,7 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from paminsa_viz.meshes.frame import plinth_radius
+from paminsa_viz.dimensions.layout import plinth_radius
 from paminsa_viz.model import Geometry
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.palette import INK, rgb

@@ -170,13 +170,17 @@ register(
         default=True, shortcut="F", animated=False,
     ),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
+    Layer("points", "Points of the motion",
+          "The poses that a motion is built from: click one, then drag it",
+          "pose_handles:MotionPoints"),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",
         "escape:EscapeTwist", default=True,
     ),
     Layer(
-        "gizmo", "Platform handle", "Drag the platform in the scene", "stage:Gizmo", shortcut="G"
+        "gizmo", "Platform handle", "Drag the platform in the scene", "pose_handles:Gizmo",
+        shortcut="G",
     ),
     Layer(
         "fine", "Fine detail",

@@ -10,10 +10,10 @@ from trimesh.creation import icosphere
 from viser import ArrowsHandle, BatchedMeshHandle, LabelHandle, LineSegmentsHandle
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions.attached import payload_center
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.curves import linear_colors
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.meshes.loads import payload_center
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
 from paminsa_viz.model.leg_points import bar_length
@@ -235,6 +235,7 @@ class PointMassView:
             self._balls.visible = "mass_centers" in shown
         if self._arrows is not None:
             self._arrows.visible = "gravity" in shown
+            self._arrows.colors = linear_colors(frame.state.theme.ink)[0]
 
     def _draw_balls(self, points: PointMasses) -> None:
         centers = points.center.astype(np.float32)

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from trimesh.transformations import quaternion_matrix
 
+from paminsa_viz.dimensions.placement import place_parts
 from paminsa_viz.explorer.scene.bodies import node_name
 from paminsa_viz.meshes.bodies import body_glb
-from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.model.design import APPENDIX_4, Design
 from tests.support.samples import random_poses
 from tests.support.scene import UPPER, Scene

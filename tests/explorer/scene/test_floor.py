@@ -12,6 +12,7 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.dimensions.layout import layout, plinth_radius
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.scene import floor
@@ -19,8 +20,6 @@ from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_flo
 from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.state import RangeMode, initial_state
-from paminsa_viz.meshes.frame import plinth_radius
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.plots import map_data

@@ -15,7 +15,8 @@ from typing import Final
 
 import numpy as np
 
-from paminsa_viz.meshes import layers as at
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
 
 MAST_ANGLE: Final = float(np.radians(150.0))
@@ -129,3 +130,31 @@ def _near_guides(geometry: Geometry) -> float:
 def _rounded(height: float) -> float:
     """Return a height rounded down to a full centimeter [m]."""
     return float(np.floor(round(height * 100, 6)) / 100)
+
+
+def polar(radius: float, angle: float, height: float = 0.0) -> Array:
+    """Return the point at a radius and angle [rad] about the robot's axis, at a height [m]."""
+    return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
+
+
+def plinth_radius(geometry: Geometry) -> float:
+    """Return the radius of the plinth [m]."""
+    return layout(geometry).mast_radius + 0.115
+
+
+def cylinder_length(place: FrameLayout) -> float:
+    """Return the length of M4's cylinder with the upper knee: it takes in the whole ram [m]."""
+    return place.lift_high - place.lift_low + 0.03
+
+
+def lift_motor_base(geometry: Geometry) -> float:
+    """Return the height of the face that M4's head stands on [m]."""
+    place = layout(geometry)
+    if geometry.knee is KneeBranch.LOWER:
+        return place.column_top
+    return place.column_top + at.PLATE_OF_BRIDGE + cylinder_length(place)
+
+
+def lift_motor_height(geometry: Geometry) -> float:
+    """Return the height of the top of M4's motor [m]."""
+    return lift_motor_base(geometry) + at.LIFT_MOTOR_HEIGHT
