@@ -45,12 +45,12 @@ def _variables(theme: Theme) -> dict[str, str]:
 
 @cache
 def style_html() -> str:
-    """Return page.css with the colors of both themes, as an HTML element."""
+    """Return page.css and parts.css with the colors of both themes, as an HTML element."""
     rules = "\n".join(
         f"{root}{{{''.join(f'--pv-{name}:{color};' for name, color in _variables(theme).items())}}}"
         for root, theme in ((":root", LIGHT), (_DARK_ROOT, DARK))
     )
-    return f"<style>{rules}\n{asset('page.css')}</style>"
+    return f"<style>{rules}\n{asset('page.css')}{asset('parts.css')}</style>"
 
 
 def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
