@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from paminsa_viz.meshes import layers as at
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT
 from paminsa_viz.meshes.bodies import collar, pin
-from paminsa_viz.meshes.loads import PAYLOAD_HEIGHT
 from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import (
     ACROSS,

@@ -149,10 +149,16 @@ def toggle_difference(state: State) -> State:
     return state.updated("map_view", difference=not shows_difference(state))
 
 
-def go_to(state: State, x: float, y: float) -> State:
-    """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
+def on_map(state: State, x: float, y: float) -> tuple[float, float]:
+    """Return a position [m] at most as far out as maps show, rounded to 0.1 mm."""
     half = half_width(state.document.design.geometry)
     x, y = (round(min(max(value, -half), half), 4) + 0.0 for value in (x, y))
+    return x, y
+
+
+def go_to(state: State, x: float, y: float) -> State:
+    """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
+    x, y = on_map(state, x, y)
     return actions.move(state, x=x, y=y)
 
 

@@ -21,12 +21,10 @@ from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.theme import ThemeView
 from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.palette import rgb
 
 log = logging.getLogger(__name__)
-
-BRAND = "#0b6e99"
 
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
@@ -84,9 +82,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     session = Session(client, opening_state(design))
     bridge = Bridge(client)
     gui = client.gui
-    gui.configure_theme(
-        control_width="large", show_logo=False, show_share_button=False, brand_color=rgb(BRAND)
-    )
+    theme = ThemeView(session, bridge)
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
@@ -97,7 +93,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     with tabs.add_tab("Pose"):
         pose = Panel(session, POSE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
-    session.fast += [strip, pose]
+    session.fast += [theme, strip, pose]
     context = SceneContext(client.scene, session.dispatch, MotionStore())
 
     def build_robot() -> None:

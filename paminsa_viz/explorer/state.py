@@ -13,11 +13,13 @@ from paminsa_viz.explorer.identifying import Identifying
 from paminsa_viz.explorer.loads import LoadsState
 from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
+from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.palette import DARK, LIGHT, Theme
 from paminsa_viz.quantities.requirements import Requirements
 
 
@@ -40,6 +42,14 @@ class RangeMode(Enum):
     AUTO = "robust"
     FULL = "full"
     MANUAL = "manual"
+
+
+class Appearance(Enum):
+    """Which theme the page has."""
+
+    BROWSER = "as the browser"
+    LIGHT = "light"
+    DARK = "dark"
 
 
 @dataclass(frozen=True)
@@ -110,12 +120,15 @@ class State:
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
+        point_editing: Which of the poses that a motion is built from is edited, and how.
         simulating, balancing, driving, manufacture, loads, elastic_view, identifying,
             engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
+        appearance: Which theme the page has.
+        browser_dark: Whether the browser asks for a dark one.
     """
 
     document: Document
@@ -125,6 +138,7 @@ class State:
     floor_opacity: float = 0.85
     playback: Playback = field(default_factory=Playback)
     plots: PlotView = field(default_factory=PlotView)
+    point_editing: PointEditing = field(default_factory=PointEditing)
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     driving: Driving = field(default_factory=Driving)
@@ -136,6 +150,15 @@ class State:
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
+    appearance: Appearance = Appearance.BROWSER
+    browser_dark: bool = False
+
+    @property
+    def theme(self) -> Theme:
+        """Colors of the page; what is exported is always light."""
+        follows = self.appearance is Appearance.BROWSER
+        dark = self.browser_dark if follows else self.appearance is Appearance.DARK
+        return DARK if dark else LIGHT
 
     def updated(self, part: str, **changes: Any) -> State:
         """Return the state with other attributes of a part, such as ``"simulating.settings"``."""

@@ -19,7 +19,7 @@ from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
 from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.state import MapView, State
+from paminsa_viz.explorer.state import Appearance, MapView, State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots.ranges import LARGEST_END
 from paminsa_viz.quantities import QUANTITIES
@@ -31,6 +31,7 @@ VIEW: dict[str, Any] = {
     "plots": PlotView,
     "condition_limit": float,
     "table_at_rest": bool,
+    "appearance": Appearance,
 }
 """Parts of the state that say how it is shown, and their types."""
 

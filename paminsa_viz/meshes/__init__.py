@@ -9,9 +9,10 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from paminsa_viz.meshes.layout import FrameLayout, layout
+from paminsa_viz.dimensions.layout import FrameLayout, layout
 
 if TYPE_CHECKING:
+    from paminsa_viz.dimensions.placement import BODIES, Placement, place_parts
     from paminsa_viz.meshes.bodies import (
         STANDING,
         body_glb,
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     )
     from paminsa_viz.meshes.library import MissingMeshes, fixed_part
     from paminsa_viz.meshes.part import MeshPart
-    from paminsa_viz.meshes.placement import BODIES, Placement, place_parts
     from paminsa_viz.meshes.posed import assemble_glb
 
 __all__ = [

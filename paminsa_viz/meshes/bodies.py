@@ -1,6 +1,6 @@
 """The moving bodies, made to the design's lengths out of fixed parts and tubes.
 
-`make_body` gives any body by its name in its own frame (see `paminsa_viz.meshes.placement`);
+`make_body` gives any body by its name in its own frame (see `paminsa_viz.dimensions.placement`);
 `lengths_of` gives the lengths it depends on, so that a viewer rebuilds changed bodies only.
 """
 
@@ -15,12 +15,12 @@ import numpy as np
 import trimesh
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.layout import layout, plinth_radius, polar
+from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import frame
-from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
-from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.meshes.solids import (
     ACROSS,
     ALONG,
@@ -67,7 +67,7 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     ram = place.column_top - place.lift_low if g.knee is KneeBranch.UPPER else 0.0
     heights = (place.ground, place.mast_top, place.column_top)
     depends: dict[str, tuple[object, ...]] = {
-        "ground": (place.ground, place.mast_radius),
+        "ground": (place.ground, place.mast_radius, plinth_radius(g)),
         "base": (g.base_radius, place.mast_radius, *heights, g.knee),
         **dict.fromkeys(("m1", "m2", "m3"), (g.base_radius, g.knee)),
         "m4": (place.column_top, place.lift_high - place.lift_low, g.knee),
@@ -222,10 +222,10 @@ def carriage(base_radius: float, arm_length: float, ram: float) -> MeshPart:
         if tip - 0.02 > start:
             arm = beam(start, tip - 0.02, (0.034, 0.048), (0.021, 0.026), 0.006, 0.002)
             part.add("accent", moved(arm, rotation=spin))
-        part.join(fixed_part("arm_bearing").moved(frame.polar(tip, angle)))
+        part.join(fixed_part("arm_bearing").moved(polar(tip, angle)))
     if ram:
         top = at.CARRIAGE_HALF + ram + 0.02
-        part.add("steel", rod(frame.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 22))
+        part.add("steel", rod(at.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 22))
         part.add("body", rod(0.026, at.CARRIAGE_HALF - 0.001, at.CARRIAGE_HALF + 0.012, 0.002, 24))
         part.add("body", rod(0.026, -at.CARRIAGE_HALF - 0.004, 0.001 - at.CARRIAGE_HALF, 0.002, 24))
     return part
@@ -234,7 +234,7 @@ def carriage(base_radius: float, arm_length: float, ram: float) -> MeshPart:
 def platform(radius: float, joint_height: float) -> MeshPart:
     """Return the platform without its swivels; origin at the paper's point P of the platform."""
     top = joint_height - at.PLATE_BELOW_5
-    corners = np.array([frame.polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
+    corners = np.array([polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
     outline = rounded_polygon(corners, 0.025, 0.0, 3 if is_plain() else 8)
     part = MeshPart()
     plate = prism(outline, top - 0.010, top, 0.0016)
@@ -266,7 +266,7 @@ _MOVING_MAKERS: Final[dict[str, Callable[..., MeshPart]]] = {
 
 def leg_axis(geometry: Geometry, leg: int) -> tuple[float, float, float]:
     """Return where a leg's axis (index 0 to 2) crosses the plane of the guides [m]."""
-    x, y, _ = frame.polar(geometry.base_radius, AXIS_ANGLES[leg])
+    x, y, _ = polar(geometry.base_radius, AXIS_ANGLES[leg])
     return float(x), float(y), 0.0
 
 
@@ -282,6 +282,14 @@ def body_glb(body: str, geometry: Geometry, *, fine: bool = True) -> bytes:
     with plain_shapes():
         part = make_body(body, geometry).without_small(SMALL)
         return part.glb(color_of(body), plain=True)
+
+
+def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
+    """Return the ground as a GLB in the world frame, light or for a dark page."""
+    if not dark:
+        return body_glb("ground", geometry, fine=False)
+    with plain_shapes():
+        return make_body("ground", geometry).renamed("dark").glb(plain=True)
 
 
 def prepare(geometry: Geometry) -> None:

@@ -4,8 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
-from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, FrameLayout, layout
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.layout import (
+    MAST,
+    MAST_ANGLE,
+    FrameLayout,
+    cylinder_length,
+    layout,
+    plinth_outline,
+    plinth_radius,
+    polar,
+)
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
 from paminsa_viz.meshes.solids import (
@@ -13,6 +22,7 @@ from paminsa_viz.meshes.solids import (
     arc_beam,
     beam,
     box,
+    fan,
     flat_ring,
     loft,
     moved,
@@ -25,34 +35,19 @@ from paminsa_viz.meshes.solids import (
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 
-_ROUND = 2 * np.pi * np.arange(72) / 72
-"""Corners of the plinth, fine or plain: nothing else is so large [rad]."""
-
-CYLINDER_RADIUS = 0.034
-RAM_RADIUS = 0.016
-PLATE_OF_BRIDGE = 0.012
-
 FLIP = turn("y", np.pi)
 """Turns the base plate over; it keeps the three leg directions where they are."""
 
 
-def polar(radius: float, angle: float, height: float = 0.0) -> Array:
-    """Return the point at a radius and angle [rad] about the robot's axis, at a height [m]."""
-    return np.array([radius * np.cos(angle), radius * np.sin(angle), height])
-
-
-def plinth_radius(geometry: Geometry) -> float:
-    """Return the radius of the plinth [m]."""
-    return layout(geometry).mast_radius + 0.115
-
-
 def ground(geometry: Geometry) -> MeshPart:
-    """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
-    radius = plinth_radius(geometry)
+    """Return the plinth the machine stands on; its upper face is the ground. World frame."""
+    radius, outline = plinth_radius(geometry), plinth_outline(geometry)
     top = layout(geometry).ground
-    part = MeshPart().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
-    rim = [np.array([polar(radius, a, h) for a in _ROUND]) for h in (top - 0.020, top - 0.0015)]
-    part.add("rim", loft(rim))
+    low, high = (
+        np.column_stack([outline, np.full(len(outline), h)]) for h in (top - 0.020, top - 0.0015)
+    )
+    part = MeshPart().add("floor", fan(outline * (1 - 0.002 / radius), top))
+    part.add("rim", loft([low, high]))
     # Circles every 0.2 m for scale; they protrude by less than the images on the floor.
     for line in np.arange(0.2, radius - 0.05, 0.2):
         part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))
@@ -88,24 +83,12 @@ def lift(geometry: Geometry) -> MeshPart:
     place = layout(geometry)
     if geometry.knee is KneeBranch.LOWER:
         return fixed_part("lift_motor").moved((0.0, 0.0, place.column_top))
-    foot = place.column_top + PLATE_OF_BRIDGE
-    top = foot + _cylinder_length(place)
+    foot = place.column_top + at.PLATE_OF_BRIDGE
+    top = foot + cylinder_length(place)
     part = fixed_part("lift_foot").moved((0.0, 0.0, foot - 0.002))
-    part.add("frame", rod(CYLINDER_RADIUS, foot, top, 0.002, 32))
-    part.add("accent", tube(0.03, CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 32))
+    part.add("frame", rod(at.CYLINDER_RADIUS, foot, top, 0.002, 32))
+    part.add("accent", tube(0.03, at.CYLINDER_RADIUS + 0.0015, top - 0.02, top - 0.010, 0.001, 32))
     return part.join(fixed_part("lift_motor").moved((0.0, 0.0, top)))
-
-
-def lift_motor_height(geometry: Geometry) -> float:
-    """Return the height of the top of M4's motor [m]."""
-    place = layout(geometry)
-    stand = 0.0 if geometry.knee is KneeBranch.LOWER else _cylinder_length(place) + PLATE_OF_BRIDGE
-    return place.column_top + stand + 0.104
-
-
-def _cylinder_length(place: FrameLayout) -> float:
-    """Return the length of M4's cylinder with the upper knee: it takes in the whole ram [m]."""
-    return place.lift_high - place.lift_low + 0.03
 
 
 def _base_plate(geometry: Geometry) -> MeshPart:
@@ -187,6 +170,6 @@ def _column(place: FrameLayout) -> MeshPart:
 
 def _bridge(place: FrameLayout) -> MeshPart:
     """The arm over the robot with the upper knee, which carries M4."""
-    low, high = place.column_top, place.column_top + PLATE_OF_BRIDGE
-    part = MeshPart().add("frame", tube(RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
+    low, high = place.column_top, place.column_top + at.PLATE_OF_BRIDGE
+    part = MeshPart().add("frame", tube(at.RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
     return part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import trimesh
 
+from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import bodies, loads
 from paminsa_viz.meshes.library import Z_UP, fixed_part
 from paminsa_viz.meshes.loads import counterweight
 from paminsa_viz.meshes.part import add_part, glb_bytes
-from paminsa_viz.meshes.placement import BODIES, place_parts
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
 
@@ -19,7 +19,7 @@ def assemble_glb(design: Design, configuration: Configuration, *, ground: bool =
     """Return the posed robot as a GLB with one named node for each body.
 
     Lengths are in meters and y is up, as glTF wants: the node "paminsa" turns the base frame, in
-    which z is up. Below it each body is a node named as in `paminsa_viz.meshes.placement`
+    which z is up. Below it each body is a node named as in `paminsa_viz.dimensions.placement`
     (``leg1_b3`` for ``leg1/b3``), whose children are its meshes by material, and its counterweights
     (``leg1_b3_weight1``). The file's scene carries the pose and the design's name as extras.
 

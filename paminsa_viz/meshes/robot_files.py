@@ -22,12 +22,12 @@ from scipy.spatial.transform import Rotation
 from trimesh.exchange.obj import export_obj
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions.placement import place_parts
 from paminsa_viz.engines.mechanism import LIFT, PLATFORM
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import bodies, loads
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import ACCENT, SURFACES, MeshPart
-from paminsa_viz.meshes.placement import place_parts
 from paminsa_viz.meshes.solids import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.kinematics import Configuration
@@ -40,7 +40,7 @@ _CARRIERS: Final = {
     "guide": "B10", "shaft": "B2", "slider": "slider", "b3": "B3", "b4": "B4", "b7": "B7",
     "b8": "B8",
 }  # fmt: skip
-"""Bodies of a leg in `paminsa_viz.meshes.placement`, and the MuJoCo bodies that carry them."""
+"""Bodies of a leg in `paminsa_viz.dimensions.placement`, and the MuJoCo bodies that carry them."""
 
 
 def robot_files(text: str, design: Design, configuration: Configuration) -> dict[str, bytes]:

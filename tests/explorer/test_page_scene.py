@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer import actions
-from paminsa_viz.meshes.layout import layout
 from tests.support.chromium import Tab, until
 
 pytestmark = pytest.mark.browser

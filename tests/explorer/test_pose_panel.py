@@ -9,9 +9,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.panels.pose_panel import GRAIN, POSE, heights, holding, pose_limits
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import APPENDIX_4, KneeBranch, check_reach
 from paminsa_viz.model.reach import home_pose
 from tests.support.desk import Desk

@@ -13,7 +13,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz import palette
-from paminsa_viz.meshes import layers as at
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes.bodies import (
     SMALL,
     STANDING,
@@ -23,7 +24,6 @@ from paminsa_viz.meshes.bodies import (
     make_body,
 )
 from paminsa_viz.meshes.part import ACCENT, SURFACES, srgb_to_linear
-from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.meshes.solids import is_plain, plain_shapes
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from tests.support.samples import random_design, with_knee

@@ -8,11 +8,11 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.layout import layout
+from paminsa_viz.dimensions.placement import BODIES, place_parts
 from paminsa_viz.meshes import bodies, frame, library
-from paminsa_viz.meshes import layers as at
 from paminsa_viz.meshes.bodies import STANDING, make_body
-from paminsa_viz.meshes.layout import layout
-from paminsa_viz.meshes.placement import BODIES, place_parts
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from tests.meshes.make_parts import script

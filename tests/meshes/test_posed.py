@@ -11,13 +11,13 @@ import pytest
 import trimesh
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions.attached import LOAD_DENSITY, PAYLOAD_HEIGHT
+from paminsa_viz.dimensions.layout import layout
+from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.meshes import assemble_glb
 from paminsa_viz.meshes.bodies import STANDING
-from paminsa_viz.meshes.layout import layout
-from paminsa_viz.meshes.loads import LOAD_DENSITY, PAYLOAD_HEIGHT
 from paminsa_viz.meshes.part import srgb_to_linear
-from paminsa_viz.meshes.placement import BODIES
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 

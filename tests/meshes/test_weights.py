@@ -12,16 +12,11 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.attached import STEEL, disc_radius, place_along
+from paminsa_viz.dimensions.placement import place_parts
 from paminsa_viz.meshes import assemble_glb
-from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.loads import (
-    STEEL,
-    clearance_text,
-    counterweight,
-    disc_radius,
-    place_along,
-)
-from paminsa_viz.meshes.placement import place_parts
+from paminsa_viz.meshes.loads import clearance_text, counterweight
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import inverse_kinematics
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight

@@ -1,51 +1,39 @@
-"""Random robots of both regimes, and boxes of poses that they can take."""
+"""Requirements that the tests of this folder share, and what any list of poses says of them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Any
+import math
 
 import numpy as np
-from hypothesis import strategies as st
+from numpy.typing import NDArray
 
-from paminsa_viz.model import Design, KneeBranch, LoadCase, LoadFrame, check_reach
-from paminsa_viz.model.reach import home_pose
-from tests.support.samples import random_design
+from paminsa_viz.model import Design
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.reach import check_reach
+from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.model.statics import static_torques
+from paminsa_viz.quantities.requirement_text import parse_requirement
+from paminsa_viz.quantities.requirements import Requirements
 
-
-@st.composite
-def robots(draw: st.DrawFn) -> Design:
-    """Draw a robot with either knee, R_pl below or above R_b, with or without a load."""
-    rng = np.random.default_rng(draw(st.integers(0, 2**16)))
-    design = random_design(rng)
-    g = replace(design.geometry, knee=draw(st.sampled_from(KneeBranch)))
-    if draw(st.booleans()):
-        g = replace(g, base_radius=g.platform_radius, platform_radius=g.base_radius)
-    load = LoadCase()
-    if draw(st.booleans()):
-        numbers = rng.uniform(-20.0, 20.0, 6).tolist(), rng.uniform(-0.2, 0.2, 3).tolist()
-        load = LoadCase(*numbers[0], *numbers[1], draw(st.sampled_from(LoadFrame)))
-    return replace(design, geometry=g, load=load)
+TURN = math.radians(30.0)
 
 
-def boxes(design: Design, seed: int, n: int, widest: float = 0.03) -> tuple[Any, Any]:
-    """Return centers and half widths, (n, 4), of boxes of all sizes; the centers are reachable."""
-    rng = np.random.default_rng(seed)
-    g = design.geometry
-    size = abs(g.base_radius - g.platform_radius)
-    middle = home_pose(g) + rng.uniform(-1, 1, (40 * n, 4)) * [
-        size,
-        size,
-        0.6,
-        0.5 * g.crank_length,
-    ]
-    middle = middle[check_reach(g, middle).ok][:n]
-    width = widest * size * 10.0 ** rng.uniform(-6, 0, (len(middle), 1))
-    half = width * rng.uniform(0.1, 1, (len(middle), 4)) / [1, 1, size, 1]
-    return middle, np.where(rng.random(half.shape) < 0.1, 0.0, half)
+def needs(*texts: str, theta: tuple[float, float] = (-TURN, TURN)) -> Requirements:
+    """Return requirements by their texts."""
+    return Requirements(tuple(map(parse_requirement, texts)), theta)
 
 
-def poses_of_boxes(middle: Any, half: Any, seed: int) -> Any:
-    """Return a random pose of each box (n, 4), often on its faces."""
-    rng = np.random.default_rng(seed)
-    return middle + half * np.clip(rng.uniform(-1.5, 1.5, middle.shape), -1, 1)
+def met(
+    design: Design, poses: Array, condition: float, torque: float, lift: float
+) -> NDArray[np.bool_]:
+    """Say from the pointwise functions where three bounds hold, and no singularity is passed."""
+    found = measure_singularity(design.geometry, poses)
+    torques = static_torques(design, poses)
+    with np.errstate(invalid="ignore"):
+        return (
+            check_reach(design.geometry, poses).ok
+            & (found.rotation_distance > 0.0)
+            & (found.condition <= condition)
+            & (np.abs(torques[..., :3]).max(axis=-1) <= torque)
+            & (torques[..., 3] <= lift)
+        )

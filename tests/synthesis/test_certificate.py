@@ -29,7 +29,7 @@ from paminsa_viz.synthesis.certificate import prove
 from paminsa_viz.synthesis.evidence import Proof, Verdict
 from paminsa_viz.synthesis.families import Method
 from paminsa_viz.synthesis.pose_search import random_poses
-from tests.synthesis.robots import robots
+from tests.synthesis.certificate_robots import robots
 
 TURN = math.radians(30)
 BOUNDS = (

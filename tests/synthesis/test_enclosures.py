@@ -27,7 +27,7 @@ from paminsa_viz.synthesis.enclosures import (
     static_ranges,
     static_terms,
 )
-from tests.synthesis.robots import boxes, poses_of_boxes, robots
+from tests.synthesis.certificate_robots import boxes, poses_of_boxes, robots
 
 SEEDS = st.integers(0, 2**16)
 

@@ -12,7 +12,7 @@ from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singula
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.pose_search import freedom, from_unit, lowest, random_poses
 from paminsa_viz.synthesis.region_margins import Region, leg_distances, region_margins
-from tests.synthesis.robots import robots
+from tests.synthesis.certificate_robots import robots
 
 LENGTHS = st.floats(0.0, 0.3)
 PLACES = st.floats(-0.4, 0.4)

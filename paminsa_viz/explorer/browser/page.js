@@ -45,6 +45,11 @@
     return send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
   }, 200);
 
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const sendScheme = () => retry(() => send("scheme", dark.matches), 50);
+  dark.addEventListener("change", sendScheme, { signal: stopped.signal });
+  sendScheme();
+
   const shown = () => retry(() => send("shown", null), 50);
   const whenIdle = window.requestIdleCallback || ((run) => setTimeout(run, 200));
   requestAnimationFrame(() => whenIdle(shown, { timeout: 1000 }));
@@ -114,6 +119,13 @@
   for (const kind of ["pointerdown", "pointerup"])
     document.addEventListener(kind, onPointer, { capture: true, signal: stopped.signal });
 
+  // --- buttons in texts ---------------------------------------------------------------------
+  // What is pressed may lie in an element that carries the message, such as a row of a table.
+  document.addEventListener("click", (event) => {
+    const found = event.target.closest?.("[data-paminsa-send]");
+    if (found) send(found.dataset.paminsaSend, found.dataset.paminsaValue);
+  }, { signal: stopped.signal });
+
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
   let reported = "";
@@ -175,6 +187,22 @@
     drawCursor();
   };
 
+  // --- legend of the 3D view ----------------------------------------------------------------
+  const showLegend = (html) => retry(() => {
+    const place = viewer().canvas?.parentElement;
+    if (!place) return false;
+    let box = document.querySelector(".pv-legend");
+    if (!box) {
+      box = document.createElement("div");
+      box.className = "pv-legend";
+      box.setAttribute("role", "note");
+      box.setAttribute("aria-label", "Legend of the 3D view");
+      place.appendChild(box);
+    }
+    box.innerHTML = html;
+    return true;
+  }, 200);
+
   // --- rendering on demand ------------------------------------------------------------------
   // viser draws the scene over and over for a quarter of a second after every change. Without a
   // graphics card that takes all of a machine, and the next change has to wait. Then the scene is
@@ -232,5 +260,5 @@
     stopped.abort();
     timers.forEach(clearInterval);
   };
-  window.paminsa = { stop, send, save, showTime, renderOnDemand };
+  window.paminsa = { stop, send, save, showTime, showLegend, renderOnDemand };
 }

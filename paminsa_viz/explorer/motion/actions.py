@@ -63,9 +63,10 @@ def choose_preset(state: State, key: str) -> State:
 
 
 def choose_kind(state: State, kind: Kind) -> State:
-    """Choose to build a motion."""
+    """Choose to build a motion; the poses it is built from are shown."""
     timing = state.document.motion.timing
     timing = Timing.GIVEN if timing is Timing.OWN else timing
+    state = replace(state, layers=state.layers | {"points"})
     return from_start(change(state, kind=kind, timing=timing))
 
 
@@ -81,9 +82,9 @@ def limit(state: State, name: str, value: float) -> State:
 
 
 def current_pose(state: State) -> Pose:
-    """Return the pose of the robot, to the micrometer."""
-    x, y, theta, z = (round(value, 6) + 0.0 for value in state.last_reachable.pose)
-    return (x, y, theta, z)
+    """Return the pose of the robot, to the micrometer; theta as it is."""
+    x, y, theta, z = state.last_reachable.pose
+    return (round(x, 6) + 0.0, round(y, 6) + 0.0, theta, round(z, 6) + 0.0)
 
 
 def start_here(state: State) -> State:
@@ -112,23 +113,6 @@ def swap_ends(state: State) -> State:
 def center_here(state: State) -> State:
     """Put the circle's center at the robot's pose."""
     return change(state, center=current_pose(state))
-
-
-def add_waypoint(state: State) -> State:
-    """Add the pose of the robot to the waypoints.
-
-    Raises:
-        InvalidInput: If it is the last one again, or there are too many.
-    """
-    way, pose = state.document.motion.waypoints, current_pose(state)
-    if way and way[-1] == pose:
-        raise InvalidInput("waypoints", "the robot is at the last one; move it first")
-    return change(state, waypoints=(*way, pose))
-
-
-def remove_waypoint(state: State) -> State:
-    """Forget the last waypoint."""
-    return change(state, waypoints=state.document.motion.waypoints[:-1])
 
 
 def use_table(state: State, table: Trajectory) -> State:

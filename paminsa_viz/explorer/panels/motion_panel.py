@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from viser import Icon
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import Button, Condition, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
@@ -32,7 +35,7 @@ from paminsa_viz.explorer.motion.jobs import (
     run,
 )
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import motion_points, render
 from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
@@ -237,8 +240,9 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
 class MotionPanel(Panel):
     """The entries of the tab, and the job that simulates."""
 
-    def __init__(self, session: Session, store: MotionStore) -> None:
+    def __init__(self, session: Session, bridge: Bridge, store: MotionStore) -> None:
         super().__init__(session, motion_entries(store))
+        bridge.on(motion_points.SELECT, partial(motion_points.receive_row, session))
         self._job: BackgroundJob[SimulationJob, SimulationOutcome] = BackgroundJob(
             session, "simulation", lambda job, _: run(job), motions.receive_simulation,
             failed=lambda job, problem: SimulationOutcome(job, None, problem),

@@ -7,13 +7,13 @@ from math import ceil, floor
 
 import numpy as np
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.entries import ButtonGroup, Html, Run
 from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.state import State
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
 from paminsa_viz.model.reach import MARGINS, home_pose, workspace_radius

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from viser import MeshHandle
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.frame import lift_motor_height
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.kinematics import AXIS_ANGLES

@@ -13,12 +13,13 @@ from typing import Any, Final
 import numpy as np
 from viser import FrameHandle, GlbHandle
 
+from paminsa_viz.dimensions import attached
+from paminsa_viz.dimensions.placement import about_z, elevated
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.meshes import bodies as shapes
 from paminsa_viz.meshes import loads
 from paminsa_viz.meshes.loads import counterweight_glb
-from paminsa_viz.meshes.placement import about_z, elevated
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import Configuration
@@ -150,10 +151,10 @@ class Bodies:
         name, mass = f"{node_name('platform')}/payload", design.payload.mass
         if mass > 0:
             node = self._put(name, loads.payload_glb())
-            node.position = loads.payload_offset(design.geometry)
+            node.position = attached.payload_offset(design.geometry)
             over = design.geometry.knee is KneeBranch.UPPER
             node.wxyz = (0.0, 1.0, 0.0, 0.0) if over else (1.0, 0.0, 0.0, 0.0)
-            node.scale = loads.payload_scale(mass)
+            node.scale = attached.payload_scale(mass)
         if name in self._nodes:
             self._nodes[name].visible = mass > 0
 

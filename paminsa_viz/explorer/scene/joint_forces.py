@@ -10,6 +10,7 @@ from trimesh.creation import cylinder
 from viser import ArrowsHandle, BatchedMeshHandle, LabelHandle
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions.layers import LAYER, SHAFT_RADIUS, TUBE_RADIUS
 from paminsa_viz.elastostatics.joint_forces import JOINTS, JointForces
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.loads import bars_at, forces_at, instant
@@ -18,7 +19,6 @@ from paminsa_viz.explorer.scene.forces import BAR, force_scale, scale_text
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.explorer.scene.mechanism import sticks
 from paminsa_viz.explorer.scene.path import PathScale, hue_colors
-from paminsa_viz.meshes.layers import LAYER, SHAFT_RADIUS, TUBE_RADIUS
 from paminsa_viz.model import Limit
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.elastic import BARS
@@ -97,6 +97,8 @@ class JointForceView:
                     self._draw_arrows(forces, frame.configuration)
                 if "utilization" in shown:
                     self._draw_sleeves(bars_at(at)[1], frame.configuration)
+        if self._arrows is not None:
+            self._arrows.colors = linear_colors(state.theme.ink)[0]
         for key, nodes in (
             ("joint_forces", (self._arrows, self._labels.get("joint_forces"))),
             ("utilization", (self._sleeves, self._labels.get("utilization"))),

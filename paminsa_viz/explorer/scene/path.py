@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from viser import LineSegmentsHandle
 
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
 from paminsa_viz.explorer.scene.curves import Curve, linear_colors, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.meshes.layout import layout
 from paminsa_viz.palette import BAD, INK
 from paminsa_viz.plots import colors
 from paminsa_viz.trajectory import TrajectoryAnalysis

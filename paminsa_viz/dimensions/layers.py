@@ -67,3 +67,13 @@ ROD_ANGLES: Final = tuple(np.radians([30.0, 150.0, 270.0]))
 ROD_CIRCLE: Final = 0.0285
 ROD_RADIUS: Final = 0.0055
 SCREW_RADIUS: Final = 0.0075
+
+CYLINDER_RADIUS: Final = 0.034
+"""Outside of M4's cylinder, which takes in the ram with the upper knee."""
+
+RAM_RADIUS: Final = 0.016
+PLATE_OF_BRIDGE: Final = 0.012
+"""Thickness of the plate under M4's cylinder."""
+
+LIFT_MOTOR_HEIGHT: Final = 0.104
+"""Height of M4's head: end plate, coupling and motor."""

@@ -1,7 +1,7 @@
 """Where each body of the robot is in a configuration: positions and quaternions, batched.
 
 Bodies and their frames, for leg k = 1, 2, 3 (all origins lie on the leg plane; bars are drawn at
-their own offset across it, see `paminsa_viz.meshes.layers`):
+their own offset across it, see `paminsa_viz.dimensions.layers`):
 
 | body | origin | axes |
 |---|---|---|

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.meshes import layers as at
-from paminsa_viz.meshes.layout import MAST, MAST_ANGLE, layout
+from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.layout import MAST, MAST_ANGLE, layout
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES, inverse_kinematics
 from tests.support.samples import random_design, random_poses, with_knee

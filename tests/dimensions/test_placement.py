@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.meshes.placement import BODIES, Placement, about_z, elevated, place_parts
+from paminsa_viz.dimensions.placement import BODIES, Placement, about_z, elevated, place_parts
 from paminsa_viz.model.design import APPENDIX_4, Geometry, KneeBranch
 from paminsa_viz.model.kinematics import Configuration, inverse_kinematics
 from tests.support.samples import random_design, random_poses, with_knee
