@@ -57,5 +57,5 @@ def test_example_runs_and_prints_its_result(script, tmp_path, monkeypatch, capsy
     runpy.run_path(str(script), run_name="__main__")
     assert re.search(PRINTED.get(script.stem, ""), capsys.readouterr().out)
     assert {path.name for path in tmp_path.iterdir()} == WRITTEN.get(script.stem, set())
-    assert all(path.stat().st_size > 10_000 for path in tmp_path.iterdir())
+    assert all(path.stat().st_size > 4_000 for path in tmp_path.iterdir())
     assert len(script.read_text().splitlines()) <= 45

@@ -23,6 +23,7 @@ from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
+from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.tab_store import TabStore
 
@@ -39,7 +40,8 @@ def build_tabs(
         context: What the layers of the scene are made with.
     """
     motions = context.motions or MotionStore()
-    maps = MapsPanel(session, bridge, motions)
+    legend = SceneLegend(bridge)
+    maps = MapsPanel(session, bridge, motions, legend)
     with places["Design"]:
         design = Panel(session, DESIGN)
     with places["Balance"]:
@@ -64,6 +66,6 @@ def build_tabs(
         files = Panel(session, FILE)
         bridge.on(EXAMPLE, partial(receive_example, session))
     session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
-    floor = build_views(replace(context, maps=maps.store), animated=False)
-    session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
+    floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
+    session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
     register_commands(session)

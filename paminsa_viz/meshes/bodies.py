@@ -16,7 +16,7 @@ import trimesh
 
 from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
-from paminsa_viz.dimensions.layout import layout, polar
+from paminsa_viz.dimensions.layout import layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import frame
 from paminsa_viz.meshes.library import fixed_part
@@ -67,7 +67,7 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     ram = place.column_top - place.lift_low if g.knee is KneeBranch.UPPER else 0.0
     heights = (place.ground, place.mast_top, place.column_top)
     depends: dict[str, tuple[object, ...]] = {
-        "ground": (place.ground, place.mast_radius),
+        "ground": (place.ground, place.mast_radius, plinth_radius(g)),
         "base": (g.base_radius, place.mast_radius, *heights, g.knee),
         **dict.fromkeys(("m1", "m2", "m3"), (g.base_radius, g.knee)),
         "m4": (place.column_top, place.lift_high - place.lift_low, g.knee),

@@ -7,6 +7,7 @@ the work is done. `search_geometry` looks for better lengths.
 
 from __future__ import annotations
 
+from paminsa_viz.model.resizing import resized
 from paminsa_viz.studies.executors import Workers, cluster, here, processes
 from paminsa_viz.studies.geometry_search import (
     SearchProgress,
@@ -23,7 +24,7 @@ from paminsa_viz.studies.metrics import (
     measure_design,
     measure_motion,
 )
-from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure, resized
+from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
 from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks

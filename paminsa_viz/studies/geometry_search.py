@@ -16,8 +16,9 @@ import numpy as np
 from paminsa_viz.errors import InvalidDesign, InvalidInput
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
+from paminsa_viz.model.resizing import resized
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure, resized
+from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult

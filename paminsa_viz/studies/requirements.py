@@ -1,8 +1,7 @@
-"""BoxRequirements on a box of poses, a robot's measures over it, and robots of other lengths."""
+"""Requirements on a box of poses, and a robot's measures over it."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +12,6 @@ from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.grids import ROTARY_TORQUES, WRENCH_TORQUES
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.model.leg_points import bar_length
 from paminsa_viz.model.load import generalized_force
 from paminsa_viz.model.reach import LEAST_MARGIN
 from paminsa_viz.model.singularity import DEXTERITY, singular_radius, singular_rotation
@@ -21,9 +19,6 @@ from paminsa_viz.model.statics import static_imbalance
 
 FINER = 3
 """How many times closer the poses of the last check lie."""
-
-TUBES = ("b3", "b4", "b7", "b8")
-"""Bars whose mass may follow their length."""
 
 Pose = tuple[float, float, float, float]
 
@@ -128,32 +123,3 @@ def measure(design: Design, needs: BoxRequirements) -> Measures:
         radius_clearance=float(singular_radius(g, min(least, np.pi))) - far,
         turn_clearance=float(np.nan_to_num(singular_rotation(g), nan=np.inf) - corners[:, 2].max()),
     )
-
-
-def resized(design: Design, values: Mapping[str, float], *, scale_bars: bool = True) -> Design:
-    """Return the design with other lengths.
-
-    Args:
-        design: The design.
-        values: Lengths by path.
-        scale_bars: Whether the bars B3, B4, B7, B8 and the guide link B10 keep their cross section:
-            mass and axial inertia grow with the length, transverse inertia with its cube.
-
-    Raises:
-        InvalidDesign: If the lengths make no robot.
-    """
-    changed = design.vary(dict(values))
-    if not scale_bars:
-        return changed
-    powers = {"links.b10": 1, "inertias.b10_vertical": 3}
-    for bar in TUBES:
-        powers |= {f"links.{bar}": 1, f"inertias.{bar}_axial": 1, f"inertias.{bar}_transverse": 3}
-    ratios = {
-        bar: bar_length(changed.geometry, bar) / bar_length(design.geometry, bar) for bar in TUBES
-    }
-    ratios["b10"] = changed.geometry.guide_link_length / design.geometry.guide_link_length
-    numbers: dict[str, float | None] = {}
-    for path, power in powers.items():
-        bar = path.partition(".")[2].partition("_")[0]
-        numbers[path] = ratios[bar] ** power * design.value(path)
-    return changed.vary(numbers)

@@ -1,1 +1,43 @@
-"""Synthesis: from requirements to a robot."""
+"""From requirements to a robot.
+
+A `SynthesisCase` says what is required over which workspace, what may be changed and what is to be
+least; `synthesize` looks for the robot.
+"""
+
+from paminsa_viz.synthesis.case import (
+    DIMENSIONS,
+    Effort,
+    Guide,
+    Limit,
+    Regime,
+    SearchRange,
+    SynthesisCase,
+)
+from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objective
+from paminsa_viz.synthesis.outer import Progress, RegimeState
+from paminsa_viz.synthesis.samples import Density
+from paminsa_viz.synthesis.search import Outcome, SynthesisResult, synthesize
+from paminsa_viz.synthesis.trial import Trial
+
+__all__ = [
+    "DIMENSIONS",
+    "OBJECTIVES",
+    "Density",
+    "Effort",
+    "Evaluation",
+    "Evaluator",
+    "Guide",
+    "Limit",
+    "Objective",
+    "Outcome",
+    "Progress",
+    "Regime",
+    "RegimeState",
+    "SearchRange",
+    "SynthesisCase",
+    "SynthesisResult",
+    "Trial",
+    "find_objective",
+    "synthesize",
+]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.balancing.convex import ConvexTerm, MaxAbs
 from paminsa_viz.errors import InvalidInput, PaminsaError
@@ -57,6 +58,15 @@ class InnerInfeasible(PaminsaError):
         super().__init__(reason)
 
 
+def within(bound: Requirement, pose: Array) -> NDArray[np.intp]:
+    """Return which poses (n, 4) are among a bound's headings and heights, their indices."""
+    inside = np.ones(len(pose), bool)
+    for axis, limits in ((2, bound.theta), (3, bound.z)):
+        if limits is not None:
+            inside &= (limits[0] - EDGE <= pose[:, axis]) & (pose[:, axis] <= limits[1] + EDGE)
+    return np.flatnonzero(inside)
+
+
 def limits_at_rest(space: InnerSpace, bound: Requirement, pose: Array) -> list[InnerLimit]:
     """Return a bound on torques at rest as limits of the program.
 
@@ -70,10 +80,7 @@ def limits_at_rest(space: InnerSpace, bound: Requirement, pose: Array) -> list[I
         InvalidInput: If none is among the bound's headings and heights.
     """
     pose = as_vectors(pose, "pose").reshape(-1, 4)
-    for axis, range_ in ((2, bound.theta), (3, bound.z)):
-        if range_ is not None:
-            low, high = range_[0] - EDGE, range_[1] + EDGE
-            pose = pose[(low <= pose[:, axis]) & (pose[:, axis] <= high)]
+    pose = pose[within(bound, pose)]
     if not len(pose):
         raise InvalidInput(bound.quantity, "there is no pose at which it has to hold")
     matrix, offset = static_rows(space, pose)

@@ -187,6 +187,22 @@
     drawCursor();
   };
 
+  // --- legend of the 3D view ----------------------------------------------------------------
+  const showLegend = (html) => retry(() => {
+    const place = viewer().canvas?.parentElement;
+    if (!place) return false;
+    let box = document.querySelector(".pv-legend");
+    if (!box) {
+      box = document.createElement("div");
+      box.className = "pv-legend";
+      box.setAttribute("role", "note");
+      box.setAttribute("aria-label", "Legend of the 3D view");
+      place.appendChild(box);
+    }
+    box.innerHTML = html;
+    return true;
+  }, 200);
+
   // --- rendering on demand ------------------------------------------------------------------
   // viser draws the scene over and over for a quarter of a second after every change. Without a
   // graphics card that takes all of a machine, and the next change has to wait. Then the scene is
@@ -244,5 +260,5 @@
     stopped.abort();
     timers.forEach(clearInterval);
   };
-  window.paminsa = { stop, send, save, showTime, renderOnDemand };
+  window.paminsa = { stop, send, save, showTime, showLegend, renderOnDemand };
 }

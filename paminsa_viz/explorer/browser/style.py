@@ -45,12 +45,13 @@ def _variables(theme: Theme) -> dict[str, str]:
 
 @cache
 def style_html() -> str:
-    """Return page.css and parts.css with the colors of both themes, as an HTML element."""
+    """Return the style sheets with the colors of both themes, as an HTML element."""
     rules = "\n".join(
         f"{root}{{{''.join(f'--pv-{name}:{color};' for name, color in _variables(theme).items())}}}"
         for root, theme in ((":root", LIGHT), (_DARK_ROOT, DARK))
     )
-    return f"<style>{rules}\n{asset('page.css')}{asset('parts.css')}</style>"
+    sheets = "\n".join(asset(name) for name in ("page.css", "parts.css", "view.css"))
+    return f"<style>{rules}\n{sheets}</style>"
 
 
 def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -24,6 +24,7 @@ from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
+from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput
@@ -232,7 +233,9 @@ class MapsPanel:
         store: Where the maps come from; the floor map can share it.
     """
 
-    def __init__(self, session: Session, bridge: Bridge, motions: MotionStore) -> None:
+    def __init__(
+        self, session: Session, bridge: Bridge, motions: MotionStore, legend: SceneLegend
+    ) -> None:
         client = session.client
         self._session = session
         self.store = MapStore()
@@ -254,7 +257,7 @@ class MapsPanel:
         with motion_tab:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            self.export = Panel(session, export_entries(self.store))
+            self.export = Panel(session, export_entries(self.store, lambda: legend.shown))
         panel.dock_left()
         panel.set_width(width)
         if is_folded(session.window[0]):

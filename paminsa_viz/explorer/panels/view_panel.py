@@ -10,7 +10,7 @@ from typing import Any
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import perform
-from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Run
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Html, Run
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
@@ -25,6 +25,7 @@ WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
 def view_entries() -> tuple[Entry, ...]:
     """Return the entries of the tab for the layers that are registered."""
     return (
+        Html("layers", content=lambda _: '<span class="pv-layers"></span>'),
         _cameras("camera", "Camera", WHOLE),
         _cameras("camera.leg", "Face leg", LEGS),
         Dropdown(
