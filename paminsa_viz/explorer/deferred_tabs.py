@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.bindings import Panel
@@ -14,7 +15,7 @@ from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
-from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.file_panel import EXAMPLE, FILE, receive_example
 from paminsa_viz.explorer.panels.identify_panel import identify_entries
 from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
@@ -63,6 +64,7 @@ def build_tabs(
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
+        bridge.on(EXAMPLE, partial(receive_example, session))
     session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]

@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
+from paminsa_viz.explorer.balancing.spring_settings import Springing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.identifying import Identifying
@@ -121,7 +122,7 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulating, balancing, driving, manufacture, loads, elastic_view, identifying,
+        simulating, balancing, springing, driving, manufacture, loads, elastic_view, identifying,
             engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
@@ -141,6 +142,7 @@ class State:
     point_editing: PointEditing = field(default_factory=PointEditing)
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
+    springing: Springing = field(default_factory=Springing)
     driving: Driving = field(default_factory=Driving)
     manufacture: Manufacture = field(default_factory=Manufacture)
     loads: LoadsState = field(default_factory=LoadsState)
