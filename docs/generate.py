@@ -125,11 +125,11 @@ def design_file() -> str:
         "gear_ratio = 100.0\nefficiency = 0.8\nrated_torque_Nm = 0.32\npeak_torque_Nm = 0.95\n"
         "envelope = [[0, 0.95], [314, 0.95], [628, 0.4]]\n```",
         "## [[requirements]]",
-        "What the robot is needed for, none in Appendix 4: a bound on a quantity, the table repeated "
-        "for each. `quantity` is its name as `map --quantity` has it; `min` and `max` end in its SI "
-        "unit, such as `max_Nm`, and one of them is needed. `theta_min_rad`, `theta_max_rad` and "
-        "`z_min_m`, `z_max_m` are headings and heights over which it holds; left out, all those "
-        "that are required. See [Requirements](requirements.md).",
+        "What the robot is needed for, none in Appendix 4: a bound on a quantity, the table "
+        "repeated for each. `quantity` is its name as `map --quantity` has it; `min` and `max` end "
+        "in its SI unit, such as `max_Nm`, and one of them is needed. `theta_min_rad`, "
+        "`theta_max_rad` and `z_min_m`, `z_max_m` are headings and heights over which it holds; "
+        "left out, all those that are required. See [Requirements](requirements.md).",
         "## [workspace]",
         "The headings that count, `theta_min_rad` and `theta_max_rad` (0 if left out), and a "
         "workspace of the platform's center that has to fit, if there is one: `shape` is "
