@@ -87,8 +87,8 @@ class RequirementsCheck:
 
     @property
     def holds(self) -> bool:
-        """Whether all hold."""
-        return all(item.holds for item in self.items)
+        """Whether all hold together."""
+        return self.over is not Over.BEST and all(item.holds for item in self.items)
 
 
 def check_requirements(
