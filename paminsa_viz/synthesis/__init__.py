@@ -16,8 +16,9 @@ from paminsa_viz.synthesis.case import (
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
 from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objective
 from paminsa_viz.synthesis.outer import Progress, RegimeState
+from paminsa_viz.synthesis.refusals import refusal
 from paminsa_viz.synthesis.samples import Density
-from paminsa_viz.synthesis.search import Outcome, SynthesisResult, synthesize
+from paminsa_viz.synthesis.search import Outcome, RelaxedBound, SynthesisResult, synthesize
 from paminsa_viz.synthesis.trial import Trial
 
 __all__ = [
@@ -34,10 +35,12 @@ __all__ = [
     "Progress",
     "Regime",
     "RegimeState",
+    "RelaxedBound",
     "SearchRange",
     "SynthesisCase",
     "SynthesisResult",
     "Trial",
     "find_objective",
+    "refusal",
     "synthesize",
 ]

@@ -106,6 +106,8 @@ def search_round(
     state: RegimeState,
     workers: Workers = here,
     progress: Callable[[Progress], bool | None] | None = None,
+    *,
+    generations: int = ROUND,
 ) -> RegimeState:
     """Return the state after one more round.
 
@@ -114,6 +116,7 @@ def search_round(
         state: Where the search is.
         workers: Where trials are computed.
         progress: Called after each generation; true ends the search.
+        generations: Most generations of the round.
 
     Raises:
         Canceled: If the progress function ended it; the state at the round's start stays valid.
@@ -145,10 +148,9 @@ def search_round(
 
     regimes = list(Regime)
     seed = [case.seed, regimes.index(evaluator.regime), state.generation]
-    most = max(1, case.effort.generations - state.generation)
     # SciPy never calls the function itself where the map is given.
     found = differential_evolution(
-        evaluator.costs, [(0.0, 1.0)] * len(low), maxiter=min(ROUND, most),
+        evaluator.costs, [(0.0, 1.0)] * len(low), maxiter=generations,
         popsize=case.effort.population, rng=np.random.default_rng(seed),
         init=np.array(state.population) if state.population else "sobol",
         callback=after_generation, polish=False, updating="deferred",
