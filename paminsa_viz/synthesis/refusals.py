@@ -83,8 +83,8 @@ def _needed_offset(case: SynthesisCase, regime: Regime) -> tuple[float, str]:
             found = (
                 toward / q,
                 (
-                    f"the condition number reaches {most:g} at {q:.4g} |R_b - R_pl| toward a leg, and "
-                    f"the workspace extends by {format_ascii(toward, 'm')} there"
+                    f"the condition number reaches {most:g} at {q:.4g} |R_b - R_pl| toward a leg, "
+                    f"and the workspace extends by {format_ascii(toward, 'm')} there"
                 ),
             )
     return found
