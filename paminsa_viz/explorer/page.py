@@ -38,6 +38,7 @@ LATER_TABS = (
     "Accuracy",
     "Stiffness",
     "Identify",
+    "Requirements",
     "Compare",
     "View",
     "File",
