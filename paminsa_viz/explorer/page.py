@@ -39,6 +39,7 @@ LATER_TABS = (
     "Accuracy",
     "Stiffness",
     "Identify",
+    "Requirements",
     "Compare",
     "View",
     "File",
