@@ -86,7 +86,7 @@ class SearchRange:
 
 
 @dataclass(frozen=True)
-class Limit:
+class ObjectiveLimit:
     """The largest value that an objective may have, next to the one that is minimized.
 
     Attributes:
@@ -160,7 +160,7 @@ class SynthesisCase:
     ranges: tuple[SearchRange, ...]
     reference: Design = APPENDIX_4
     objective: str = "footprint"
-    limits: tuple[Limit, ...] = ()
+    limits: tuple[ObjectiveLimit, ...] = ()
     scale_bars: bool = True
     guide: Guide = Guide.FOLLOWS
     margin: float = 0.001

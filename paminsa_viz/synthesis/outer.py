@@ -17,6 +17,7 @@ import numpy as np
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.case import Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import REFUSED, Evaluator
+from paminsa_viz.synthesis.margins import Canceled
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -77,7 +78,7 @@ class RegimeState:
 
 
 @dataclass(frozen=True)
-class Progress:
+class SearchProgress:
     """How far a search is.
 
     Attributes:
@@ -97,15 +98,11 @@ class Progress:
     best: tuple[float, ...]
 
 
-class Canceled(Exception):
-    """The search was ended by its progress function."""
-
-
 def search_round(
     evaluator: Evaluator,
     state: RegimeState,
     workers: Workers = here,
-    progress: Callable[[Progress], bool | None] | None = None,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
     *,
     generations: int = ROUND,
 ) -> RegimeState:
@@ -140,7 +137,7 @@ def search_round(
         best = tuple((low + (high - low) * intermediate_result.x).tolist())
         trials = state.trials + int(intermediate_result.nfev)
         count = state.generation + len(history)
-        if progress(Progress(evaluator.regime, count, trials, cost, cost < REFUSED, best)):
+        if progress(SearchProgress(evaluator.regime, count, trials, cost, cost < REFUSED, best)):
             canceled = True
             raise StopIteration
 

@@ -10,10 +10,11 @@ import numpy as np
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.synthesis.case import Limit, Regime, SynthesisCase
+from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.outer import ROUND, Canceled, Progress, RegimeState, search_round
+from paminsa_viz.synthesis.outer import ROUND, RegimeState, SearchProgress, search_round
 from paminsa_viz.synthesis.refusals import refusal
 from paminsa_viz.synthesis.samples import TRIAL
 
@@ -37,7 +38,7 @@ SLACK = 1.05
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BoundOutcome:
     """A bound or a limit, and how the answer meets it.
 
     Attributes:
@@ -47,7 +48,7 @@ class Outcome:
         active: Whether the bound decides: the margin is below 0.5 % of it.
     """
 
-    bound: Requirement | Limit
+    bound: Requirement | ObjectiveLimit
     value: float
     margin: float
     active: bool
@@ -63,7 +64,7 @@ class RelaxedBound:
         change: By how much that is farther, as a share of the bound.
     """
 
-    bound: Requirement | Limit
+    bound: Requirement | ObjectiveLimit
     nearest: float
     change: float
 
@@ -94,7 +95,7 @@ class SynthesisResult:
     regime: Regime | None
     feasible: bool
     objective: float
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[BoundOutcome, ...]
     states: tuple[RegimeState, ...]
     refused: dict[Regime, str]
     relaxed: tuple[RelaxedBound, ...]
@@ -119,7 +120,7 @@ class _Run:
 
     case: SynthesisCase
     workers: Workers
-    progress: Callable[[Progress], bool | None] | None
+    progress: Callable[[SearchProgress], bool | None] | None
     relaxed: int | None = None
 
     def search(
@@ -184,7 +185,7 @@ def synthesize(
     case: SynthesisCase,
     *,
     workers: Workers = here,
-    progress: Callable[[Progress], bool | None] | None = None,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
     states: tuple[RegimeState, ...] = (),
     checkpoint: Callable[[tuple[RegimeState, ...]], None] | None = None,
     relax: bool = True,
@@ -237,7 +238,7 @@ def relaxations(
     case: SynthesisCase,
     regimes: tuple[Regime, ...],
     workers: Workers = here,
-    progress: Callable[[Progress], bool | None] | None = None,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
 ) -> tuple[RelaxedBound, ...]:
     """Return for each bound and limit the nearest value at which the others can be met.
 
@@ -257,16 +258,16 @@ def relaxations(
                 least = min(least, answer.found.objective)
         limit = _limit(bound)
         low = isinstance(bound, Requirement) and bound.high is None
-        maximized = isinstance(bound, Limit) and find_objective(bound.objective).largest
+        maximized = isinstance(bound, ObjectiveLimit) and find_objective(bound.objective).largest
         nearest = limit + (-least if low or maximized else least)
         nearest = nearest if np.isfinite(nearest) else float("nan")
         found.append(RelaxedBound(bound, float(nearest), float(least / (abs(limit) or 1.0))))
     return tuple(sorted(found, key=lambda item: item.change))
 
 
-def _limit(bound: Requirement | Limit) -> float:
+def _limit(bound: Requirement | ObjectiveLimit) -> float:
     """Return the bound that counts: the largest value, else the least one [SI]."""
-    if isinstance(bound, Limit):
+    if isinstance(bound, ObjectiveLimit):
         return bound.most
     limit = bound.low if bound.high is None else bound.high
     assert limit is not None  # a requirement has one of them
@@ -300,11 +301,11 @@ def _result(
     )
 
 
-def _outcomes(case: SynthesisCase, found: Evaluation) -> tuple[Outcome, ...]:
+def _outcomes(case: SynthesisCase, found: Evaluation) -> tuple[BoundOutcome, ...]:
     bounds = (*case.requirements.bounds, *case.limits)
     values = (*found.worst.tolist(), *found.limits.tolist())
     rows = []
     for bound, value in zip(bounds, values, strict=True):
         margin = float(bound.margin(value))
-        rows.append(Outcome(bound, value, margin, abs(margin) <= ACTIVE * abs(_limit(bound))))
+        rows.append(BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(_limit(bound))))
     return tuple(rows)

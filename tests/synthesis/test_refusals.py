@@ -10,7 +10,7 @@ import pytest
 
 from paminsa_viz.model import APPENDIX_4, measure_singularity
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
-from paminsa_viz.synthesis import Evaluator, Guide, Limit, Regime, SynthesisCase, refusal
+from paminsa_viz.synthesis import Evaluator, Guide, ObjectiveLimit, Regime, SynthesisCase, refusal
 from paminsa_viz.synthesis.refusals import critical_radius, least_footprint
 from tests.synthesis.search_cases import CELL, CYLINDER
 from tests.synthesis.test_trials import random_numbers
@@ -32,7 +32,7 @@ def test_condition_toward_a_leg() -> None:
 
 
 def with_limit(case: SynthesisCase, most: float) -> SynthesisCase:
-    return replace(case, limits=(Limit("footprint", most),))
+    return replace(case, limits=(ObjectiveLimit("footprint", most),))
 
 
 def test_least_footprint_is_that_of_the_formula() -> None:
