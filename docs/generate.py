@@ -53,6 +53,7 @@ API = {
     "paminsa_viz.precision": "Errors of the pose by drives and by manufacture; calibration.",
     "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",
     "paminsa_viz.studies": "Many designs, each measured over the workspace.",
+    "paminsa_viz.synthesis": "From requirements to a robot: lengths, masses, springs.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
     "paminsa_viz.meshes": "The robot's shape, for 3D models.",
 }
