@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.bindings import Panel
@@ -14,11 +15,12 @@ from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
-from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.file_panel import EXAMPLE, FILE, receive_example
 from paminsa_viz.explorer.panels.identify_panel import identify_entries
 from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
+from paminsa_viz.explorer.panels.requirements_panel import RequirementsPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
@@ -57,13 +59,17 @@ def build_tabs(
         stiffness = Panel(session, STIFFNESS)
     with places["Identify"]:
         identify = Panel(session, identify_entries())
+    with places["Requirements"]:
+        requirements = RequirementsPanel(session, bridge)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
+        bridge.on(EXAMPLE, partial(receive_example, session))
     session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
+    session.fast.append(requirements)
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
     register_commands(session)

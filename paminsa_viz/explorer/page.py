@@ -15,6 +15,7 @@ from paminsa_viz.explorer import actions, tab_store
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
+from paminsa_viz.explorer.browser.tour import offer_tour
 from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.motion.results import MotionStore
@@ -39,6 +40,7 @@ LATER_TABS = (
     "Accuracy",
     "Stiffness",
     "Identify",
+    "Requirements",
     "Compare",
     "View",
     "File",
@@ -114,6 +116,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
 
         build_tabs(session, bridge, places, context)
         session.built.set()
+        offer_tour(bridge)
         session.dispatch("page", replace)
 
     def restore(saved: object) -> None:

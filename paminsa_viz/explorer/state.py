@@ -7,6 +7,7 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
+from paminsa_viz.explorer.balancing.spring_settings import Springing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.identifying import Identifying
@@ -15,6 +16,7 @@ from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
 from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
+from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
@@ -63,6 +65,7 @@ class MapView:
         shared: Whether the three torque maps have one range.
         logarithmic: Whether colors follow a symmetric logarithm.
         difference: Whether the maps show the difference from the reference design.
+        hatched: Whether cells that break a requirement are hatched.
     """
 
     quantity: str = "max_torque"
@@ -72,6 +75,7 @@ class MapView:
     shared: bool = True
     logarithmic: bool = False
     difference: bool = False
+    hatched: bool = True
 
 
 @dataclass(frozen=True)
@@ -142,8 +146,8 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulating, balancing, driving, manufacture, loads, elastic_view, identifying,
-            engine_answer: Jobs of the session and what came of them.
+        simulating, balancing, springing, driving, manufacture, loads, elastic_view, identifying,
+            requiring, engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
@@ -163,11 +167,13 @@ class State:
     point_editing: PointEditing = field(default_factory=PointEditing)
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
+    springing: Springing = field(default_factory=Springing)
     driving: Driving = field(default_factory=Driving)
     manufacture: Manufacture = field(default_factory=Manufacture)
     loads: LoadsState = field(default_factory=LoadsState)
     elastic_view: ElasticView = field(default_factory=ElasticView)
     identifying: Identifying = field(default_factory=Identifying)
+    requiring: Requiring = field(default_factory=Requiring)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)

@@ -16,7 +16,7 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.columns import Columns, solve_columns
 from paminsa_viz.synthesis.margins import Canceled, Progress, headings
 from paminsa_viz.synthesis.reach_bounds import reach_bounds
-from paminsa_viz.synthesis.volume import COARSE, FINE, Resolution, Volume, solve_volume
+from paminsa_viz.synthesis.volume import COARSE, FINE, Volume, solve_volume
 from paminsa_viz.synthesis.workspace_samples import (
     Center,
     Samples,
@@ -87,8 +87,8 @@ class RequirementsCheck:
 
     @property
     def holds(self) -> bool:
-        """Whether all hold."""
-        return all(item.holds for item in self.items)
+        """Whether all hold together."""
+        return self.over is not Over.BEST and all(item.holds for item in self.items)
 
 
 def check_requirements(
@@ -154,14 +154,14 @@ def _over_workspace(
             few, turns = few - 1, max(COARSE.headings, turns // 2)
             own = sample_workspace(requirements.workspace, center, few)
         theta = headings(requirements.headings(bound), turns)
-        items.append(_worst(design, bound, index, own, theta))
+        items.append(worst_over(design, bound, index, own, theta))
     return RequirementsCheck(tuple(items), Over.WORKSPACE, center, volume)
 
 
-def _worst(
+def worst_over(
     design: Design, bound: Requirement, index: int, samples: Samples, theta: Array
 ) -> RequirementCheck:
-    """Check a requirement at samples."""
+    """Return the worst value of a requirement over positions and heights with headings [rad]."""
     entry, label = bound.entry, requirement_label(bound)
     z = samples.z
     if bound.z is not None:
@@ -241,7 +241,7 @@ def _over_volume(volume: Volume) -> RequirementsCheck:
         i, j, k = (int(axis[number]) for axis in nodes)
         samples = Samples(np.array([[volume.x[i], volume.y[j]]]), volume.z[[k]])
         theta = headings(requirements.headings(bound), volume.headings)
-        items.append(_worst(volume.design, bound, index, samples, theta))
+        items.append(worst_over(volume.design, bound, index, samples, theta))
     return RequirementsCheck(tuple(items), over, None, volume)
 
 
@@ -308,14 +308,3 @@ def _relative(design: Design, requirements: Requirements, item: RequirementCheck
     bound = requirements.bounds[item.requirement]
     sizes = [abs(limit) for limit in (bound.low, bound.high) if limit]
     return item.margin / (min(sizes) if sizes else 1.0)
-
-
-__all__ = [
-    "COARSE",
-    "FINE",
-    "Over",
-    "RequirementCheck",
-    "RequirementsCheck",
-    "Resolution",
-    "check_requirements",
-]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from paminsa_viz.model.arrays import Array
@@ -58,48 +59,61 @@ def best_center(workspace: Workspace, volume: Volume) -> Center:
     Coordinates that the workspace gives are kept. Where it does not fit, it is where it sticks out
     least.
     """
-    step = volume.cell
-    free = [place is None for place in workspace.center]
-    axes = (volume.x, volume.y, volume.z)
-    reach = [round(0.5 * extent / step) for extent in workspace.size]
-    outside = -float(np.abs(volume.depth).max()) - max(workspace.size)
-    depth = ndimage.minimum_filter1d(
-        volume.depth, 2 * reach[2] + 1, axis=2, mode="constant", cval=outside
+    depth = least_within(volume.depth, workspace, volume)
+    return center_at(workspace, volume, int(depth.argmax()))
+
+
+def center_at(workspace: Workspace, volume: Volume, candidate: int) -> Center:
+    """Return the center [m] of a candidate by its flat index in the result of `least_within`."""
+    axes = _candidates(workspace, volume)
+    index = np.unravel_index(candidate, [len(axis) for axis in axes])
+    x, y, z = (
+        float(coordinate[axis[i]]) if place is None else place
+        for axis, i, place, coordinate in zip(
+            axes, index, workspace.center, (volume.x, volume.y, volume.z), strict=True
+        )
     )
+    return x, y, z
+
+
+def least_within(values: Array, workspace: Workspace, volume: Volume) -> Array:
+    """Return the least value within a workspace at each of its possible centers, (x, y, z).
+
+    Coordinates that the workspace gives have one center, the nearest node.
+
+    Args:
+        values: (x, y, z) on the volume's nodes; NaN counts as minus infinite, as does what lies
+            beyond the nodes.
+        workspace: Shape, size and center.
+        volume: The volume.
+    """
+    step = volume.cell
+    found = np.where(np.isnan(values), -np.inf, values)
+    reach = [round(0.5 * extent / step) for extent in workspace.size]
+    found = ndimage.minimum_filter1d(found, 2 * reach[2] + 1, axis=2, mode="constant", cval=-np.inf)
+    rows, columns, heights = _candidates(workspace, volume)
+    found = found[..., heights]
     offset = [step * np.arange(-count, count + 1) for count in reach[:2]]
     if workspace.shape is WorkspaceShape.CYLINDER:
         disc = np.hypot(offset[0][:, None], offset[1]) <= 0.5 * workspace.size[0] + 1e-9 * step
     else:
         disc = np.ones((len(offset[0]), len(offset[1])), np.bool_)
-    if any(free[:2]):
-        depth = ndimage.minimum_filter(
-            depth, footprint=disc[..., None], mode="constant", cval=outside
+    if len(rows) > 1 or len(columns) > 1:
+        found = ndimage.minimum_filter(
+            found, footprint=disc[..., None], mode="constant", cval=-np.inf
         )
-        chosen = [
-            slice(None) if place is None else _near(axis, place)
-            for axis, place in zip(axes, workspace.center, strict=True)
-        ]
-        part = depth[chosen[0], :, :] if isinstance(chosen[0], slice) else depth[chosen[0]][None]
-        part = part[:, chosen[1]] if isinstance(chosen[1], slice) else part[:, [chosen[1]]]
-        part = part[..., chosen[2]] if isinstance(chosen[2], slice) else part[..., [chosen[2]]]
-        index = np.unravel_index(int(part.argmax()), part.shape)
-        found = [
-            float(axis[i]) if place is None else place
-            for axis, i, place in zip(axes, index, workspace.center, strict=True)
-        ]
-    else:
-        i, j = (
-            _near(axis, place or 0.0)
-            for axis, place in zip(axes, workspace.center[:2], strict=False)
-        )
-        dx, dy = np.nonzero(disc)
-        rows, columns = i + dx - reach[0], j + dy - reach[1]
-        held = (rows >= 0) & (rows < len(axes[0])) & (columns >= 0) & (columns < len(axes[1]))
-        column = depth[rows[held], columns[held]].min(axis=0)
-        found = [*workspace.center[:2], float(axes[2][int(column.argmax())])]
-    x, y, z = (float(place or 0.0) for place in found)
-    return x, y, z if workspace.center[2] is None else workspace.center[2]
+        return found[np.ix_(rows, columns)]
+    i, j = np.nonzero(disc)
+    i, j = i + rows[0] - reach[0], j + columns[0] - reach[1]
+    held = (i >= 0) & (i < len(volume.x)) & (j >= 0) & (j < len(volume.y))
+    if not held.all():
+        return np.full((1, 1, len(heights)), -np.inf)
+    return found[i, j].min(axis=0)[None, None]
 
 
-def _near(axis: Array, place: float) -> int:
-    return int(np.abs(axis - place).argmin())
+def _candidates(workspace: Workspace, volume: Volume) -> list[NDArray[np.intp]]:
+    """Return the indices of the nodes at which a center may lie, along each axis."""
+    return [
+        np.arange(len(axis)) if place is None else np.array([np.abs(axis - place).argmin()])
+        for axis, place in zip((volume.x, volume.y, volume.z), workspace.center, strict=True)
+    ]

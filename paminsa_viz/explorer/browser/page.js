@@ -275,5 +275,6 @@
     stopped.abort();
     timers.forEach(clearInterval);
   };
-  window.paminsa = { stop, send, save, showTime, showLegend, renderOnDemand };
+  const tour = (steps, again) => window.paminsaTour?.(steps, again);
+  window.paminsa = { stop, tour, send, save, showTime, showLegend, renderOnDemand };
 }

@@ -50,7 +50,8 @@ def style_html() -> str:
         f"{root}{{{''.join(f'--pv-{name}:{color};' for name, color in _variables(theme).items())}}}"
         for root, theme in ((":root", LIGHT), (_DARK_ROOT, DARK))
     )
-    return f"<style>{rules}\n{asset('page.css')}\n{asset('view.css')}</style>"
+    sheets = "\n".join(asset(name) for name in ("page.css", "parts.css", "view.css"))
+    return f"<style>{rules}\n{sheets}</style>"
 
 
 def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
