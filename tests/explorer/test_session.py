@@ -214,6 +214,16 @@ def test_undo_and_redo_go_step_by_step(bench: Bench) -> None:
     assert not bench.session._history.future
 
 
+def test_undo_takes_back_which_poses_count(bench: Bench) -> None:
+    before = bench.session.state.condition_limit
+    bench.session.dispatch("limit", lambda state: replace(state, condition_limit=4.0))
+    eventually(lambda: bench.session.state.condition_limit == 4.0)
+    bench.session.undo()
+    eventually(lambda: bench.session.state.condition_limit == before)
+    bench.session.redo()
+    eventually(lambda: bench.session.state.condition_limit == 4.0)
+
+
 def test_closed_session_does_nothing_more(bench: Bench) -> None:
     stop(bench.session)
     drawn = len(bench.immediate.drawn)
