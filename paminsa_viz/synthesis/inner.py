@@ -66,6 +66,18 @@ class InnerSolution:
         """By how much others could be better at most: the certificate."""
         return max(0.0, self.objective - self.lower_bound)
 
+    def value(self, key: str) -> float:
+        """Return the value of a goal, which need not be the one that was minimized [SI].
+
+        Raises:
+            InvalidInput: If there is no such goal, or it needs motions and there are none.
+        """
+        if key == self.goal:
+            return self.objective
+        program = self.program
+        goal = find_goal(key, free=program.case.free, motions=len(program.motions))
+        return goal.term(program.space, program.motions).value(self.solution.state)
+
     def held(self, pose: Array) -> Array:
         """Return static torques with the springs, (..., 4) [N m, N]."""
         torque = static_torques(self.design, pose)
@@ -83,12 +95,14 @@ class InnerProgram:
         space: Masses and springs as states.
         goal: What to minimize.
         limits: What to keep.
+        motions: The motions with their torques as functions of the state.
     """
 
     case: InnerCase
     space: InnerSpace
     goal: ConvexTerm
     limits: tuple[InnerLimit, ...]
+    motions: tuple[MotionRows, ...]
 
     def solve(
         self, limits: Sequence[InnerLimit] | None = None, tolerance: float = 1e-9
@@ -170,7 +184,11 @@ def inner_program(
         if limit is not None:
             term = peak_term(motions, actuators)
             limits.append(InnerLimit(name, unit, "high", limit, None, term))
-    return InnerProgram(case, space, goal, tuple(limits))
+    for key, most in case.most:
+        other = find_goal(key, free=case.free, motions=len(motions))
+        term = other.term(space, motions)
+        limits.append(InnerLimit(other.label, other.unit, "high", most, None, term))
+    return InnerProgram(case, space, goal, tuple(limits), tuple(motions))
 
 
 def solve_inner(
