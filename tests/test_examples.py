@@ -17,7 +17,6 @@ WRITTEN = {
     "calibration": {"measured.csv"},
     "design_study": {"design_study.csv"},
     "dynamic_torques": {"dynamic_torques.png"},
-    "example_designs": {"example_balanced.toml", "example_payload.toml", "example_compact.toml"},
     "in_a_notebook": {"robot.html", "maps.html", "motion.html", "torques.svg"},
     "record_logs": {"example_log.csv", "example_log_other.csv", "example_log_payload.csv"},
     "static_maps": {"static_maps.png"},
@@ -29,7 +28,6 @@ PRINTED = {
     "crossing": r"turn, Appendix 4: 0\.372 s, (.|\n)*cannot be held",
     "design_study": r"400 designs, \{'ok': 400\}",
     "dynamic_torques": r"two routes: \d\.\de-1[3-9]",
-    "example_designs": r"Compact robot: M_p2 = 0\.0e\+00 N\n  footprint 0\.413 m, lacks 0",
     "forces": r"in every horizontal direction: 83\.60 N, M1 limits",
     "misprints": r"all of them +0\.\d+",
     "payload_in_motion": r"at rest M1..M3 change by at most 0 N m,\nM4 by k m g = 147\.15 N",
@@ -57,5 +55,5 @@ def test_example_runs_and_prints_its_result(script, tmp_path, monkeypatch, capsy
     runpy.run_path(str(script), run_name="__main__")
     assert re.search(PRINTED.get(script.stem, ""), capsys.readouterr().out)
     assert {path.name for path in tmp_path.iterdir()} == WRITTEN.get(script.stem, set())
-    assert all(path.stat().st_size > 4_000 for path in tmp_path.iterdir())
+    assert all(path.stat().st_size > 10_000 for path in tmp_path.iterdir())
     assert len(script.read_text().splitlines()) <= 45

@@ -3,7 +3,7 @@
 `balance` is the paper's own (Eqs. 7-8). `optimize` minimizes any weighted sum of terms within the
 bounds of `Changes`, with a certificate; `pareto_front` trades two terms off.
 `fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance`
-measure sensitivity; `studies.search_geometry` optimizes lengths.
+measure sensitivity; `synthesis.synthesize` optimizes lengths.
 """
 
 from __future__ import annotations

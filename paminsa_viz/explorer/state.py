@@ -16,6 +16,7 @@ from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
 from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
+from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
@@ -64,6 +65,7 @@ class MapView:
         shared: Whether the three torque maps have one range.
         logarithmic: Whether colors follow a symmetric logarithm.
         difference: Whether the maps show the difference from the reference design.
+        hatched: Whether cells that break a requirement are hatched.
     """
 
     quantity: str = "max_torque"
@@ -73,6 +75,7 @@ class MapView:
     shared: bool = True
     logarithmic: bool = False
     difference: bool = False
+    hatched: bool = True
 
 
 @dataclass(frozen=True)
@@ -92,6 +95,27 @@ class Document:
     reference: Design | None = None
     motion: Motion = field(default_factory=Motion)
     requirements: Requirements = field(default_factory=Requirements)
+
+
+@dataclass(frozen=True)
+class Dock:
+    """One of the page's docks, as a person has left it; None for what the page itself chooses.
+
+    Attributes:
+        width: Width [px].
+        folded: Whether it is folded.
+    """
+
+    width: int | None = None
+    folded: bool | None = None
+
+
+@dataclass(frozen=True)
+class Docks:
+    """The dock of the maps, left, and that of the tabs, right."""
+
+    left: Dock = Dock()
+    right: Dock = Dock()
 
 
 @dataclass(frozen=True)
@@ -123,13 +147,14 @@ class State:
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
         simulating, balancing, springing, driving, manufacture, loads, elastic_view, identifying,
-            engine_answer: Jobs of the session and what came of them.
+            requiring, engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
         appearance: Which theme the page has.
         browser_dark: Whether the browser asks for a dark one.
+        docks: Widths of the page's docks.
     """
 
     document: Document
@@ -148,12 +173,14 @@ class State:
     loads: LoadsState = field(default_factory=LoadsState)
     elastic_view: ElasticView = field(default_factory=ElasticView)
     identifying: Identifying = field(default_factory=Identifying)
+    requiring: Requiring = field(default_factory=Requiring)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False
+    docks: Docks = field(default_factory=Docks)
 
     @property
     def theme(self) -> Theme:

@@ -1,4 +1,4 @@
-"""Designs that come with the program, made by ``examples/example_designs.py``."""
+"""Designs that come with the program, made by ``assets/make_designs.py``."""
 
 from __future__ import annotations
 

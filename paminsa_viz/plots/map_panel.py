@@ -25,6 +25,7 @@ from paminsa_viz.plots.contours import Line
 from paminsa_viz.plots.hover import emptiness
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout, Rectangle
+from paminsa_viz.plots.outside import add_outside, paint_outside
 from paminsa_viz.plots.scale import UNREACHED, Scale, color_codes, color_table, map_pixels
 from paminsa_viz.plots.text import text_width
 from paminsa_viz.units import MM, number
@@ -141,6 +142,9 @@ class MapPanel:
         table = color_table(scale).view(np.uint32)[:, 0]
         region = place[:, round(left) : round(right)]
         np.copyto(region, table[codes], where=codes != UNREACHED)
+        if data.outside is not None:
+            em = (right - left) / self._width * self._em  # in pixels
+            paint_outside(region, data.outside, rows, columns, em)
         self._note.set_text(emptiness(data, self._index))
 
     def add_cells(self, data: MapData, scale: Scale) -> None:
@@ -154,6 +158,8 @@ class MapPanel:
             area = contours.reached_area(data)
             outline = Path(np.zeros((1, 2))) if area is None else Path(*area)
             cells.set_clip_path(PathPatch(outline, transform=self.axes.transData))  # type: ignore[arg-type]
+        if data.outside is not None:
+            add_outside(self.axes, data.outside, data.x, data.y, self._em)
 
     def show_lines(self, lines: dict[str, Line]) -> None:
         """Draw lines by the names of their styles."""

@@ -15,6 +15,7 @@ from paminsa_viz.model.geometry import Geometry
 from paminsa_viz.model.resizing import resized
 from paminsa_viz.quantities.requirements import Requirements, Workspace
 from paminsa_viz.synthesis.inner_case import InnerCase, check_inner
+from paminsa_viz.synthesis.objectives import find_objective
 
 GUIDE = "geometry.guide_link_length"
 
@@ -86,16 +87,28 @@ class SearchRange:
 
 
 @dataclass(frozen=True)
-class Limit:
+class ObjectiveLimit:
     """The largest value that an objective may have, next to the one that is minimized.
 
     Attributes:
         objective: Key of an objective.
-        most: [SI].
+        most: Its largest value, the least one of an objective that is maximized [SI].
+
+    Raises:
+        InvalidInput: If there is no such objective, or the value is not finite.
     """
 
     objective: str
     most: float
+
+    def __post_init__(self) -> None:
+        find_objective(self.objective)
+        if not math.isfinite(self.most):
+            raise InvalidInput(self.objective, f"a finite limit is needed, not {self.most!r}")
+
+    def margin(self, value: float) -> float:
+        """Return how far a value is inside the limit, negative outside [SI]."""
+        return find_objective(self.objective).sign * (self.most - value)
 
 
 @dataclass(frozen=True)
@@ -150,7 +163,7 @@ class SynthesisCase:
     ranges: tuple[SearchRange, ...]
     reference: Design = APPENDIX_4
     objective: str = "footprint"
-    limits: tuple[Limit, ...] = ()
+    limits: tuple[ObjectiveLimit, ...] = ()
     scale_bars: bool = True
     guide: Guide = Guide.FOLLOWS
     margin: float = 0.001
@@ -168,6 +181,7 @@ class SynthesisCase:
         if workspace.center[0] is None or workspace.center[1] is None:
             raise InvalidInput("workspace.center", "x and y of the center are needed")
         check_inner(self.inner, (self.objective, *(limit.objective for limit in self.limits)))
+        find_objective(self.objective)
         paths = [item.path for item in self.ranges]
         if not paths:
             raise InvalidInput("ranges", "at least one length has to be searched")

@@ -74,12 +74,15 @@ class Evaluator:
         regime: Which of base and platform is larger.
         density: How close the poses lie.
         tighter: By how much each bound is tightened [SI]; none for an empty tuple.
+        relaxed: Index of a bound, or of a limit after the bounds, that need not be met: what is
+            minimized is then by how much it is broken.
     """
 
     case: SynthesisCase
     regime: Regime
     density: Density = TRIAL
     tighter: tuple[float, ...] = ()
+    relaxed: int | None = None
     _poses: Poses = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -87,7 +90,7 @@ class Evaluator:
 
     def costs(self, numbers: Sequence[Array]) -> list[float]:
         """Return the costs of some trials."""
-        sign = find_objective(self.case.objective).sign
+        sign = 1.0 if self.relaxed is not None else find_objective(self.case.objective).sign
         return [found.cost(sign) for found in self.evaluate(np.asarray(numbers, np.float64))]
 
     def evaluate(self, numbers: Array) -> list[Evaluation]:
@@ -158,22 +161,31 @@ class Evaluator:
             over = 0.0
             if stage == 4 and self.case.inner is not None:
                 try:
-                    trial = with_best_masses(trial, self.tighter)
+                    trial = with_best_masses(trial, self.tighter, self.relaxed)
                 except InnerInfeasible as error:
                     return Evaluation(stage, error.excess, np.nan, worst, unlimited, trial)
             for index, extremes in values(trial):
                 worst[index], broken = self._worst(index, bounds[index], extremes)
-                over += broken
+                over += broken if index != self.relaxed else 0.0
             limits = unlimited
             if stage == 4:
                 over_limits, unlimited = self._limits(trial)
                 over, limits = over + over_limits, unlimited
             if over > 0:
                 return Evaluation(stage, over, np.nan, worst, limits, trial)
-        value = float(find_objective(self.case.objective).value(trial))
+        value = self._objective(trial, worst, unlimited)
         if not np.isfinite(value):
             return Evaluation(STAGES - 1, np.inf, np.nan, worst, unlimited, trial)
         return Evaluation(STAGES, 0.0, value, worst, unlimited, trial)
+
+    def _objective(self, trial: Trial, worst: Array, limits: Array) -> float:
+        if self.relaxed is None:
+            return float(find_objective(self.case.objective).value(trial))
+        bounds = self.case.requirements.bounds
+        if self.relaxed < len(bounds):
+            return -float(bounds[self.relaxed].margin(worst[self.relaxed]))
+        limit = self.case.limits[self.relaxed - len(bounds)]
+        return -limit.margin(limits[self.relaxed - len(bounds)])
 
     def _worst(
         self, index: int, bound: Requirement, extremes: tuple[float, float]
@@ -190,12 +202,11 @@ class Evaluator:
 
     def _limits(self, trial: Trial) -> tuple[float, Array]:
         over, values = 0.0, []
-        for limit in self.case.limits:
-            objective = find_objective(limit.objective)
-            value = float(objective.value(trial))
+        for index, limit in enumerate(self.case.limits, len(self.case.requirements.bounds)):
+            value = float(find_objective(limit.objective).value(trial))
             values.append(value)
-            excess = objective.sign * (value - limit.most)
-            over += max(0.0, excess) / (abs(limit.most) or 1.0)
+            if index != self.relaxed:
+                over += max(0.0, -limit.margin(value)) / (abs(limit.most) or 1.0)
         return over, np.array(values)
 
     def _conditions(self, trial: Trial) -> Iterable[tuple[int, tuple[float, float]]]:

@@ -41,7 +41,7 @@ class InnerSolution:
     Attributes:
         design: The robot with these masses and counterweights.
         springs: Its springs, one a place; they are no part of the design.
-        goal: What was minimized.
+        goal: Key of what was minimized; empty for what is none of `inner_goals.GOALS`.
         objective: Its value [SI].
         lower_bound: No masses and springs within the bounds have a smaller one: the value of the
             dual program.
@@ -96,6 +96,7 @@ class InnerProgram:
         goal: What to minimize.
         limits: What to keep.
         motions: The motions with their torques as functions of the state.
+        key: Key of the goal; empty for what is none of `inner_goals.GOALS`.
     """
 
     case: InnerCase
@@ -103,6 +104,7 @@ class InnerProgram:
     goal: ConvexTerm
     limits: tuple[InnerLimit, ...]
     motions: tuple[MotionRows, ...]
+    key: str
 
     def solve(
         self, limits: Sequence[InnerLimit] | None = None, tolerance: float = 1e-9
@@ -128,7 +130,7 @@ class InnerProgram:
             raise InnerInfeasible(error.excess, reason) from None
         return InnerSolution(
             self.space.design_of(found.levers), self.space.springs_of(found.state),
-            self.case.goal, found.value, found.bound, self._active(found, kept), found.rounds,
+            self.key, found.value, found.bound, self._active(found, kept), found.rounds,
             time.perf_counter() - began, self, found,
         )  # fmt: skip
 
@@ -188,7 +190,7 @@ def inner_program(
         other = find_goal(key, free=case.free, motions=len(motions))
         term = other.term(space, motions)
         limits.append(InnerLimit(other.label, other.unit, "high", most, None, term))
-    return InnerProgram(case, space, goal, tuple(limits), tuple(motions))
+    return InnerProgram(case, space, goal, tuple(limits), tuple(motions), case.goal)
 
 
 def solve_inner(

@@ -17,6 +17,7 @@ import numpy as np
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.case import Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import REFUSED, Evaluator
+from paminsa_viz.synthesis.margins import Canceled
 
 if TYPE_CHECKING:
     from scipy.optimize import OptimizeResult
@@ -77,7 +78,7 @@ class RegimeState:
 
 
 @dataclass(frozen=True)
-class Progress:
+class SearchProgress:
     """How far a search is.
 
     Attributes:
@@ -97,15 +98,13 @@ class Progress:
     best: tuple[float, ...]
 
 
-class Canceled(Exception):
-    """The search was ended by its progress function."""
-
-
 def search_round(
     evaluator: Evaluator,
     state: RegimeState,
     workers: Workers = here,
-    progress: Callable[[Progress], bool | None] | None = None,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
+    *,
+    generations: int = ROUND,
 ) -> RegimeState:
     """Return the state after one more round.
 
@@ -114,6 +113,7 @@ def search_round(
         state: Where the search is.
         workers: Where trials are computed.
         progress: Called after each generation; true ends the search.
+        generations: Most generations of the round.
 
     Raises:
         Canceled: If the progress function ended it; the state at the round's start stays valid.
@@ -137,7 +137,7 @@ def search_round(
         best = tuple((low + (high - low) * intermediate_result.x).tolist())
         trials = state.trials + int(intermediate_result.nfev)
         count = state.generation + len(history)
-        if progress(Progress(evaluator.regime, count, trials, cost, cost < REFUSED, best)):
+        if progress(SearchProgress(evaluator.regime, count, trials, cost, cost < REFUSED, best)):
             canceled = True
             raise StopIteration
 
@@ -145,10 +145,9 @@ def search_round(
 
     regimes = list(Regime)
     seed = [case.seed, regimes.index(evaluator.regime), state.generation]
-    most = max(1, case.effort.generations - state.generation)
     # SciPy never calls the function itself where the map is given.
     found = differential_evolution(
-        evaluator.costs, [(0.0, 1.0)] * len(low), maxiter=min(ROUND, most),
+        evaluator.costs, [(0.0, 1.0)] * len(low), maxiter=generations,
         popsize=case.effort.population, rng=np.random.default_rng(seed),
         init=np.array(state.population) if state.population else "sobol",
         callback=after_generation, polish=False, updating="deferred",

@@ -43,7 +43,7 @@ TRIAL = Density()
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class TrialSamples:
     """Positions and headings of a workspace of width 1, and heights as shares of its height.
 
     Attributes:
@@ -73,7 +73,9 @@ class Samples:
         return center(workspace) + 0.5 * positions * np.array(workspace.size[:2])
 
 
-def sample(workspace: Workspace, theta: Range, density: Density, *, alike: bool = False) -> Samples:
+def sample(
+    workspace: Workspace, theta: Range, density: Density, *, alike: bool = False
+) -> TrialSamples:
     """Return samples of a workspace.
 
     Args:
@@ -109,4 +111,4 @@ def sample(workspace: Workspace, theta: Range, density: Density, *, alike: bool 
     low = 0.0 if mirrored else theta[0]
     turns = max(2, (density.theta + 1) // 2) if mirrored else density.theta
     angles = np.linspace(low, theta[1], turns) if theta[1] > low else np.array([low])
-    return Samples(outline, within, angles, np.linspace(-0.5, 0.5, density.z))
+    return TrialSamples(outline, within, angles, np.linspace(-0.5, 0.5, density.z))

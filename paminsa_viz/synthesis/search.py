@@ -10,10 +10,12 @@ import numpy as np
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.studies.executors import Workers, here
-from paminsa_viz.synthesis.case import Limit, Regime, SynthesisCase
+from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.outer import Canceled, Progress, RegimeState, search_round
+from paminsa_viz.synthesis.outer import ROUND, RegimeState, SearchProgress, search_round
+from paminsa_viz.synthesis.refusals import refusal
 from paminsa_viz.synthesis.samples import TRIAL
 
 FINER = 4
@@ -22,15 +24,21 @@ FINER = 4
 ACTIVE = 0.005
 """Margin below which a bound is active, as a share of the bound."""
 
-ROUNDS_OF_REPAIR = 8
+REPAIRS = 8
 """Times that the search goes on with tighter bounds until its answer holds on the finer poses."""
+
+REPAIR_ROUND = 40
+"""Generations that it goes on for."""
+
+CLOUD = 0.01
+"""Spread of the trials that it goes on from, about the best, as a share of the ranges."""
 
 SLACK = 1.05
 """By how much more than what the finer poses exceed a bound is tightened."""
 
 
 @dataclass(frozen=True)
-class Outcome:
+class BoundOutcome:
     """A bound or a limit, and how the answer meets it.
 
     Attributes:
@@ -40,10 +48,25 @@ class Outcome:
         active: Whether the bound decides: the margin is below 0.5 % of it.
     """
 
-    bound: Requirement | Limit
+    bound: Requirement | ObjectiveLimit
     value: float
     margin: float
     active: bool
+
+
+@dataclass(frozen=True)
+class RelaxedBound:
+    """What a bound or a limit would have to be for the others to be met.
+
+    Attributes:
+        bound: What is bounded.
+        nearest: The nearest value that was found [SI]; NaN if the others contradict as well.
+        change: By how much that is farther, as a share of the bound.
+    """
+
+    bound: Requirement | ObjectiveLimit
+    nearest: float
+    change: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +83,8 @@ class SynthesisResult:
         outcomes: How it meets each bound, and each limit.
         states: Where the search of each regime ended, for another one to go on from.
         refused: Regimes that were excluded before the search, and why.
+        relaxed: For each bound and limit, if nothing meets all of them, what its nearest value is
+            that the others leave possible.
         canceled: Whether it was ended by the progress function.
         poses: Over how many poses the answer was verified.
     """
@@ -70,9 +95,10 @@ class SynthesisResult:
     regime: Regime | None
     feasible: bool
     objective: float
-    outcomes: tuple[Outcome, ...]
+    outcomes: tuple[BoundOutcome, ...]
     states: tuple[RegimeState, ...]
     refused: dict[Regime, str]
+    relaxed: tuple[RelaxedBound, ...]
     canceled: bool
     poses: int
 
@@ -84,24 +110,93 @@ class SynthesisResult:
 
 @dataclass(frozen=True, eq=False)
 class _Answer:
-    regime: Regime
     state: RegimeState
     found: Evaluation
+
+
+@dataclass(frozen=True)
+class _Run:
+    """What the searches of one synthesis share."""
+
+    case: SynthesisCase
+    workers: Workers
+    progress: Callable[[SearchProgress], bool | None] | None
+    relaxed: int | None = None
+
+    def search(
+        self, state: RegimeState, note: Callable[[RegimeState], None] | None = None
+    ) -> RegimeState:
+        """Search one regime to its end.
+
+        Raises:
+            Canceled: If the progress function ended it.
+        """
+        evaluator = Evaluator(self.case, state.regime, relaxed=self.relaxed)
+        while not state.done:
+            count = min(ROUND, self.case.effort.generations - state.generation)
+            state = search_round(
+                evaluator, state, self.workers, self.progress, generations=max(1, count)
+            )
+            if note is not None:
+                note(state)
+        return state
+
+    def verify(self, state: RegimeState, *, repair: bool = True) -> _Answer:
+        """Return the best trial as the finer poses see it, searched on until it holds there."""
+        bounds = self.case.requirements.bounds
+        plain = Evaluator(self.case, state.regime, relaxed=self.relaxed)
+        finer = replace(plain, density=TRIAL.finer(FINER))
+        tighter = np.zeros(len(bounds))
+        found = finer.evaluate(np.array([state.best]))[0]
+        if not state.feasible or not repair:
+            return _Answer(state, found)
+        for _ in range(REPAIRS):
+            if found.feasible:
+                break
+            seen = plain.evaluate(np.array([state.best]))[0]
+            for index, bound in enumerate(bounds):
+                values = seen.worst[index], found.worst[index]
+                if np.isfinite(values).all():
+                    before, after = bound.margin(values)
+                    tighter[index] = max(tighter[index], SLACK * (before - after))
+            evaluator = replace(plain, tighter=tuple(tighter.tolist()))
+            state = replace(self._cloud(state), history=())
+            try:
+                state = search_round(
+                    evaluator, state, self.workers, self.progress, generations=REPAIR_ROUND
+                )
+            except Canceled:
+                break
+            found = finer.evaluate(np.array([state.best]))[0]
+        return _Answer(state, found)
+
+    def _cloud(self, state: RegimeState) -> RegimeState:
+        """Return a state with trials about its best one."""
+        low, high = self.case.bounds.T
+        best = (np.array(state.best) - low) / (high - low)
+        rng = np.random.default_rng([self.case.seed, state.generation])
+        spread = rng.normal(0.0, CLOUD, (len(state.population), len(low)))
+        spread[0] = 0.0
+        rows = np.clip(best + spread, 0.0, 1.0)
+        return replace(state, population=tuple(map(tuple, rows.tolist())))
 
 
 def synthesize(
     case: SynthesisCase,
     *,
     workers: Workers = here,
-    progress: Callable[[Progress], bool | None] | None = None,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
     states: tuple[RegimeState, ...] = (),
     checkpoint: Callable[[tuple[RegimeState, ...]], None] | None = None,
+    relax: bool = True,
 ) -> SynthesisResult:
     """Search for the robot that meets a case's requirements and minimizes its objective.
 
-    Each regime is searched by differential evolution. The answer is then evaluated on poses four
-    times as close; where it breaks a bound there, the bound is tightened by as much and the search
-    goes on, until it holds. Not convex, so without a proof that there is none better.
+    Regimes that closed forms exclude are refused with the reason. Each other one is searched by
+    differential evolution. The answer is then evaluated on poses four times as close; where it
+    breaks a bound there, the bound is tightened by as much and the search goes on, until it holds.
+    Not convex, so without a proof that there is none better. Where nothing meets all requirements,
+    each bound in turn is left out and minimized instead, for the nearest relaxation.
 
     Args:
         case: The question.
@@ -109,85 +204,82 @@ def synthesize(
         progress: Called after each generation; true ends the search with the best so far.
         states: Where an earlier search of the same case was; it goes on from there.
         checkpoint: Called after each round with where the search is.
-
-    Raises:
-        InvalidInput: If an objective is unknown.
+        relax: Whether to look for relaxations where there is no answer.
     """
-    find_objective(case.objective)
-    for limit in case.limits:
-        find_objective(limit.objective)
-    known = {state.regime: state for state in states}
-    reached: dict[Regime, RegimeState] = {}
+    run = _Run(case, workers, progress)
+    refused = {regime: reason for regime in case.regimes if (reason := refusal(case, regime))}
+    reached = {state.regime: state for state in states if state.regime in case.regimes}
     answers: list[_Answer] = []
     canceled = False
+
+    def note(state: RegimeState) -> None:
+        reached[state.regime] = state
+        if checkpoint is not None:
+            checkpoint(tuple(reached.values()))
+
     for regime in case.regimes:
-        state = known.get(regime, RegimeState(regime))
-
-        def note(state: RegimeState) -> None:
-            reached[state.regime] = state
-            if checkpoint is not None:
-                rest = [known[r] for r in case.regimes if r in known and r not in reached]
-                checkpoint((*reached.values(), *rest))
-
+        if regime in refused or canceled:
+            continue
         try:
-            state = _search(Evaluator(case, regime), state, workers, progress, note)
+            run.search(reached.get(regime, RegimeState(regime)), note)
         except Canceled:
             canceled = True
-        state = reached.get(regime, state)
-        reached[regime] = state
-        if state.best:
-            answers.append(_verified(case, state, workers, None if canceled else progress))
-        if canceled:
-            break
-    return _result(case, answers, tuple(reached.values()), canceled)
+        if regime in reached:
+            answers.append(run.verify(reached[regime], repair=not canceled))
+    found = any(answer.found.feasible for answer in answers)
+    searched = tuple(regime for regime in case.regimes if regime not in refused)
+    relaxed: tuple[RelaxedBound, ...] = ()
+    if relax and searched and not found and not canceled:
+        relaxed = relaxations(case, searched, workers, progress)
+    return _result(case, answers, tuple(reached.values()), refused, relaxed, canceled)
 
 
-def _search(
-    evaluator: Evaluator,
-    state: RegimeState,
-    workers: Workers,
-    progress: Callable[[Progress], bool | None] | None,
-    note: Callable[[RegimeState], None],
-) -> RegimeState:
-    while not state.done:
-        state = search_round(evaluator, state, workers, progress)
-        note(state)
-    return state
-
-
-def _verified(
+def relaxations(
     case: SynthesisCase,
-    state: RegimeState,
-    workers: Workers,
-    progress: Callable[[Progress], bool | None] | None,
-) -> _Answer:
-    """Return the best trial as the finer poses see it, searched on until it holds there."""
-    coarse = Evaluator(case, state.regime)
-    finer = Evaluator(case, state.regime, TRIAL.finer(FINER))
-    tighter = np.zeros(len(case.requirements.bounds))
-    for _ in range(ROUNDS_OF_REPAIR):
-        best = np.array([state.best])
-        found = finer.evaluate(best)[0]
-        if found.feasible or not state.feasible:
-            break
-        seen = coarse.evaluate(best)[0]
-        for index, bound in enumerate(case.requirements.bounds):
-            values = seen.worst[index], found.worst[index]
-            if np.isfinite(values).all():
-                before, after = bound.margin(values)
-                tighter[index] = max(tighter[index], SLACK * (before - after))
-        coarse = Evaluator(case, state.regime, tighter=tuple(tighter.tolist()))
-        try:
-            state = replace(search_round(coarse, state, workers, progress), done=True)
-        except Canceled:
-            break
-    return _Answer(state.regime, state, found)
+    regimes: tuple[Regime, ...],
+    workers: Workers = here,
+    progress: Callable[[SearchProgress], bool | None] | None = None,
+) -> tuple[RelaxedBound, ...]:
+    """Return for each bound and limit the nearest value at which the others can be met.
+
+    The one that changes least comes first. A single search each, so that a still nearer value may
+    exist.
+    """
+    found = []
+    for index, bound in enumerate((*case.requirements.bounds, *case.limits)):
+        run = _Run(case, workers, progress, relaxed=index)
+        least = np.inf
+        for regime in regimes:
+            try:
+                answer = run.verify(run.search(RegimeState(regime)))
+            except Canceled:
+                return tuple(found)
+            if answer.found.feasible:
+                least = min(least, answer.found.objective)
+        limit = _limit(bound)
+        low = isinstance(bound, Requirement) and bound.high is None
+        maximized = isinstance(bound, ObjectiveLimit) and find_objective(bound.objective).largest
+        nearest = limit + (-least if low or maximized else least)
+        nearest = nearest if np.isfinite(nearest) else float("nan")
+        found.append(RelaxedBound(bound, float(nearest), float(least / (abs(limit) or 1.0))))
+    return tuple(sorted(found, key=lambda item: item.change))
+
+
+def _limit(bound: Requirement | ObjectiveLimit) -> float:
+    """Return the bound that counts: the largest value, else the least one [SI]."""
+    if isinstance(bound, ObjectiveLimit):
+        return bound.most
+    limit = bound.low if bound.high is None else bound.high
+    assert limit is not None  # a requirement has one of them
+    return limit
 
 
 def _result(
     case: SynthesisCase,
     answers: list[_Answer],
     states: tuple[RegimeState, ...],
+    refused: dict[Regime, str],
+    relaxed: tuple[RelaxedBound, ...],
     canceled: bool,
 ) -> SynthesisResult:
     sign = find_objective(case.objective).sign
@@ -197,24 +289,23 @@ def _result(
         case=case,
         design=case.reference if trial is None else replace(trial.design, name=case.name),
         workspace=case.workspace if trial is None else trial.workspace,
-        regime=best and best.regime,
+        regime=best and best.state.regime,
         feasible=best is not None and best.found.feasible,
         objective=best.found.objective if best else float("nan"),
         outcomes=_outcomes(case, best.found) if best else (),
         states=states,
-        refused={},
+        refused=refused,
+        relaxed=relaxed,
         canceled=canceled,
         poses=0 if trial is None else trial.poses.over(case.requirements.theta).poses,
     )
 
 
-def _outcomes(case: SynthesisCase, found: Evaluation) -> tuple[Outcome, ...]:
+def _outcomes(case: SynthesisCase, found: Evaluation) -> tuple[BoundOutcome, ...]:
+    bounds = (*case.requirements.bounds, *case.limits)
+    values = (*found.worst.tolist(), *found.limits.tolist())
     rows = []
-    for bound, value in zip(case.requirements.bounds, found.worst.tolist(), strict=True):
+    for bound, value in zip(bounds, values, strict=True):
         margin = float(bound.margin(value))
-        near = bound.high if bound.low is None or bound.high is not None else bound.low
-        rows.append(Outcome(bound, value, margin, abs(margin) <= ACTIVE * abs(near or 1.0)))
-    for limit, value in zip(case.limits, found.limits.tolist(), strict=True):
-        margin = find_objective(limit.objective).sign * (limit.most - value)
-        rows.append(Outcome(limit, value, margin, abs(margin) <= ACTIVE * abs(limit.most)))
+        rows.append(BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(_limit(bound))))
     return tuple(rows)

@@ -20,7 +20,7 @@ from paminsa_viz.synthesis import kernels
 from paminsa_viz.synthesis.case import Guide, SynthesisCase
 from paminsa_viz.synthesis.inner import InnerSolution
 from paminsa_viz.synthesis.region import Spans, reach_margins, spans
-from paminsa_viz.synthesis.samples import TRIAL, Density, Samples, sample
+from paminsa_viz.synthesis.samples import TRIAL, Density, TrialSamples, sample
 
 SPARE = 1e-9
 """What a guide that follows is longer than the workspace takes, against rounding [m]."""
@@ -47,10 +47,10 @@ class Poses:
         return not single and not turned
 
     @cached_property
-    def _kept(self) -> dict[Range, Samples]:
+    def _kept(self) -> dict[Range, TrialSamples]:
         return {}
 
-    def over(self, theta: Range) -> Samples:
+    def over(self, theta: Range) -> TrialSamples:
         """Return the samples of the workspace with some headings."""
         if theta not in self._kept:
             found = sample(self.case.workspace, theta, self.density, alike=self.alike)

@@ -17,7 +17,7 @@ from paminsa_viz.files.example_designs import ExampleDesign, example_design
 from paminsa_viz.model import APPENDIX_4, static_imbalance, static_torques
 from paminsa_viz.trajectory import PRESET
 
-SCRIPT = Path(__file__).parents[2] / "examples" / "example_designs.py"
+SCRIPT = Path(__file__).parents[2] / "assets" / "make_designs.py"
 BALANCED = (ExampleDesign.BALANCED, ExampleDesign.PAYLOAD, ExampleDesign.COMPACT)
 
 

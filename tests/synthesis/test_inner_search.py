@@ -89,6 +89,29 @@ def test_limits_on_other_goals_are_kept_by_the_masses():
     assert found.limits[1] == pytest.approx(found.trial.inner.value("energy"))
 
 
+def test_a_bound_that_is_relaxed_is_minimized_by_the_masses():
+    case = looser()
+    bounds = (Requirement("max_torque", high=0.5), Requirement("f_4", high=200.0))
+    case = replace(case, requirements=replace(case.requirements, bounds=bounds))
+    assert not evaluated(case).feasible
+    for index, quantity in enumerate(("max_torque", "f_4")):
+        found = Evaluator(case, Regime.SMALLER, relaxed=index).evaluate(NUMBERS)[0]
+        assert found.feasible
+        nearest = bounds[index].high + found.objective
+        assert nearest == pytest.approx(found.worst[index])
+        moved = tuple(
+            replace(b, high=nearest * (1 + 1e-6)) if b.quantity == quantity else b for b in bounds
+        )
+        assert evaluated(
+            replace(case, requirements=replace(case.requirements, bounds=moved))
+        ).feasible
+    limited = replace(case, requirements=replace(case.requirements, bounds=bounds[:1]))
+    least = evaluated(limited).objective
+    limited = replace(limited, objective="moving_mass", limits=(Limit("peak_torque", 0.1),))
+    found = Evaluator(limited, Regime.SMALLER, relaxed=1).evaluate(NUMBERS)[0]
+    assert 0.1 + found.objective == pytest.approx(least, rel=1e-6)
+
+
 def test_springs_count_in_bounds_at_rest():
     spring = SpringPlace(on_slider(0.2), at_joint(9), 2000.0, 0.0, 0.2)
     inner = InnerCase("moving_mass", (), springs=(spring,))

@@ -9,6 +9,7 @@ from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.entries import Button, Folder, Html, Run, Upload
 from paminsa_viz.explorer.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.inputs import TextBox
@@ -55,7 +56,7 @@ EXAMPLE = "open-example"
 
 def gallery_html() -> str:
     """Return the examples, each a button."""
-    return render("gallery.j2", examples=EXAMPLES, message=EXAMPLE)
+    return render("gallery.j2", examples=EXAMPLES, message=EXAMPLE, tour=START)
 
 
 def receive_example(session: Session, data: Any) -> None:

@@ -97,7 +97,10 @@ class MapPicture:
         reference = document.reference
         motion = self._motions.analysis(state) if "path" in state.layers else None
         # Where the robot is, is not part of it: the marker lies over the picture.
-        values = (document.design, document.pose[2:], reference, view, quantities, width)
+        values = (
+            document.design, document.pose[2:], reference, view, quantities, width,
+            document.requirements,
+        )  # fmt: skip
         shown = (*values, self._slots.ratio, motion and motion.trajectory, state.theme)
         if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
             self._mark(state)
@@ -163,6 +166,7 @@ def caption(state: State, data: MapData) -> str:
         theta=format_value(data.theta, "rad"),
         z=format_value(data.z, "m"),
         missing=data.missing_word,
+        outside=() if data.outside is None else data.outside.present(),
         drawing=points.is_drawing(state),
         message=motion_points.DRAW,
         number=len(state.document.motion.waypoints) + 1,

@@ -122,6 +122,7 @@ def _factory(view: str | ViewFactory) -> ViewFactory:
 
 _POLYTOPE = "forces:PolytopeView"
 _FLOOR = "floor:FloorMap"
+_WORKSPACES = "workspaces:WorkspaceOutlines"
 _JOINT_FORCES = "joint_forces:JointForceView"
 _MASSES = "mechanism:PointMassView"
 
@@ -176,6 +177,14 @@ register(
         "floor_map", "Floor map", "The chosen map, under the robot; click it to go there", _FLOOR,
         default=True, shortcut="F", animated=False,
     ),
+    Layer("volume", "Volume of requirements",
+          "Where all requirements hold, colored by what ends it there", "workspaces:VolumeSurface",
+          default=True, animated=False),
+    Layer("required_workspace", "Required workspace", "Its outline", _WORKSPACES, default=True,
+          animated=False),
+    Layer("proven_workspace", "Proven workspace",
+          "Outline of the largest one, see the tab Requirements", _WORKSPACES, default=True,
+          animated=False),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer("points", "Points of the motion",
           "The poses that a motion is built from: click one, then drag it",

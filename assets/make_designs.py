@@ -137,7 +137,7 @@ if __name__ == "__main__":
     for stem, design in {
         "balanced": balanced(), "payload": heavy_payload(), "compact": compact()
     }.items():  # fmt: skip
-        comment = "An example of paminsa_viz, made by examples/example_designs.py."
+        comment = "An example of paminsa_viz, made by assets/make_designs.py."
         Path(f"example_{stem}.toml").write_text(
             write_design(design, comment=comment), encoding="utf-8"
         )
