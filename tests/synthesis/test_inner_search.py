@@ -11,7 +11,7 @@ from paminsa_viz.balancing import CounterweightRange, SpringPlace, at_joint, on_
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import static_torques
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.case import Limit, Regime, SynthesisCase
+from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluator
 from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
 from paminsa_viz.trajectory import analyze
@@ -82,7 +82,9 @@ def test_limits_on_other_goals_are_kept_by_the_masses():
     most = quick.trial.inner.value("moving_mass")
     assert most > light.objective + 0.1
     level = 0.5 * (most + light.objective)
-    found = evaluated(replace(case, limits=(Limit("moving_mass", level), Limit("energy", 1e3))))
+    found = evaluated(
+        replace(case, limits=(ObjectiveLimit("moving_mass", level), ObjectiveLimit("energy", 1e3)))
+    )
     assert found.feasible
     assert quick.objective < found.objective < light.trial.inner.value("peak_torque")
     assert found.limits[0] == pytest.approx(level, rel=1e-6)
@@ -91,8 +93,18 @@ def test_limits_on_other_goals_are_kept_by_the_masses():
 
 def test_a_bound_that_is_relaxed_is_minimized_by_the_masses():
     case = looser()
-    bounds = (Requirement("max_torque", high=0.5), Requirement("f_4", high=200.0))
-    case = replace(case, requirements=replace(case.requirements, bounds=bounds))
+    inner = replace(case.inner, motion_force=None)
+
+    def least_force(*others: Requirement) -> float:
+        asked = (*others, Requirement("f_4", high=1.0))
+        trial = replace(case, inner=inner, requirements=replace(case.requirements, bounds=asked))
+        found = Evaluator(trial, Regime.SMALLER, relaxed=len(others)).evaluate(NUMBERS)[0]
+        return 1.0 + found.objective
+
+    torque = Requirement("max_torque", high=0.5)
+    between = 0.5 * (least_force() + least_force(torque))
+    bounds = (torque, Requirement("f_4", high=between))
+    case = replace(case, inner=inner, requirements=replace(case.requirements, bounds=bounds))
     assert not evaluated(case).feasible
     for index, quantity in enumerate(("max_torque", "f_4")):
         found = Evaluator(case, Regime.SMALLER, relaxed=index).evaluate(NUMBERS)[0]
@@ -107,7 +119,9 @@ def test_a_bound_that_is_relaxed_is_minimized_by_the_masses():
         ).feasible
     limited = replace(case, requirements=replace(case.requirements, bounds=bounds[:1]))
     least = evaluated(limited).objective
-    limited = replace(limited, objective="moving_mass", limits=(Limit("peak_torque", 0.1),))
+    limited = replace(
+        limited, objective="moving_mass", limits=(ObjectiveLimit("peak_torque", 0.1),)
+    )
     found = Evaluator(limited, Regime.SMALLER, relaxed=1).evaluate(NUMBERS)[0]
     assert 0.1 + found.objective == pytest.approx(least, rel=1e-6)
 
@@ -138,7 +152,7 @@ def test_objectives_that_make_no_sense_are_refused():
     with pytest.raises(InvalidInput, match="motion"):
         replace(CYLINDER, objective="peak_torque")
     with pytest.raises(InvalidInput, match="motion"):
-        replace(CYLINDER, limits=(Limit("energy", 1.0),))
+        replace(CYLINDER, limits=(ObjectiveLimit("energy", 1.0),))
     bounded = InnerCase("moving_mass", (), masses, bounds=(Requirement("f_4", high=1.0),))
     with pytest.raises(InvalidInput, match="requirements"):
         replace(CYLINDER, inner=bounded)
