@@ -24,7 +24,12 @@ from paminsa_viz.synthesis.families import Group, Method, groups, method
 from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.placement import Placement
 from paminsa_viz.synthesis.pose_search import freedom, lowest
-from paminsa_viz.synthesis.reach_proof import home_path, prove_reach, regions_of
+from paminsa_viz.synthesis.reach_proof import (
+    home_path,
+    prove_reach,
+    reach_margin,
+    regions_of,
+)
 from paminsa_viz.synthesis.region_margins import Region, region_margins
 from paminsa_viz.synthesis.sampled import sample_requirement, sampled_evidence
 
@@ -215,7 +220,7 @@ class _Search:
         """Return the largest scale at which reach and singularities hold, in closed form."""
         requirements, geometry = self._requirements, self._design.geometry
         least = [
-            r.low or 0.0
+            r
             for r in requirements.bounds
             if r.quantity == "reach_margin" and method(r) is Method.CLOSED_FORM
         ]
@@ -225,12 +230,9 @@ class _Search:
         def holds(scale: float) -> bool:
             whole = self._region.scaled(scale, self._grows)
             parts = regions_of(requirements, whole)
-            if not all(region_margins(geometry, part).holds() for part in parts):
-                return False
-            if not least:
-                return True
-            found = prove_reach(self._design, requirements, whole)
-            return all(item.verdict is Verdict.PROVEN for item in found.values())
+            return all(region_margins(geometry, part).holds() for part in parts) and all(
+                reach_margin(self._design, requirements, bound, whole) >= 0.0 for bound in least
+            )
 
         low, high = 0.0, LARGEST / self._extent
         for _ in range(_BISECTIONS):
