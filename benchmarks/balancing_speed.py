@@ -1,11 +1,9 @@
-"""Speed of balancing: the paper's balance, optima with their certificates, fronts, search.
+"""Speed of balancing: the paper's balance, optima with their certificates, fronts.
 
 Run: ``python -m benchmarks.balancing_speed``.
 """
 
 from __future__ import annotations
-
-import time
 
 import numpy as np
 
@@ -32,7 +30,6 @@ from paminsa_viz.balancing import (
     tornado,
 )
 from paminsa_viz.model import APPENDIX_4, Grid, backend, solve_field
-from paminsa_viz.studies import BoxRequirements, Weights, here, processes, search_geometry
 from paminsa_viz.trajectory import PRESET, Trajectory, solve_trajectory
 
 DESIGN = APPENDIX_4
@@ -115,30 +112,10 @@ def optima() -> None:
     table(["what", "ms"], [[name, number(1e3 * best(run))] for name, run in others.items()])
 
 
-def search() -> None:
-    """Time the search for lengths, here and in a pool of two processes."""
-    needs = BoxRequirements((-0.08, -0.08, -0.4, -0.6), (0.08, 0.08, 0.4, -0.45))
-    weights = Weights(1.0, 0.1, 1.0)
-    rows = []
-    with processes(2) as pool:
-        search_geometry(DESIGN, needs, weights, generations=1, workers=pool)  # starts them
-        for name, workers in (("this process", here), ("two processes", pool)):
-            start = time.perf_counter()
-            found = search_geometry(DESIGN, needs, weights, generations=20, workers=workers)
-            seconds = time.perf_counter() - start
-            rows.append(
-                [name, number(seconds), str(found.trials), number(1e3 * seconds / found.trials),
-                 number(found.cost)]
-            )  # fmt: skip
-    heading("Search for lengths, 20 generations, 625 poses a robot")
-    table(["where", "s", "robots", "ms a robot", "cost"], rows)
-
-
 def main() -> None:
     """Run everything."""
     backend.compile_now()
     optima()
-    search()
 
 
 if __name__ == "__main__":

@@ -53,6 +53,7 @@ API = {
     "paminsa_viz.precision": "Errors of the pose by drives and by manufacture; calibration.",
     "paminsa_viz.balancing": "Optimal redistribution of masses, and what goes with it.",
     "paminsa_viz.studies": "Many designs, each measured over the workspace.",
+    "paminsa_viz.synthesis": "From requirements to a robot: lengths, masses, springs.",
     "paminsa_viz.notebook": "Robot, maps and motions inline in a notebook.",
     "paminsa_viz.meshes": "The robot's shape, for 3D models.",
 }
@@ -124,6 +125,22 @@ def design_file() -> str:
         '```toml\n[drives.M1]\nname = "servo 100 W, gear 100:1"\nrotor_inertia_kg_m2 = 4e-6\n'
         "gear_ratio = 100.0\nefficiency = 0.8\nrated_torque_Nm = 0.32\npeak_torque_Nm = 0.95\n"
         "envelope = [[0, 0.95], [314, 0.95], [628, 0.4]]\n```",
+        "## [[requirements]]",
+        "What the robot is needed for, none in Appendix 4: a bound on a quantity, the table "
+        "repeated for each. `quantity` is its name as `map --quantity` has it; `min` and `max` end "
+        "in its SI unit, such as `max_Nm`, and one of them is needed. `theta_min_rad`, "
+        "`theta_max_rad` and `z_min_m`, `z_max_m` are headings and heights over which it holds; "
+        "left out, all those that are required. See [Requirements](requirements.md).",
+        "## [workspace]",
+        "The headings that count, `theta_min_rad` and `theta_max_rad` (0 if left out), and a "
+        "workspace of the platform's center that has to fit, if there is one: `shape` is "
+        '`"cylinder"` with `diameter_m` and `height_m`, or `"box"` with `size_x_m`, `size_y_m`, '
+        "`size_z_m`. `center_x_m`, `center_y_m` and `center_z_m` say where its center is; a "
+        "coordinate that is left out is free to be found.",
+        "```toml\n[workspace]\ntheta_min_rad = -0.5236\ntheta_max_rad = 0.5236\n"
+        'shape = "cylinder"\ndiameter_m = 0.3\nheight_m = 0.4\ncenter_x_m = 0.0\n'
+        'center_y_m = 0.0\n\n[[requirements]]\nquantity = "condition"\nmax = 10.0\n\n'
+        '[[requirements]]\nquantity = "max_torque"\nmax_Nm = 15.0\n```',
         "## The whole of it",
         f"```toml\n{write_design(APPENDIX_4).strip()}\n```",
     ]

@@ -3,7 +3,7 @@
 `balance` is the paper's own (Eqs. 7-8). `optimize` minimizes any weighted sum of terms within the
 bounds of `Changes`, with a certificate; `pareto_front` trades two terms off.
 `fit_springs` balances with springs instead. `tornado`, `mass_tolerance` and `length_tolerance`
-measure sensitivity; `studies.search_geometry` optimizes lengths.
+measure sensitivity; `synthesis.synthesize` optimizes lengths.
 """
 
 from __future__ import annotations
@@ -29,13 +29,12 @@ from paminsa_viz.balancing.paper_balance import balance, paper_changes
 from paminsa_viz.balancing.pareto import ParetoFront, ParetoPoint, pareto_front
 from paminsa_viz.balancing.program import SolverFailed
 from paminsa_viz.balancing.sensitivity import OUTPUTS, Tornado, TornadoBar, tornado
+from paminsa_viz.balancing.spring_fit import SpringFit, fit_springs
 from paminsa_viz.balancing.springs import (
     Anchor,
     Spring,
-    SpringFit,
     SpringPlace,
     at_joint,
-    fit_springs,
     on_bar,
     on_guide,
     on_slider,

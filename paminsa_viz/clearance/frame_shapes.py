@@ -14,6 +14,7 @@ from paminsa_viz.dimensions.attached import PAYLOAD_HEIGHT, payload_offset, payl
 from paminsa_viz.dimensions.layout import (
     MAST,
     MAST_ANGLE,
+    TONGUE,
     FrameLayout,
     column_heights,
     cylinder_length,
@@ -75,8 +76,17 @@ def frame_bodies(design: Design) -> Iterator[Body]:
     yield fixed("m4", "M4", *_lift(g, place))
     yield fixed("column", "the guide of M4", *_column(place, upper))
     yield fixed("mast", "the mast", *_mast(place, upper))
-    top = place.ground
-    yield fixed("ground", "the ground", rod(plinth_radius(g), top - size.PLINTH_HEIGHT, top))
+    yield fixed("ground", "the plinth", *_plinth(g, place))
+
+
+def _plinth(g: Geometry, place: FrameLayout) -> Iterator[Solid]:
+    """Yield the disc below the workspace, and the tongue that carries the mast."""
+    low, high = place.ground - size.PLINTH_HEIGHT, place.ground
+    radius, end = plinth_radius(g), place.mast_radius + TONGUE[0]
+    half = min(TONGUE[1], 0.9 * radius)
+    yield rod(radius, low, high)
+    if end > radius:
+        yield _turned(box((0.0, -half, low), (end, half, high)), MAST_ANGLE)
 
 
 def _base_plate(g: Geometry, upper: bool) -> Iterator[Solid]:

@@ -20,12 +20,16 @@ from paminsa_viz.dimensions import layers as at
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
+from paminsa_viz.model.reach import workspace_radius
 
 MAST_ANGLE: Final = float(np.radians(150.0))
 """Direction of the mast, midway between legs 1 and 3 [rad]."""
 
 MAST: Final = (0.090, 0.066)
 """Depth (along its direction) and width of the mast [m]."""
+
+TONGUE: Final = (0.105, 0.095)
+"""How far the plinth goes on behind the middle of the mast, and half its width there [m]."""
 
 HANG: Final = 0.18
 """Room between the lowest platform and the ground, for the payload [m]."""
@@ -140,8 +144,28 @@ def polar(radius: float, angle: float, height: float = 0.0) -> Array:
 
 
 def plinth_radius(geometry: Geometry) -> float:
-    """Return the radius of the plinth [m]."""
-    return layout(geometry).mast_radius + 0.115
+    """Return the radius of the plinth below the workspace [m]."""
+    return max(workspace_radius(geometry), 0.15) + 0.04
+
+
+def plinth_outline(geometry: Geometry) -> Array:
+    """Return the plinth seen from above, counterclockwise (n, 2) [m].
+
+    A disc below the workspace with a tongue that carries the mast's foot.
+    """
+    radius, end = plinth_radius(geometry), layout(geometry).mast_radius + TONGUE[0]
+    half = min(TONGUE[1], 0.9 * radius)
+    if end <= radius:
+        angle = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
+        return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    gap = np.arcsin(half / radius)
+    angle = np.linspace(gap, 2 * np.pi - gap, 68)
+    around = radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    corner = 0.025
+    tip = [(end - corner, -half), (end, corner - half), (end, half - corner), (end - corner, half)]
+    points = np.vstack([around, tip])
+    c, s = np.cos(MAST_ANGLE), np.sin(MAST_ANGLE)
+    return points @ np.array([[c, s], [-s, c]])
 
 
 def cylinder_length(place: FrameLayout) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from paminsa_viz.explorer.bindings import Panel
@@ -14,14 +15,16 @@ from paminsa_viz.explorer.panels.balance_panel import BalancePanel
 from paminsa_viz.explorer.panels.compare_panel import COMPARE
 from paminsa_viz.explorer.panels.design_panel import DESIGN
 from paminsa_viz.explorer.panels.drives_panel import DRIVES
-from paminsa_viz.explorer.panels.file_panel import FILE
+from paminsa_viz.explorer.panels.file_panel import EXAMPLE, FILE, receive_example
 from paminsa_viz.explorer.panels.identify_panel import identify_entries
 from paminsa_viz.explorer.panels.loads_panel import loads_entries
 from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
+from paminsa_viz.explorer.panels.requirements_panel import RequirementsPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
+from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.tab_store import TabStore
 
@@ -38,13 +41,14 @@ def build_tabs(
         context: What the layers of the scene are made with.
     """
     motions = context.motions or MotionStore()
-    maps = MapsPanel(session, bridge, motions)
+    legend = SceneLegend(bridge)
+    maps = MapsPanel(session, bridge, motions, legend)
     with places["Design"]:
         design = Panel(session, DESIGN)
     with places["Balance"]:
         balance = BalancePanel(session, bridge)
     with places["Motion"]:
-        motion = MotionPanel(session, motions)
+        motion = MotionPanel(session, bridge, motions)
     with places["Drives"]:
         drives = Panel(session, DRIVES)
     with places["Loads"]:
@@ -55,13 +59,17 @@ def build_tabs(
         stiffness = Panel(session, STIFFNESS)
     with places["Identify"]:
         identify = Panel(session, identify_entries())
+    with places["Requirements"]:
+        requirements = RequirementsPanel(session, bridge)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
         view = Panel(session, view_entries())
     with places["File"]:
         files = Panel(session, FILE)
+        bridge.on(EXAMPLE, partial(receive_example, session))
     session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
-    floor = build_views(replace(context, maps=maps.store), animated=False)
-    session.deferred += [maps, *floor, compare, files, TabStore(bridge)]
+    session.fast.append(requirements)
+    floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
+    session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
     register_commands(session)

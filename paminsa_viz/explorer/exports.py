@@ -17,6 +17,7 @@ from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
+from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend, with_legend
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.excitation_table import excitation_table
 from paminsa_viz.files.identification_table import estimate_table, residual_table
@@ -35,6 +36,9 @@ VIEW_SIDES = (64, 4096)
 """Sides of a picture of the 3D view [pixels]."""
 VIEW_TIMEOUT = 30.0
 """How long a page may take for a picture of the 3D view [s]."""
+
+LEGEND_LETTERS = 13.0
+"""Size of the letters of the legend on a picture whose shorter side has 720 pixels [px]."""
 
 LONGEST_NAME = 40
 
@@ -157,12 +161,13 @@ def _posed(state: State) -> tuple[Design, Configuration]:
     return design, inverse_kinematics(last_reachable.geometry, last_reachable.pose)
 
 
-def view(state: State, client: viser.ClientHandle) -> File:
+def view(state: State, client: viser.ClientHandle, legend: Legend = NO_LEGEND) -> File:
     """Take a picture of the 3D view, as the page draws it.
 
     Args:
         state: What it shows, for the name, and the picture's size.
         client: The page.
+        legend: What the legend over the view says.
 
     Raises:
         NoView: If the page does not answer in time.
@@ -177,7 +182,8 @@ def view(state: State, client: viser.ClientHandle) -> File:
         pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
         if pixels.dtype != np.uint8 or pixels.shape != (height, width, 4):
             raise ValueError(f"a picture of shape {pixels.shape}")
-        image = Image.fromarray(over_backdrop(pixels))
+        size = LEGEND_LETTERS * min(height, width) / 720
+        image = Image.fromarray(with_legend(over_backdrop(pixels), legend, max(size, 8.0)))
     except Exception as error:  # what a page sends may break any decoder in any way
         raise NoView(
             "the page did not give a picture of the 3D view; keep its tab in front and try again"

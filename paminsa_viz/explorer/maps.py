@@ -72,14 +72,20 @@ class MapStore:
     def _of(self, state: State, design: Design, cells: int, quantities: Sequence[str]) -> MapData:
         document = state.document
         theta, z = document.pose[2:]
+        budget = DRAG_BUDGET if cells <= COARSE else MAP_BUDGET
         field = self._field(
             design.geometry,
             theta,
             z,
-            affordable_cells(quantities, cells, DRAG_BUDGET if cells <= COARSE else MAP_BUDGET),
+            affordable_cells(quantities, cells, budget),
             half_width(document.design.geometry),
         )
-        return map_data(field, design, document.pose, quantities)
+        data = map_data(field, design, document.pose, quantities)
+        if design is not document.design or not hatches(state, budget / field.status.size):
+            return data
+        from paminsa_viz.explorer.requirements.slices import outside_of  # loads SciPy
+
+        return replace(data, outside=outside_of(field, design, document.requirements))
 
     def scales(
         self,
@@ -112,6 +118,13 @@ class MapStore:
             found = tuple(max(pair, key=_reach) for pair in pairs)
         self._held = {k: v for k, v in self._held.items() if k[0] != key[0]} | {key: found}
         return found
+
+
+def hatches(state: State, cost: float) -> bool:
+    """Whether cells are hatched that break a requirement, if that takes less time a cell [s]."""
+    bounds = state.document.requirements.bounds
+    each = {bound.entry.formula: bound.entry.cost for bound in bounds}
+    return state.map_view.hatched and bool(bounds) and sum(each.values()) <= cost
 
 
 def _reach(scale: Scale) -> float:
@@ -149,10 +162,16 @@ def toggle_difference(state: State) -> State:
     return state.updated("map_view", difference=not shows_difference(state))
 
 
-def go_to(state: State, x: float, y: float) -> State:
-    """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
+def on_map(state: State, x: float, y: float) -> tuple[float, float]:
+    """Return a position [m] at most as far out as maps show, rounded to 0.1 mm."""
     half = half_width(state.document.design.geometry)
     x, y = (round(min(max(value, -half), half), 4) + 0.0 for value in (x, y))
+    return x, y
+
+
+def go_to(state: State, x: float, y: float) -> State:
+    """Ask for another position [m], at most as far out as maps show, rounded to 0.1 mm."""
+    x, y = on_map(state, x, y)
     return actions.move(state, x=x, y=y)
 
 

@@ -15,18 +15,18 @@ from paminsa_viz.explorer import actions, tab_store
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
+from paminsa_viz.explorer.browser.tour import offer_tour
+from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.theme import ThemeView
 from paminsa_viz.model import Design, PaminsaError
-from paminsa_viz.palette import rgb
 
 log = logging.getLogger(__name__)
-
-BRAND = "#0b6e99"
 
 SOFTWARE_RENDERERS = ("swiftshader", "llvmpipe", "softpipe", "software", "basic render")
 """Parts of the names of what draws in the absence of a graphics card."""
@@ -40,6 +40,7 @@ LATER_TABS = (
     "Accuracy",
     "Stiffness",
     "Identify",
+    "Requirements",
     "Compare",
     "View",
     "File",
@@ -84,9 +85,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     session = Session(client, opening_state(design))
     bridge = Bridge(client)
     gui = client.gui
-    gui.configure_theme(
-        control_width="large", show_logo=False, show_share_button=False, brand_color=rgb(BRAND)
-    )
+    theme = ThemeView(session, bridge)
     gui.set_panel_label("PAMINSA")
     gui.main_panel.dock_right()
     gui.main_panel.set_width(CONTROLS_WIDTH)
@@ -97,7 +96,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
     with tabs.add_tab("Pose"):
         pose = Panel(session, POSE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
-    session.fast += [strip, pose]
+    session.fast += [theme, strip, pose]
     context = SceneContext(client.scene, session.dispatch, MotionStore())
 
     def build_robot() -> None:
@@ -117,6 +116,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
 
         build_tabs(session, bridge, places, context)
         session.built.set()
+        offer_tour(bridge)
         session.dispatch("page", replace)
 
     def restore(saved: object) -> None:
@@ -129,7 +129,9 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         else:
             bridge.call("renderOnDemand")
 
+    keep_docks(session, bridge)
     bridge.on("hello", restore)
+    bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))
     bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.submit(build_rest))

@@ -23,6 +23,7 @@ from paminsa_viz.explorer.identifying import (
     settings_from_data,
 )
 from paminsa_viz.explorer.motion.description import motion_data, motion_from_data
+from paminsa_viz.explorer.requirements.saved import requirements_data, requirements_from_data
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
 from paminsa_viz.files.errors import printable, shown
@@ -90,6 +91,7 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
     settings = {} if identify is None else settings_data(identify)
     reference = document.reference
     motion = motion_data(document.motion)
+    requirements = requirements_data(document.requirements)
     return json.dumps(
         _described(document.design)
         | {
@@ -99,6 +101,7 @@ def dump(document: Document, identify: IdentifySettings | None = None) -> str:
             "reference": None if reference is None else _described(reference),
         }
         | ({"motion": motion} if motion else {})
+        | ({"requirements": requirements} if requirements else {})
         | ({"identify": settings} if settings else {})
     )
 
@@ -134,6 +137,7 @@ def load(text: str) -> Document:
             pose=(x, y, theta, z),
             reference=None if reference is None else _design(reference).with_knee(knee),
             motion=motion_from_data(data.get("motion", {})),
+            requirements=requirements_from_data(data.get("requirements", {})),
         )
     except PaminsaError:
         raise

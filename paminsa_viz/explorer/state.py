@@ -7,17 +7,21 @@ from enum import Enum
 from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
+from paminsa_viz.explorer.balancing.spring_settings import Springing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.identifying import Identifying
 from paminsa_viz.explorer.loads import LoadsState
 from paminsa_viz.explorer.manufacture import Manufacture
 from paminsa_viz.explorer.motion.description import Motion, Playback, PlotView, Pose
+from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
+from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
+from paminsa_viz.palette import DARK, LIGHT, Theme
 from paminsa_viz.quantities.requirements import Requirements
 
 
@@ -42,6 +46,14 @@ class RangeMode(Enum):
     MANUAL = "manual"
 
 
+class Appearance(Enum):
+    """Which theme the page has."""
+
+    BROWSER = "as the browser"
+    LIGHT = "light"
+    DARK = "dark"
+
+
 @dataclass(frozen=True)
 class MapView:
     """How the torque maps are drawn.
@@ -53,6 +65,7 @@ class MapView:
         shared: Whether the three torque maps have one range.
         logarithmic: Whether colors follow a symmetric logarithm.
         difference: Whether the maps show the difference from the reference design.
+        hatched: Whether cells that break a requirement are hatched.
     """
 
     quantity: str = "max_torque"
@@ -62,6 +75,7 @@ class MapView:
     shared: bool = True
     logarithmic: bool = False
     difference: bool = False
+    hatched: bool = True
 
 
 @dataclass(frozen=True)
@@ -81,6 +95,27 @@ class Document:
     reference: Design | None = None
     motion: Motion = field(default_factory=Motion)
     requirements: Requirements = field(default_factory=Requirements)
+
+
+@dataclass(frozen=True)
+class Dock:
+    """One of the page's docks, as a person has left it; None for what the page itself chooses.
+
+    Attributes:
+        width: Width [px].
+        folded: Whether it is folded.
+    """
+
+    width: int | None = None
+    folded: bool | None = None
+
+
+@dataclass(frozen=True)
+class Docks:
+    """The dock of the maps, left, and that of the tabs, right."""
+
+    left: Dock = Dock()
+    right: Dock = Dock()
 
 
 @dataclass(frozen=True)
@@ -110,12 +145,16 @@ class State:
         layers: Keys of the visible layers of the scene, see `paminsa_viz.explorer.scene.layers`.
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
-        simulating, balancing, driving, manufacture, loads, elastic_view, identifying,
-            engine_answer: Jobs of the session and what came of them.
+        point_editing: Which of the poses that a motion is built from is edited, and how.
+        simulating, balancing, springing, driving, manufacture, loads, elastic_view, identifying,
+            requiring, engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
+        appearance: Which theme the page has.
+        browser_dark: Whether the browser asks for a dark one.
+        docks: Widths of the page's docks.
     """
 
     document: Document
@@ -125,17 +164,30 @@ class State:
     floor_opacity: float = 0.85
     playback: Playback = field(default_factory=Playback)
     plots: PlotView = field(default_factory=PlotView)
+    point_editing: PointEditing = field(default_factory=PointEditing)
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
+    springing: Springing = field(default_factory=Springing)
     driving: Driving = field(default_factory=Driving)
     manufacture: Manufacture = field(default_factory=Manufacture)
     loads: LoadsState = field(default_factory=LoadsState)
     elastic_view: ElasticView = field(default_factory=ElasticView)
     identifying: Identifying = field(default_factory=Identifying)
+    requiring: Requiring = field(default_factory=Requiring)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
     table_at_rest: bool = False
+    appearance: Appearance = Appearance.BROWSER
+    browser_dark: bool = False
+    docks: Docks = field(default_factory=Docks)
+
+    @property
+    def theme(self) -> Theme:
+        """Colors of the page; what is exported is always light."""
+        follows = self.appearance is Appearance.BROWSER
+        dark = self.browser_dark if follows else self.appearance is Appearance.DARK
+        return DARK if dark else LIGHT
 
     def updated(self, part: str, **changes: Any) -> State:
         """Return the state with other attributes of a part, such as ``"simulating.settings"``."""

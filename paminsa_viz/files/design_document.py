@@ -17,8 +17,11 @@ from paminsa_viz.files.design_schema import (
     COUNTERWEIGHTS,
     DRIVE_KEYS,
     DRIVES,
+    REQUIREMENTS,
     SCHEMA_VERSION,
     TABLES,
+    WORKSPACE,
+    WORKSPACE_KEYS,
     key_hint,
     table_hint,
 )
@@ -38,6 +41,23 @@ class CounterweightEntry(BaseModel):
     joint: int
     beyond_m: _Number
     mass_kg: _Number
+
+
+class RequirementEntry(BaseModel):
+    """One table ``[[requirements]]``; which keys it may have depends on the quantity."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+    __pydantic_extra__: dict[str, _Number]
+    quantity: str
+
+
+_SHAPES = ("cylinder", "box")
+_workspace_fields: Any = dict.fromkeys(WORKSPACE_KEYS, (_Number, None))
+WorkspaceTable = create_model(
+    "WorkspaceTable",
+    __config__=_CLOSED,
+    **_workspace_fields | {"shape": (Literal[_SHAPES], None)},
+)
 
 
 _DRIVE_KINDS: dict[str, Any] = {
@@ -79,6 +99,8 @@ _FIELDS: dict[str, Any] = {
     },
     COUNTERWEIGHTS: (list[CounterweightEntry], []),
     DRIVES: (DriveTables, None),
+    REQUIREMENTS: (list[RequirementEntry], []),
+    WORKSPACE: (WorkspaceTable, None),
 }
 DesignDocument = create_model("DesignDocument", __config__=_CLOSED, **_FIELDS)
 """A whole file; what it leaves out is unset."""
@@ -96,18 +118,20 @@ def first_error(error: ValidationError) -> tuple[str, object, str]:
     *tables, name = map(str, chosen["loc"])
     path = ".".join((*tables, name))
     if chosen["type"] == "missing":
-        return ".".join(tables), None, _missing(name)
+        return ".".join(tables), None, _missing(tables, name)
     if chosen["type"] == "extra_forbidden":
-        listed = bool(tables) and tables[0] == COUNTERWEIGHTS
+        listed = bool(tables) and tables[0] in (COUNTERWEIGHTS, WORKSPACE)
         return path, chosen["input"] if listed else None, _unknown_key(tables, name, chosen)
     if chosen["type"] in ("model_type", "list_type"):
         return path, None, _no_table(tables[0] if tables else name, chosen)
     return path, chosen["input"], _wrong_value(name, chosen)
 
 
-def _missing(name: str) -> str:
+def _missing(tables: list[str], name: str) -> str:
     if name == "schema_version":
         return f"is not a design file, or lacks the line {name} = {SCHEMA_VERSION} at its top"
+    if tables[0] == REQUIREMENTS:
+        return f"{name} is missing; each needs one, and its min or max"
     return f"{name} is missing; each needs {', '.join(COUNTERWEIGHT_KEYS.values())}"
 
 
@@ -121,6 +145,10 @@ def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
         near = difflib.get_close_matches(name[:100], DRIVE_KEYS.values(), 1, 0.6)
         hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(DRIVE_KEYS.values())}"
         return f"there is no such key; {hint}"
+    if table == WORKSPACE:
+        near = difflib.get_close_matches(name[:100], WORKSPACE_KEYS, 1, 0.6)
+        hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(WORKSPACE_KEYS)}"
+        return f"there is no such key; {hint}"
     if table == COUNTERWEIGHTS:
         keys = ", ".join(COUNTERWEIGHT_KEYS.values())
         return f"there is no such key; [[{COUNTERWEIGHTS}]] has {keys}"
@@ -128,8 +156,8 @@ def _unknown_key(tables: list[str], name: str, error: ErrorDetails) -> str:
 
 
 def _no_table(table: str, error: ErrorDetails) -> str:
-    if table == COUNTERWEIGHTS:
-        return f"a table [[{COUNTERWEIGHTS}]] in double brackets is needed for each"
+    if table in (COUNTERWEIGHTS, REQUIREMENTS):
+        return f"a table [[{table}]] in double brackets is needed for each"
     kind = "in single brackets" if isinstance(error["input"], list) else "of values"
     return f"a table [{table}] {kind} is needed"
 
@@ -150,6 +178,10 @@ def _wrong_value(name: str, error: ErrorDetails) -> str:
         return f"a counterweight is on one of the bars {', '.join(_BARS)}"
     if words := _words(name):
         return " or ".join(f'"{word}"' for word in words) + " is needed"
+    if name == "quantity":
+        return 'the name of a quantity is needed, such as "condition"'
+    if name == "shape":
+        return " or ".join(f'"{word}"' for word in _SHAPES) + " is needed"
     if name == "transmission":
         return '"screw" or "belt" is needed, or nothing'
     if name == "brake":

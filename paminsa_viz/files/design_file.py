@@ -12,8 +12,8 @@ A file looks like this (`write_design` adds the paper's symbol to each value):
     b3_kg = 0.25
 
 Counterweights, if there are any, are in tables ``[[counterweights]]``, drives in ``[drives.M1]``
-to ``[drives.M4]``. What a file leaves out is
-Appendix 4's. A file is read as a whole or refused as a whole, with one line that names the file,
+to ``[drives.M4]``, requirements in ``[[requirements]]`` and ``[workspace]``. What a file leaves out
+is Appendix 4's. A file is read as a whole or refused as a whole, with one line that names the file,
 the line, the key, its value and what is allowed.
 """
 
@@ -22,9 +22,9 @@ from __future__ import annotations
 import os
 import re
 import tomllib
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path, PurePath
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.atomic import as_file_error, open_atomically
@@ -36,12 +36,18 @@ from paminsa_viz.files.design_schema import (
     DRIVES,
     KEY_OF,
     KEYS,
+    REQUIREMENTS,
+    WORKSPACE,
 )
 from paminsa_viz.files.design_writer import name_problem, write_design
 from paminsa_viz.files.errors import DesignFileError, printable
+from paminsa_viz.files.toml_lines import find_line
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
 from paminsa_viz.model.parameters import Counterweight
+
+if TYPE_CHECKING:
+    from paminsa_viz.quantities.requirements import Requirements
 
 LARGEST_FILE = 200_000
 """Largest design file [bytes], thirty times a complete one. Bounds what an upload can cost."""
@@ -50,8 +56,30 @@ LONGEST_LINE = 1_000
 """Longest line [characters]; the work on a dotted key grows with the square of its length."""
 
 
+@dataclass(frozen=True)
+class DesignContent:
+    """What is in a design file.
+
+    Attributes:
+        design: The robot.
+        requirements: What it is needed for; None if the file does not say.
+    """
+
+    design: Design
+    requirements: Requirements | None
+
+
 def load_design(path: str | os.PathLike[str]) -> Design:
     """Read a design file.
+
+    Raises:
+        DesignFileError: If the file cannot be read or is no valid design file.
+    """
+    return load_content(path).design
+
+
+def load_content(path: str | os.PathLike[str]) -> DesignContent:
+    """Read a design file with its requirements.
 
     Raises:
         DesignFileError: If the file cannot be read or is no valid design file.
@@ -61,21 +89,28 @@ def load_design(path: str | os.PathLike[str]) -> Design:
             data = file.read(LARGEST_FILE + 1)
     except (OSError, ValueError) as error:
         raise as_file_error(os.fspath(path), error, "read", DesignFileError) from error
-    return read_design(data, os.fspath(path))
+    return read_content(data, os.fspath(path))
 
 
-def save_design(design: Design, path: str | os.PathLike[str], *, comment: str = "") -> Path:
+def save_design(
+    design: Design,
+    path: str | os.PathLike[str],
+    *,
+    comment: str = "",
+    requirements: Requirements | None = None,
+) -> Path:
     """Write a design file, completely or not at all, and return its path.
 
     Args:
         design: The design.
         path: The file; one that exists is replaced.
         comment: Where the design comes from, for the file's head.
+        requirements: What the robot is needed for; nothing is written of none.
 
     Raises:
         FileError: If the file cannot be written.
     """
-    text = write_design(design, comment=comment)
+    text = write_design(design, comment=comment, requirements=requirements)
     with open_atomically(path) as file:
         file.write(text)
     return Path(path)
@@ -92,9 +127,22 @@ def read_design(content: str | bytes, source_name: str) -> Design:
     Raises:
         DesignFileError: If it is no valid design file.
     """
+    return read_content(content, source_name).design
+
+
+def read_content(content: str | bytes, source_name: str) -> DesignContent:
+    """Return the design that a file's content describes, and its requirements.
+
+    Args:
+        content: As in `read_design`.
+        source_name: The file's name, for messages.
+
+    Raises:
+        DesignFileError: If it is no valid design file.
+    """
     text = _text(content, source_name)
     document = _parsed(text, source_name)
-    return _design(document, text, source_name)
+    return _content(document, text, source_name)
 
 
 def _text(content: str | bytes, source: str) -> str:
@@ -149,8 +197,8 @@ def _number_hint(line: str) -> str:
     return next((f" ({advice})" for way, advice in ways.items() if re.search(way, line)), "")
 
 
-def _design(document: dict[str, Any], text: str, source: str) -> Design:
-    """Return the design of a parsed document; the text is where lines are looked up."""
+def _content(document: dict[str, Any], text: str, source: str) -> DesignContent:
+    """Return the content of a parsed document; the text is where lines are looked up."""
     # Late: not needed where no file is read, and it brings pydantic.
     from paminsa_viz.files.design_document import (
         DesignDocument,
@@ -160,7 +208,7 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
 
     def refused(path: str, value: object, problem: str) -> DesignFileError:
         line = find_line(text, path) or find_line(text, path.rpartition(".")[0])
-        key = re.sub(rf"^({COUNTERWEIGHTS})\.\d+", r"\1", path)
+        key = re.sub(rf"^({COUNTERWEIGHTS}|{REQUIREMENTS})\.\d+", r"\1", path)
         return DesignFileError(source, problem, line=line, key=key, value=value)
 
     try:
@@ -183,7 +231,8 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
     }
     count = content.get("value_count", 0)
     tables = content.get(DRIVES, {})
-    found = len(numbers) + len(chosen) + sum(map(len, (*entries, *tables.values())))
+    needed = (*content.get(REQUIREMENTS, []), content.get(WORKSPACE, {}))
+    found = len(numbers) + len(chosen) + sum(map(len, (*entries, *tables.values(), *needed)))
     if found < count:
         problem = (
             f"only {found} values are there, so the file was cut short; if you removed some to use "
@@ -215,7 +264,7 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
             changed = replace(getattr(design, group), **{key: value})
             design = replace(design, **{group: changed})
         held: Any = tuple(drives.get(actuator) for actuator in ACTUATORS)
-        return replace(design, name=name, counterweights=tuple(weights), drives=held)
+        design = replace(design, name=name, counterweights=tuple(weights), drives=held)
     except InvalidDesign as error:
         known = KEY_OF.get(error.field.removeprefix("design."))
         # A length that only contradicts others may be one that the file does not set.
@@ -225,47 +274,9 @@ def _design(document: dict[str, Any], text: str, source: str) -> Design:
             table, _, field = path.rpartition(".")
             path = f"{table}.{DRIVE_KEYS.get(field, field)}"
         raise refused(path, value, error.allowed) from error
+    if not any(needed):
+        return DesignContent(design, None)
+    # Late: it brings the registry of quantities.
+    from paminsa_viz.files.requirement_tables import read_requirements_tables
 
-
-def find_line(text: str, key: str) -> int | None:
-    """Return the line of a TOML text, counted from 1, that sets a dotted key or opens a table.
-
-    Reads headings and plain assignments only, which is what design files consist of; None if the
-    key is not found that way. The tables of a list are numbered: ``"counterweights.1.bar"``. One
-    pass over the text, by hand: a pattern could take quadratic time on a hostile one.
-    """
-    table = ""
-    counts: dict[str, int] = {}
-    for number, line in enumerate(text.split("\n") if key else (), 1):
-        line = line.strip()
-        if line.startswith("["):
-            table = path = _plain(line.lstrip("[").partition("]")[0])
-            if line.startswith("[["):
-                counts[path] = counts.get(path, -1) + 1
-                table = path = f"{path}.{counts[path]}"
-        else:
-            name = _left_side(line)
-            path = f"{table}.{_plain(name)}" if table else _plain(name)
-            if not name:
-                continue
-        if path == key or path.startswith(f"{key}."):
-            return number
-    return None
-
-
-def _left_side(line: str) -> str:
-    """Return the text before the first ``=`` outside of quotes, empty without one."""
-    quote = ""
-    for place, character in enumerate(line):
-        if quote:
-            quote = "" if character == quote else quote
-        elif character in "\"'":
-            quote = character
-        elif character in "#=":
-            return line[:place] if character == "=" else ""
-    return ""
-
-
-def _plain(dotted: str) -> str:
-    """Return a dotted key without quotes and the blanks around its dots."""
-    return ".".join(part.strip().strip("\"'") for part in dotted.split("."))
+    return DesignContent(design, read_requirements_tables(content, refused))

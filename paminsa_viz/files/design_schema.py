@@ -35,6 +35,18 @@ KNEE = "knee"
 DRIVES = "drives"
 """Name of the tables ``[drives.M1]`` .. ``[drives.M4]``; only those that are there are written."""
 
+REQUIREMENTS = "requirements"
+"""Name of the tables ``[[requirements]]``, one for each, see `requirement_tables`."""
+
+WORKSPACE = "workspace"
+"""Name of the table of the headings and the workspace that are required."""
+
+WORKSPACE_KEYS = (
+    "theta_min_rad", "theta_max_rad", "shape", "diameter_m", "height_m", "size_x_m", "size_y_m",
+    "size_z_m", "center_x_m", "center_y_m", "center_z_m",
+)  # fmt: skip
+"""Keys of that table."""
+
 FRAME = "frame"
 """Key in ``[load]`` of what the load's direction is fixed in; written where it is not the world."""
 
@@ -111,7 +123,7 @@ heading they would belong to it."""
 
 def table_hint(name: str) -> str:
     """Return advice for an unknown table: the nearest one, or all there are."""
-    tables = [table for table in TABLES if table]
+    tables = [*(table for table in TABLES if table), WORKSPACE, REQUIREMENTS]
     near = difflib.get_close_matches(name[:100].lower(), tables, 1)
     if near:
         return f"did you mean [{near[0]}]?"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from typing import TYPE_CHECKING
 
 from paminsa_viz.files.design_schema import (
     CHOICE_MEANINGS,
@@ -21,6 +22,9 @@ from paminsa_viz.files.design_schema import (
 from paminsa_viz.files.errors import DesignFileError, printable
 from paminsa_viz.model.design import APPENDIX_4, Design
 from paminsa_viz.model.drive import ACTUATORS, Drive
+
+if TYPE_CHECKING:
+    from paminsa_viz.quantities.requirements import Requirements
 
 HEADER = """\
 Design of a PAMINSA manipulator. All values are in SI units, named at the end of each key.
@@ -44,12 +48,15 @@ def name_problem(name: object) -> str:
     return ""
 
 
-def write_design(design: Design, *, comment: str = "") -> str:
+def write_design(
+    design: Design, *, comment: str = "", requirements: Requirements | None = None
+) -> str:
     """Return the text of a design file that reads back as the same design, to the last digit.
 
     Args:
         design: The design.
         comment: Where the file comes from, for its head; may have several lines.
+        requirements: What the robot is needed for; nothing is written of none.
 
     Raises:
         DesignFileError: If the design's name cannot be written.
@@ -80,6 +87,12 @@ def write_design(design: Design, *, comment: str = "") -> str:
     for actuator, drive in zip(ACTUATORS, design.drives, strict=True):
         if drive is not None:
             body += ["", f"[{DRIVES}.{actuator}]", *_aligned(_drive_rows(drive))]
+    if requirements is not None:
+        # Late: not needed without, and it brings the registry of quantities.
+        from paminsa_viz.files.requirement_tables import requirements_rows
+
+        for heading, rows in requirements_rows(requirements):
+            body += ["", heading, *_aligned(rows)]
     count = sum("=" in line and not line.startswith("#") for line in body)
     # The version comes last, as a file without it is no design file: no cut goes unnoticed.
     lines += ["", f"name = {quoted(design.name)}"]

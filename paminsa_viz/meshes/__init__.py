@@ -10,9 +10,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from paminsa_viz.dimensions.layout import FrameLayout, layout
+from paminsa_viz.dimensions.placement import BODIES, Placement, place_parts
 
 if TYPE_CHECKING:
-    from paminsa_viz.dimensions.placement import BODIES, Placement, place_parts
     from paminsa_viz.meshes.bodies import (
         STANDING,
         body_glb,
@@ -47,7 +47,6 @@ _HOMES = {
     "bodies": ("STANDING", "body_glb", "color_of", "lengths_of", "make_body", "prepare"),
     "library": ("MissingMeshes", "fixed_part"),
     "part": ("MeshPart",),
-    "placement": ("BODIES", "Placement", "place_parts"),
     "posed": ("assemble_glb",),
 }
 """Modules of the other names. They are imported on first use: trimesh takes half a second,

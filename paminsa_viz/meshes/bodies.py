@@ -17,7 +17,7 @@ import trimesh
 from paminsa_viz import palette
 from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
-from paminsa_viz.dimensions.layout import layout, polar
+from paminsa_viz.dimensions.layout import layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
 from paminsa_viz.meshes import frame
 from paminsa_viz.meshes.library import fixed_part
@@ -68,7 +68,7 @@ def lengths_of(body: str, geometry: Geometry) -> tuple[object, ...]:
     ram = place.column_top - place.lift_low if g.knee is KneeBranch.UPPER else 0.0
     heights = (place.ground, place.mast_top, place.column_top)
     depends: dict[str, tuple[object, ...]] = {
-        "ground": (place.ground, place.mast_radius),
+        "ground": (place.ground, place.mast_radius, plinth_radius(g)),
         "base": (g.base_radius, place.mast_radius, *heights, g.knee),
         **dict.fromkeys(("m1", "m2", "m3"), (g.base_radius, g.knee)),
         "m4": (place.column_top, place.lift_high - place.lift_low, g.knee),
@@ -292,6 +292,14 @@ def body_glb(body: str, geometry: Geometry, *, fine: bool = True) -> bytes:
     with plain_shapes():
         part = make_body(body, geometry).without_small(SMALL)
         return part.glb(color_of(body), plain=True)
+
+
+def ground_glb(geometry: Geometry, *, dark: bool = False) -> bytes:
+    """Return the ground as a GLB in the world frame, light or for a dark page."""
+    if not dark:
+        return body_glb("ground", geometry, fine=False)
+    with plain_shapes():
+        return make_body("ground", geometry).renamed("dark").glb(plain=True)
 
 
 def prepare(geometry: Geometry) -> None:

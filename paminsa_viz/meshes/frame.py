@@ -13,6 +13,7 @@ from paminsa_viz.dimensions.layout import (
     column_heights,
     cylinder_length,
     layout,
+    plinth_outline,
     plinth_radius,
     polar,
     ring_arcs,
@@ -24,6 +25,7 @@ from paminsa_viz.meshes.solids import (
     arc_beam,
     beam,
     box,
+    fan,
     flat_ring,
     loft,
     moved,
@@ -36,23 +38,20 @@ from paminsa_viz.meshes.solids import (
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 
-_ROUND = 2 * np.pi * np.arange(72) / 72
-"""Corners of the plinth, fine or plain: nothing else is so large [rad]."""
-
 FLIP = turn("y", np.pi)
 """Turns the base plate over; it keeps the three leg directions where they are."""
 
 
 def ground(geometry: Geometry) -> MeshPart:
-    """Return the round plinth the machine stands on; its upper face is the ground. World frame."""
-    radius = plinth_radius(geometry)
+    """Return the plinth the machine stands on; its upper face is the ground. World frame."""
+    radius, outline = plinth_radius(geometry), plinth_outline(geometry)
     top = layout(geometry).ground
-    part = MeshPart().add("floor", flat_ring(0.0, radius - 0.002, top, 72))
-    rim = [
-        np.array([polar(radius, a, h) for a in _ROUND])
+    low, high = (
+        np.column_stack([outline, np.full(len(outline), h)])
         for h in (top - size.PLINTH_HEIGHT, top - 0.0015)
-    ]
-    part.add("rim", loft(rim))
+    )
+    part = MeshPart().add("floor", fan(outline * (1 - 0.002 / radius), top))
+    part.add("rim", loft([low, high]))
     # Circles every 0.2 m for scale; they protrude by less than the images on the floor.
     for line in np.arange(0.2, radius - 0.05, 0.2):
         part.add("line", flat_ring(line - 0.0018, line + 0.0018, top + 0.0006, 60))

@@ -41,6 +41,9 @@ SURFACES: dict[str, Surface] = {
     "floor": Surface("#edf1f6", 0.0, 0.85, lit=False),
     "rim": Surface("#bcc4ce", 0.0, 0.85, lit=False),
     "line": Surface("#d3d9e0", 0.0, 0.85, lit=False),
+    "dark floor": Surface("#7d858e", 0.0, 0.85, lit=False),
+    "dark rim": Surface("#5d656e", 0.0, 0.85, lit=False),
+    "dark line": Surface("#6d757e", 0.0, 0.85, lit=False),
     "load": Surface("#c39a4c", 0.2, 0.4),
     ACCENT: Surface("#8a929b", 0.1, 0.42),
 }
@@ -104,6 +107,13 @@ class MeshPart:
     ) -> MeshPart:
         """Return a copy turned by ``rotation`` (3, 3), then shifted by ``offset`` [m]."""
         return MeshPart([Solid(s.material, moved(s.mesh, offset, rotation)) for s in self.solids])
+
+    def renamed(self, prefix: str) -> MeshPart:
+        """Return a copy whose materials are those of the same names after a prefix."""
+        out = MeshPart()
+        for solid in self.solids:
+            out.add(f"{prefix} {solid.material}", solid.mesh)
+        return out
 
     def merged(self) -> Iterator[tuple[str, trimesh.Trimesh]]:
         """Yield one mesh for each material, in the order of first use."""

@@ -154,6 +154,14 @@ def flat_ring(inner: float, outer: float, height: float, segments: int) -> trime
     return shaded(trimesh.creation.revolve(profile, sections=segments))
 
 
+def fan(outline: Array, height: float) -> trimesh.Trimesh:
+    """Return a level face that is only seen from above, from an outline (N, 2) about the origin."""
+    points = np.column_stack([outline, np.full(len(outline), height)])
+    i = np.arange(1, len(points) + 1)
+    faces = np.stack([np.zeros_like(i), i, np.roll(i, -1)], axis=1)
+    return shaded(trimesh.Trimesh(np.vstack([[0.0, 0.0, height], points]), faces))
+
+
 def prism(
     outline: Array, bottom: float, top: float, chamfer: float = 0.001, steps: int = 1
 ) -> trimesh.Trimesh:

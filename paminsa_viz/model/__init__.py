@@ -72,6 +72,7 @@ from paminsa_viz.model.parameters import (
 )
 from paminsa_viz.model.reach import Limit, Reach, check_reach, require_reachable
 from paminsa_viz.model.regressor import drive_regressor, regressor_torques, torque_regressor
+from paminsa_viz.model.resizing import resized
 from paminsa_viz.model.singularity import (
     Singularity,
     escape_twist,
@@ -166,6 +167,7 @@ __all__ = [
     "potential_energy",
     "regressor_torques",
     "require_reachable",
+    "resized",
     "rotary_torques",
     "singular_radius",
     "singular_rotation",

@@ -15,6 +15,7 @@ combination of joints 5 and 9, so that its energies are made of the terms that a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from enum import Flag, auto
 from operator import attrgetter
 from types import SimpleNamespace
@@ -183,6 +184,24 @@ def lumped_coefficients(design: Design, misprints: Misprint = Misprint.NONE) -> 
     for weight in design.counterweights:
         c += weight.mass * point_mass_column(counterweight_point(geometry, weight), gravity)
     return c
+
+
+def lumped_of_masses(geometries: Sequence[Geometry], gravity: float, masses: Array) -> Array:
+    """Return c of many robots without counterweights, (n, 18), see `lumped_coefficients`.
+
+    Args:
+        geometries: Their lengths.
+        gravity: [m/s^2].
+        masses: (n, 28) in the order of `MASS_PATHS` [kg, kg m^2].
+    """
+    lengths: Any = SimpleNamespace(
+        **{
+            name: np.array([getattr(g, name) for g in geometries])
+            for name in ("magnification", "guide_link_length", "shaft_length")
+        }
+    )
+    columns = _lumped(lengths, gravity, _masses(masses.T), Misprint.NONE)[0]
+    return np.stack(np.broadcast_arrays(*columns), axis=-1)
 
 
 def point_mass_column(point: PointWeights, gravity: float) -> Array:

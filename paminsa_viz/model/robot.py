@@ -50,13 +50,17 @@ def platform_determinant(m: Mechanism, x: Any, y: Any, c: Any) -> Any:
     r_s^2 = R_b^2 + R_pl^2 - 2 R_b R_pl cos theta. It is zero where rounding decides over the sign
     of one of the two factors.
     """
+    turn, place = determinant_factors(m, x, y, c)
+    size = m.base_radius + m.platform_radius
+    decided = (np.abs(turn) > ROUNDING * size) & (np.abs(place) > ROUNDING * size * size)
+    return where(decided, -3.0 * HALF_ROOT_3 * m.platform_radius * turn * place, 0.0)
+
+
+def determinant_factors(m: Mechanism, x: Any, y: Any, c: Any) -> tuple[Any, Any]:
+    """Return R_b cos theta - R_pl [m] and r_s^2 - x^2 - y^2 [m^2], see `platform_determinant`."""
     rb, rp = m.base_radius, m.platform_radius
     locus = rb * rb + rp * rp - 2.0 * rb * rp * c
-    turn = rb * c - rp
-    place = locus - x * x - y * y
-    size = rb + rp
-    decided = (np.abs(turn) > ROUNDING * size) & (np.abs(place) > ROUNDING * size * size)
-    return where(decided, -3.0 * HALF_ROOT_3 * rp * turn * place, 0.0)
+    return rb * c - rp, locus - x * x - y * y
 
 
 def solve_wrench(

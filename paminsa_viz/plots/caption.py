@@ -33,6 +33,9 @@ def caption(data: MapData, scales: tuple[Scale, ...]) -> str:
     if data.singular_radius:
         radius = equals("radius", data.singular_radius * MM, "mm")
         parts.append(f"Dashed: singular positions, {radius}.")
+    if data.outside is not None and (present := data.outside.present()):
+        names = ", ".join(reason for reason, _ in present)
+        parts.append(f"Colored hatching: requirements broken ({names}).")
     if data.missing_word:
         parts.append(f"Dark gray: {data.missing_word}.")
     if _beyond(data, scales):

@@ -13,6 +13,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.palette import LIGHT
+
 DIVERGING: tuple[str, ...] = ("blue-vermillion", "RdBu_r", "PuOr_r")
 """Tables with a neutral center, for signed quantities; the first is the default."""
 
@@ -31,10 +33,9 @@ BEYOND: dict[str, tuple[str, str]] = {
 }
 """Colors for values below and above the range: darker, or beyond the light end."""
 
-REACHLESS = "#e2e5e9"
-HATCH = "#b9c0c8"
+REACHLESS = LIGHT.reachless
 SINGULAR = "#4b5563"
-"""Masked cells: light gray with hatching where nothing is reached, plain dark gray where the
+"""Masked cells: gray with hatching where nothing is reached, plain dark gray where the
 mechanism is singular or a value is not finite. The default tables contain neither gray."""
 
 _LMS = np.array(

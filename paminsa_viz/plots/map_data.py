@@ -19,6 +19,7 @@ from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.grids import Field, solve_field, xy_grid
 from paminsa_viz.model.reach import Limit, workspace_radius
 from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.plots.outside import Outside
 from paminsa_viz.quantities import TORQUES, Missing, find
 from paminsa_viz.units import DisplayUnit, display_unit
 
@@ -52,6 +53,7 @@ class MapData:
         leg: (ny, nx) int8 index of the leg that limits the reach, -1 for none, or None.
         missing: Where and why poses that can be taken have no value, or None.
         bounded: Whether colors span all values: none of them explodes near a singularity.
+        outside: Which cells are outside a volume of poses, which are hatched, or None.
     """
 
     x: NDArray[np.float64]
@@ -71,6 +73,7 @@ class MapData:
     leg: NDArray[np.int8] | None = None
     missing: Missing | None = None
     bounded: bool = False
+    outside: Outside | None = None
 
     def __post_init__(self) -> None:
         x, y = _axis("x", self.x), _axis("y", self.y)

@@ -11,7 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from paminsa_viz.palette import INK
+from paminsa_viz.palette import INK, LIGHT, Theme
 from paminsa_viz.plots.caption import caption as caption_text
 from paminsa_viz.plots.caption import summary
 from paminsa_viz.plots.formats import (
@@ -25,7 +25,6 @@ from paminsa_viz.plots.formats import (
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout, map_layout
 from paminsa_viz.plots.map_panel import (
-    MUTED_INK,
     FloorPath,
     MapPanel,
     add_color_bar,
@@ -60,6 +59,7 @@ class LiveMaps:
         ratio: float = 1.0,
         path: FloorPath | None = None,
         columns: int | None = None,
+        theme: Theme = LIGHT,
     ) -> NDArray[np.uint8]:
         """Draw all panels in rows, as RGB (height, width * ratio, 3).
 
@@ -73,17 +73,18 @@ class LiveMaps:
             ratio: Device pixels for one page pixel.
             path: A motion to draw on every panel.
             columns: Panels in a row; all if None.
+            theme: Colors of all but the cells.
 
         Raises:
             InvalidInput: If the width is not enough for the panels.
         """
         layout = map_layout(data, scales, width, PAGE_EM, columns=columns)
-        key = (layout, ratio, data.extent, data.names, data.colors, data.display)
+        key = (layout, ratio, data.extent, data.names, data.colors, data.display, theme)
         with drawing_lock:
             figure = self._figures.pop(key, None)
         if figure is None:
             with drawing():
-                figure = _LiveFigure(data, layout, 72.0 * ratio)
+                figure = _LiveFigure(data, layout, 72.0 * ratio, theme)
         with drawing_lock:
             self._figures[key] = figure
             while len(self._figures) > _KEPT:
@@ -94,11 +95,13 @@ class LiveMaps:
 class _LiveFigure:
     """One figure of live maps, with what does not change kept as pixels."""
 
-    def __init__(self, data: MapData, layout: MapLayout, dpi: float) -> None:
-        self._layout = layout
+    def __init__(self, data: MapData, layout: MapLayout, dpi: float, theme: Theme) -> None:
+        self._layout, self._theme = layout, theme
         self._page, self._canvas = _new_page(layout.width, layout.height, dpi)
+        self._page.set_facecolor(theme.paper)
         self._panels = [
-            MapPanel(self._page, data, i, layout, live=True) for i in range(data.panels)
+            MapPanel(self._page, data, i, layout, live=True, theme=theme)
+            for i in range(data.panels)
         ]
         self._canvas.draw()
         self._frame = self._canvas.copy_from_bbox(self._page.bbox)
@@ -112,7 +115,7 @@ class _LiveFigure:
         if background is None:
             canvas.restore_region(self._frame)
             for scale, place in zip(scales, self._layout.bars, strict=False):
-                bar = add_color_bar(self._page, data, scale, self._layout, place)
+                bar = add_color_bar(self._page, data, scale, self._layout, place, self._theme)
                 bar.draw(canvas.get_renderer())
                 bar.remove()
             background = canvas.copy_from_bbox(self._page.bbox)
@@ -202,7 +205,7 @@ def _printed(
         add_color_bar(page, data, scale, layout, place)
     page.text(
         0.75 * em / width, 1 - (layout.height + 0.3 * em) / height, "\n".join(note), ha="left",
-        size=note_size, color=MUTED_INK, **text,
+        size=note_size, color=LIGHT.soft_ink, **text,
     )  # fmt: skip
     return page
 

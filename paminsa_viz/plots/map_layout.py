@@ -74,8 +74,11 @@ class MapLayout:
 
         There is none where the pose is not on the map.
         """
+        return self.places(data, float(data.pose[0]), float(data.pose[1]))
+
+    def places(self, data: MapData, x: float, y: float) -> list[tuple[float, float]]:
+        """Return where a position [m] lies on each panel, as `positions` does for the pose."""
         left, right, bottom, top = data.extent
-        x, y = (float(v) for v in data.pose[:2])
         if not (left <= x <= right and bottom <= y <= top):
             return []
         across, down = (x - left) / (right - left), (top - y) / (top - bottom)

@@ -19,17 +19,16 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from paminsa_viz.palette import BAD, INK
-from paminsa_viz.plots import colors, contours
+from paminsa_viz.palette import BAD, INK, LIGHT, Theme
+from paminsa_viz.plots import contours
 from paminsa_viz.plots.contours import Line
 from paminsa_viz.plots.hover import emptiness
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_layout import MapLayout, Rectangle
+from paminsa_viz.plots.outside import add_outside, paint_outside
 from paminsa_viz.plots.scale import UNREACHED, Scale, color_codes, color_table, map_pixels
 from paminsa_viz.plots.text import text_width
 from paminsa_viz.units import MM, number
-
-MUTED_INK = "#3b4754"  # numbers and captions
 
 _LABELED = 85.0  # points; contours of narrower panels carry no numbers
 _CONTOUR_POINTS = 50  # along an axis of live maps: faster, and looks the same
@@ -45,7 +44,8 @@ _LINES: dict[str, tuple[str, float, Any]] = {
     "path": (INK, 0.23, "-"),
     "path bad": (BAD, 0.23, (0, (1.6, 1.2))),
 }
-"""Color, width [em] and stroke of the lines; later ones lie over earlier ones."""
+"""Color, width [em] and stroke of the lines; later ones lie over earlier ones. All but the
+boundary lie on colored cells or on a casing, whatever the theme."""
 
 
 class FloorPath(NamedTuple):
@@ -70,9 +70,10 @@ class MapPanel:
     """
 
     def __init__(
-        self, page: Figure, data: MapData, index: int, layout: MapLayout, *, live: bool
-    ) -> None:
-        self._index, self._em = index, layout.em
+        self, page: Figure, data: MapData, index: int, layout: MapLayout, *, live: bool,
+        theme: Theme = LIGHT,
+    ) -> None:  # fmt: skip
+        self._index, self._em, self._theme = index, layout.em, theme
         place = layout.panels[index]
         self._width = place.width
         axes = self.axes = add_axes(page, place)
@@ -80,25 +81,26 @@ class MapPanel:
         axes.set(xlim=(left, right), ylim=(bottom, top))
         hatching = RectanglePatch(
             (left, bottom), right - left, top - bottom,
-            fc=colors.REACHLESS, ec=colors.HATCH, hatch="/" * round(48 / layout.em), lw=0, zorder=0,
+            fc=theme.reachless, ec=theme.hatch, hatch="/" * round(48 / layout.em), lw=0, zorder=0,
         )  # fmt: skip
         hatching.set_hatch_linewidth(0.045 * self._em)
         axes.add_patch(hatching)
         self._frame(data, layout)
         tints, widths, strokes = zip(*_LINES.values(), strict=True)
+        tints = [theme.ink if n == "boundary" else t for n, t in zip(_LINES, tints, strict=True)]
         self._lines = LineCollection(
             [], colors=tints, linewidths=[width * self._em for width in widths],
             linestyles=strokes, joinstyle="round", animated=live, zorder=2,
         )  # fmt: skip
         axes.add_collection(self._lines, autolim=False)
-        back = {"fc": "white", "ec": "none", "pad": 0.2 * self._em}
+        back = {"fc": theme.paper, "ec": "none", "pad": 0.2 * self._em}
         self._note = axes.text(
-            0.5, 0.8, "", transform=axes.transAxes, ha="center", va="center", color=INK, bbox=back,
-            size=0.9 * self._em, zorder=7, animated=live,
+            0.5, 0.8, "", transform=axes.transAxes, ha="center", va="center", color=theme.ink,
+            bbox=back, size=0.9 * self._em, zorder=7, animated=live,
         )  # fmt: skip
 
     def _frame(self, data: MapData, layout: MapLayout) -> None:
-        axes, em, index = self.axes, self._em, self._index
+        axes, em, index, theme = self.axes, self._em, self._index, self._theme
         for axis, (low, high) in ((axes.xaxis, data.extent[:2]), (axes.yaxis, data.extent[2:])):
             room = 0.08 * (high - low)  # numbers at the very ends would run into a neighbor's
             least = 3.2 * em / self._width * (high - low)  # a number needs that much
@@ -111,17 +113,18 @@ class MapPanel:
             axis.set_ticks([v for v in values if low <= v <= high])
             axis.set_major_formatter(FuncFormatter(lambda v, _: number(MM * v)))
         axes.tick_params(
-            labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,
-            pad=0.18 * em, labelleft=layout.leftmost(index), labelbottom=layout.lowest(index),
+            labelsize=em, labelcolor=theme.soft_ink, color=theme.ink, length=0.27 * em,
+            width=0.07 * em, pad=0.18 * em, labelleft=layout.leftmost(index),
+            labelbottom=layout.lowest(index),
         )  # fmt: skip
         for spine in axes.spines.values():
-            spine.set(color=INK, linewidth=0.07 * em)
+            spine.set(color=theme.ink, linewidth=0.07 * em)
         if layout.lowest(index):
-            axes.set_xlabel("x [mm]", size=em, color=MUTED_INK, labelpad=0.1 * em)
+            axes.set_xlabel("x [mm]", size=em, color=theme.soft_ink, labelpad=0.1 * em)
         if layout.leftmost(index):
-            axes.set_ylabel("y [mm]", size=em, color=MUTED_INK, labelpad=0.05 * em)
+            axes.set_ylabel("y [mm]", size=em, color=theme.soft_ink, labelpad=0.05 * em)
         axes.set_title(
-            data.names[index], size=1.15 * em, color=data.colors[index], weight="bold",
+            data.names[index], size=1.15 * em, color=theme.shown(data.colors[index]), weight="bold",
             pad=0.42 * em,
         )  # fmt: skip
 
@@ -139,6 +142,9 @@ class MapPanel:
         table = color_table(scale).view(np.uint32)[:, 0]
         region = place[:, round(left) : round(right)]
         np.copyto(region, table[codes], where=codes != UNREACHED)
+        if data.outside is not None:
+            em = (right - left) / self._width * self._em  # in pixels
+            paint_outside(region, data.outside, rows, columns, em)
         self._note.set_text(emptiness(data, self._index))
 
     def add_cells(self, data: MapData, scale: Scale) -> None:
@@ -152,6 +158,8 @@ class MapPanel:
             area = contours.reached_area(data)
             outline = Path(np.zeros((1, 2))) if area is None else Path(*area)
             cells.set_clip_path(PathPatch(outline, transform=self.axes.transData))  # type: ignore[arg-type]
+        if data.outside is not None:
+            add_outside(self.axes, data.outside, data.x, data.y, self._em)
 
     def show_lines(self, lines: dict[str, Line]) -> None:
         """Draw lines by the names of their styles."""
@@ -234,8 +242,9 @@ def common_lines(data: MapData, path: FloorPath | None) -> dict[str, Line]:
 
 
 def add_color_bar(
-    page: Figure, data: MapData, scale: Scale, layout: MapLayout, place: Rectangle
-) -> Axes:
+    page: Figure, data: MapData, scale: Scale, layout: MapLayout, place: Rectangle,
+    theme: Theme = LIGHT,
+) -> Axes:  # fmt: skip
     """Add the color bar of a scale, with pointed ends for what lies beyond it."""
     em = layout.em
     axes = add_axes(page, place)
@@ -252,14 +261,14 @@ def add_color_bar(
     bar.set_ticks(list(values), labels=[number(value * factor) for value in values])
     bar.minorticks_off()
     axes.tick_params(
-        labelsize=em, labelcolor=MUTED_INK, color=INK, length=0.27 * em, width=0.07 * em,
+        labelsize=em, labelcolor=theme.soft_ink, color=theme.ink, length=0.27 * em, width=0.07 * em,
         pad=0.18 * em,
     )  # fmt: skip
     outline: Any = bar.outline
-    outline.set(edgecolor=INK, linewidth=0.07 * em)
+    outline.set(edgecolor=theme.ink, linewidth=0.07 * em)
     label = f"[{unit}]" if unit else ""
     if layout.vertical:
-        axes.set_title(label, size=em, color=MUTED_INK, pad=0.3 * em, loc="left")
+        axes.set_title(label, size=em, color=theme.soft_ink, pad=0.3 * em, loc="left")
     else:
-        axes.set_xlabel(label, size=em, color=MUTED_INK, labelpad=0.1 * em)
+        axes.set_xlabel(label, size=em, color=theme.soft_ink, labelpad=0.1 * em)
     return axes

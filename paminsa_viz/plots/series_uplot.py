@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.palette import BAD, INK, MUTED
+from paminsa_viz.palette import BAD, INK, LIGHT, Theme
 from paminsa_viz.plots.series import (
     Dash,
     SeriesData,
@@ -38,7 +38,7 @@ _OWN = 2
 """Series before the curves: the range of the axis, and failures."""
 
 _SHADE = f"{BAD}26"
-_MARK = {"show": True, "size": 5, "width": 1, "fill": "#ffffff"}
+_MARK = {"show": True, "size": 5, "width": 1}
 _DASHES: dict[Dash, tuple[int, ...]] = {
     "solid": (), "dashed": (6, 4), "dotted": (2, 3), "dashdot": (8, 3, 2, 3)
 }  # fmt: skip
@@ -149,21 +149,23 @@ class ChartShape(NamedTuple):
         title: Heading.
         strokes: Color, dash and width of each curve, and whether it is one of marks.
         pieces: Pieces of each curve.
+        theme: Colors of the page.
     """
 
     title: str
     strokes: tuple[tuple[str, Dash, float, bool], ...]
     pieces: int
+    theme: Theme = LIGHT
 
 
-def chart_shape(chart: Chart, pieces: int = 1) -> ChartShape:
+def chart_shape(chart: Chart, pieces: int = 1, theme: Theme = LIGHT) -> ChartShape:
     """Return the shape of a chart with at least so many pieces a curve."""
     lines = [trace for trace in chart.traces if not trace.marks]
     needed = max((len(runs(trace.values)) for trace in lines), default=1)
     strokes: tuple[tuple[str, Dash, float, bool], ...] = tuple(
-        (t.color, t.dash, t.width, t.marks) for t in chart.traces
+        (theme.shown(t.color), t.dash, t.width, t.marks) for t in chart.traces
     )
-    return ChartShape(chart.title, strokes, min(max(needed, pieces), MOST_PIECES))
+    return ChartShape(chart.title, strokes, min(max(needed, pieces), MOST_PIECES), theme)
 
 
 def uplot_data(chart: Chart, pieces: int) -> tuple[Values, ...]:
@@ -210,6 +212,8 @@ def bounds(traces: tuple[Trace, ...]) -> tuple[float, float]:
 
 def uplot_options(shape: ChartShape) -> dict[str, Any]:
     """Return the arguments of ``gui.add_uplot`` other than data and size."""
+    theme = shape.theme
+    mark = _MARK | {"fill": theme.paper}
     hidden = {"stroke": "transparent", "width": 0, "points": {"show": False}}
     series: list[dict[str, Any]] = [
         {},
@@ -222,9 +226,12 @@ def uplot_options(shape: ChartShape) -> dict[str, Any]:
             "auto": False, "points": {"show": False},
         }  # fmt: skip
         if marks:
-            line |= {"stroke": "transparent", "width": 0, "points": _MARK | {"stroke": color}}
+            line |= {"stroke": "transparent", "width": 0, "points": mark | {"stroke": color}}
         series += [line] * shape.pieces
-    axis = {"stroke": MUTED, "ticks": {"show": False}, "font": "11px sans-serif", "gap": 3}
+    axis = {
+        "stroke": theme.muted, "ticks": {"show": False}, "font": "11px sans-serif", "gap": 3,
+        "grid": {"stroke": theme.faint, "width": 1},
+    }  # fmt: skip
     time_axis = {"size": 20, "label": "t [s]", "labelSize": 13, "labelGap": -2}
     return {
         "series": tuple(series),

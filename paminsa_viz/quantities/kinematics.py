@@ -20,6 +20,7 @@ def _transmission(leg: int) -> Quantity:
         f"transmission_{leg + 1}", f"TI{'₁₂₃'[leg]}", f"transmission index of leg {leg + 1}",
         f"Output transmission index of leg {leg + 1} (Wang, Wu and Liu 2010)", "1", TRANSMISSION,
         lambda field, _: reached(field, TRANSMISSION)[leg], color=LEG_COLORS[leg], cost=3e-7,
+        flat=True,
     )  # fmt: skip
 
 
@@ -28,7 +29,7 @@ def _pressure(leg: int) -> Quantity:
         f"pressure_{leg + 1}", f"pressure{'₁₂₃'[leg]}", f"pressure angle of leg {leg + 1}",
         f"Angle between force and motion of joint 5 of leg {leg + 1}", "rad", TRANSMISSION,
         lambda field, _: np.arccos(np.minimum(reached(field, TRANSMISSION)[leg], 1.0)),
-        color=LEG_COLORS[leg], cost=3e-7,
+        color=LEG_COLORS[leg], cost=3e-7, flat=True,
     )  # fmt: skip
 
 
@@ -43,7 +44,7 @@ def _selective(axis: int) -> Quantity:
     return Quantity(
         f"selective_{name.replace('θ', 'theta')}", f"DSI {name}", f"directional index of {name}",
         f"Direction-selective index of {name}: {load} for unit torques (Boschetti et al. 2011)",
-        unit, WRENCH_TORQUES, value, cost=3e-7,
+        unit, WRENCH_TORQUES, value, cost=3e-7, flat=True,
     )  # fmt: skip
 
 
@@ -52,11 +53,11 @@ KINEMATICS = in_family(
     Quantity(
         "condition", "κ", "condition number κ", "Condition number", "1", DEXTERITY,
         lambda field, _: field.condition,
-        cost=3e-7,
+        cost=3e-7, flat=True,
     ),
     Quantity(
         "determinant", "det", "determinant", "Determinant, zero at a singularity", "m",
-        DEXTERITY, signed=True, cost=3e-7,
+        DEXTERITY, signed=True, cost=3e-7, flat=True,
     ),
     Quantity(
         "reach_margin", "margin", "reach margin", "Distance to the nearest limit of reach", "m",
@@ -66,6 +67,7 @@ KINEMATICS = in_family(
         "transmission", "TI", "transmission index",
         "Least transmission index of the three legs (Wang, Wu and Liu 2010)", "1",
         TRANSMISSION, lambda field, _: reached(field, TRANSMISSION).min(axis=0), cost=3e-7,
+        flat=True,
     ),
     *(_transmission(leg) for leg in range(3)),
     *(_pressure(leg) for leg in range(3)),
@@ -81,6 +83,6 @@ KINEMATICS = in_family(
     Quantity(
         "conditioning", "LCI", "local conditioning index",
         "Local conditioning index 1/κ, with R_pl as characteristic length", "1", DEXTERITY,
-        lambda field, _: 1 / reached(field, DEXTERITY)[1], cost=3e-7,
+        lambda field, _: 1 / reached(field, DEXTERITY)[1], cost=3e-7, flat=True,
     ),
 )  # fmt: skip

@@ -53,6 +53,8 @@ class Quantity:
         family: What it belongs to, in choices.
         missing: ``missing(field, design)`` says where and why there is no value though the pose
             can be taken; only for quantities that have such poses.
+        flat: Whether it depends on neither z nor the lengths of the bars, but for reach: then a
+            volume has it once a position and heading.
     """
 
     key: str
@@ -68,6 +70,7 @@ class Quantity:
     cost: float = 1e-7
     family: str = "other"
     missing: Callable[[Field, Design], Missing] | None = None
+    flat: bool = False
 
     @property
     def display(self) -> DisplayUnit:

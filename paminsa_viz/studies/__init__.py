@@ -2,18 +2,12 @@
 
 `Study` defines the designs and what is measured; `run_study` streams its rows to a resumable table,
 and resumes where an earlier run was stopped; `processes` and `cluster` are where
-the work is done. `search_geometry` looks for better lengths.
+the work is done.
 """
 
 from __future__ import annotations
 
 from paminsa_viz.studies.executors import Workers, cluster, here, processes
-from paminsa_viz.studies.geometry_search import (
-    SearchProgress,
-    SearchResult,
-    Weights,
-    search_geometry,
-)
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
@@ -23,7 +17,6 @@ from paminsa_viz.studies.metrics import (
     measure_design,
     measure_motion,
 )
-from paminsa_viz.studies.requirements import BoxRequirements, Measures, measure, resized
 from paminsa_viz.studies.running import Extremes, StudySummary, run_study
 from paminsa_viz.studies.study import Study
 from paminsa_viz.studies.sweeps import SweepSummary, sweep, sweep_blocks
@@ -32,32 +25,24 @@ from paminsa_viz.studies.variations import DesignAxis, DesignGrid, DesignRange, 
 __all__ = [
     "METRICS",
     "MOTION_METRICS",
-    "BoxRequirements",
     "DesignAxis",
     "DesignGrid",
     "DesignRange",
     "Extremes",
-    "Measures",
     "Metric",
     "RandomDesigns",
     "Region",
-    "SearchProgress",
-    "SearchResult",
     "Study",
     "StudySummary",
     "SweepSummary",
-    "Weights",
     "Workers",
     "cluster",
     "default_region",
     "here",
-    "measure",
     "measure_design",
     "measure_motion",
     "processes",
-    "resized",
     "run_study",
-    "search_geometry",
     "sweep",
     "sweep_blocks",
 ]

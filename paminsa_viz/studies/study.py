@@ -23,6 +23,7 @@ from paminsa_viz.model.design import (
     stated_parameters,
 )
 from paminsa_viz.model.drive import ACTUATORS
+from paminsa_viz.model.resizing import resized
 from paminsa_viz.studies.metrics import (
     METRICS,
     MOTION_METRICS,
@@ -33,7 +34,6 @@ from paminsa_viz.studies.metrics import (
     measure_motion,
     samples_hash,
 )
-from paminsa_viz.studies.requirements import resized
 from paminsa_viz.studies.variations import DesignGrid, RandomDesigns
 from paminsa_viz.trajectory import Trajectory
 

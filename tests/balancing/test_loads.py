@@ -27,7 +27,6 @@ from paminsa_viz.model import (
     xy_grid,
 )
 from paminsa_viz.model.load import NO_LOAD
-from paminsa_viz.studies.requirements import Requirements, measure
 from paminsa_viz.trajectory import PRESET, analyze
 from paminsa_viz.trajectory.integrals import time_weights
 from paminsa_viz.trajectory.solved import solve_trajectory
@@ -75,9 +74,3 @@ def test_terms_and_their_optimum_have_the_torques_under_the_load(number: int) ->
     assert bare.values[0].after != pytest.approx(found.values[0].after, rel=1e-3)
     # what is best without the load is no better with it
     assert measured(replace(bare.after, load=LOAD))[number] >= found.objective * (1 - 1e-6)
-
-
-def test_requirements_count_the_load() -> None:
-    needs = Requirements((-0.05, -0.05, 0.1, -0.55), (0.05, 0.05, 0.2, -0.45))
-    expected = np.abs(static_torques(DESIGN, needs.poses())[:, :3]).max()
-    assert measure(DESIGN, needs).torque == pytest.approx(expected, rel=1e-12)

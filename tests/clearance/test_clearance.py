@@ -121,7 +121,7 @@ def test_nearest_points_are_those_of_the_bodies() -> None:
 
 def test_a_heavy_counterweight_runs_into_its_neighbors() -> None:
     def at(mass: float) -> Clearance:
-        design = replace(APPENDIX_4, counterweights=(Counterweight("b8", 8, 0.12, mass),))
+        design = replace(APPENDIX_4, counterweights=(Counterweight("b3", 7, 0.2, mass),))
         return clearance(design, HOME, [PairGroup.COUNTERWEIGHTS])
 
     light, heavy = at(0.1), at(10.0)

@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions, bindings, persistence
-from paminsa_viz.explorer.panels.file_panel import FILE, file_name, uploaded_design
+from paminsa_viz.explorer.panels.file_panel import FILE, file_name, receive_example, uploaded_design
 from paminsa_viz.explorer.state import Document
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
@@ -88,7 +88,7 @@ def test_uploaded_design_is_opened_and_undone(desk: Desk) -> None:
     desk.session.undo()
     desk.until(lambda: desk.design == APPENDIX_4)
     desk.dispatch(lambda s: actions.load_design(s, LIGHT))
-    desk.set("file.open", True)
+    receive_example(desk.session, "appendix-4")
     desk.until(lambda: desk.design == APPENDIX_4)
     assert desk.design.name == APPENDIX_4.name
 

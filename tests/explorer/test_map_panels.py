@@ -23,6 +23,7 @@ from paminsa_viz.explorer.panels.maps_panel import (
     clicked_place,
     show_figure_3,
 )
+from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, initial_state
 from paminsa_viz.plots.map_figure import PAGE_EM
@@ -33,7 +34,8 @@ from tests.support.desk import Desk
 
 
 def PANEL(session: Session) -> MapsPanel:
-    return MapsPanel(session, Bridge(session.client), MotionStore())
+    bridge = Bridge(session.client)
+    return MapsPanel(session, bridge, MotionStore(), SceneLegend(bridge))
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ import pytest
 from PIL import Image
 
 from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.examples import EXAMPLES
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import Tab, until
@@ -66,7 +67,7 @@ def test_design_file_restores_a_design_and_a_broken_one_changes_nothing(tab: Tab
     button = tab.page.get_by_role("button", name="Download as TOML")
     _, content = download(tab, button.click)
     assert read_design(content, "download") == saved
-    tab.click("Appendix 4 (prototype)")
+    tab.page.get_by_test_id("gallery").get_by_text("Appendix 4", exact=True).click()
     until(lambda: tab.state.document.design == APPENDIX_4, "Appendix 4 is back")
     tab.upload(".toml", "broken.toml", content.replace(b"b3_kg = 0.777", b"b3_kg = -1"))
     tab.page.get_by_text("b3_kg").first.wait_for()
@@ -82,3 +83,17 @@ def test_click_on_a_map_moves_the_robot_there(tab: Tab) -> None:
     tab.click_in(plot, 0.56, 0.45)
     until(lambda: tab.state.last_reachable.pose[0] > 0.02, "the robot moves to the right")
     assert tab.state.last_reachable.pose[1] > 0.01
+
+
+def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:
+    tab.open_tab("File")
+    gallery = tab.page.get_by_test_id("gallery")
+    cards = gallery.get_by_role("button")
+    assert cards.count() == len(EXAMPLES)
+    gallery.get_by_text("Heavy payload").click()
+    until(lambda: tab.state.document.design.payload.mass == 10.0, "the payload is there")
+    cards.nth(2).press("Enter")
+    until(lambda: tab.state.springing.outcome, "the springs are fitted")
+    tab.open_tab("Balance")
+    tab.page.get_by_text("Springs", exact=True).click()
+    tab.page.get_by_text("91 N/m").wait_for()

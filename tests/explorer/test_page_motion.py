@@ -231,3 +231,35 @@ def test_rows_of_the_reference_are_seen_and_time_ends_with_the_motion(motion: Ta
     until(lambda: motion.handle(TIME).max == round(end, 3), "the end of the slider")
     motion.press(TIME, "End")
     until(lambda: motion.state.playback.time == end, "the end of the motion")
+
+
+def test_motion_is_drawn_on_a_map_and_its_points_are_typed(tab: Tab) -> None:
+    tab.open_tab("Motion")
+    tab.open_tab("Torque maps")
+    tab.dispatch(lambda s: actions.move(s, theta=np.pi / 3))
+    plot = tab.page.locator(".js-plotly-plot").first
+    plot.wait_for()
+    tab.page.get_by_role("button", name="draw a motion").first.click()
+    tab.page.get_by_text("click: add waypoint 1").first.wait_for()
+    for count, (right, down) in enumerate(((0.23, 0.2), (0.28, 0.2), (0.28, 0.28)), 1):
+        tab.click_in(plot, right, down)
+        until(lambda n=count: len(tab.state.document.motion.waypoints) == n, f"{count} waypoints")
+    drawn = np.array(tab.state.document.motion.waypoints)
+    assert drawn[1, 0] > drawn[0, 0] + 0.02
+    assert drawn[1, 1] == pytest.approx(drawn[0, 1], abs=1e-3)
+    assert drawn[2, 1] < drawn[1, 1] - 0.02
+    np.testing.assert_array_equal(drawn[:, 2:], [tab.state.document.pose[2:]] * 3)
+    assert planned(tab).duration > 0
+    tab.page.get_by_role("button", name="stop drawing").first.click()
+    tab.page.get_by_text("click: go there").first.wait_for()
+    tab.click_in(plot, 0.25, 0.25)
+    until(lambda: tab.state.document.pose[0] != 0.0, "the robot goes there")
+    assert len(tab.state.document.motion.waypoints) == 3
+    tab.page.get_by_role("button", name="Edit 2").press("Enter")
+    until(lambda: tab.state.point_editing.selected == 1, "another point is marked")
+    field = tab.element("x [mm]")
+    field.fill("-33.5")
+    field.press("Enter")
+    until(lambda: tab.state.document.motion.waypoints[1][0] == -0.0335, "the typed number")
+    until(lambda: tab.place("/point_handle"), "the handle is in the scene")
+    until(lambda: abs(tab.place("/point_handle")[0] + 0.0335) < 1e-9, "it is at the point")

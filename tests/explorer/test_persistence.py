@@ -73,7 +73,7 @@ def test_motion_from_a_file_is_not_saved() -> None:
 
 
 def test_what_a_design_does_not_have_is_not_written_as_in_earlier_versions() -> None:
-    for name in ("counterweights", "load", "drives"):
+    for name in ("counterweights", "load", "drives", "requirements"):
         assert name not in PLAIN
 
 

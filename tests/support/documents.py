@@ -14,6 +14,13 @@ from paminsa_viz.model import APPENDIX_4, PARAMETER, Design, KneeBranch
 from paminsa_viz.model.drive import Drive
 from paminsa_viz.model.load import LoadCase, LoadFrame
 from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
+from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
 from paminsa_viz.trajectory import PRESETS, MotionLimits, Profile
 from tests.support.samples import possible_values, random_design, random_poses
 
@@ -72,6 +79,35 @@ MOTIONS = st.builds(
     rate=st.floats(50, 10_000),
 )
 
+RANGES = st.tuples(COORDINATE, COORDINATE).map(lambda ends: (min(ends), max(ends)))
+BOUNDS = st.builds(
+    lambda quantity, ends, kept, theta, z: Requirement(
+        quantity, ends[0] if kept != 1 else None, ends[1] if kept != 2 else None, theta, z
+    ),
+    st.sampled_from(list(QUANTITIES)),
+    RANGES,
+    st.integers(0, 2),
+    st.none() | RANGES,
+    st.none() | RANGES,
+)
+SIZE = st.floats(0.01, 2)
+WORKSPACES = st.builds(
+    lambda shape, x, y, z, center: Workspace(
+        shape, (x, x if shape is WorkspaceShape.CYLINDER else y, z), center
+    ),
+    st.sampled_from(WorkspaceShape),
+    SIZE,
+    SIZE,
+    SIZE,
+    st.tuples(*(st.none() | COORDINATE,) * 3),
+)
+REQUIREMENTS = st.builds(
+    Requirements,
+    bounds=st.lists(BOUNDS, max_size=4).map(tuple),
+    theta=RANGES,
+    workspace=st.none() | WORKSPACES,
+)
+
 
 @st.composite
 def documents(draw: st.DrawFn) -> Document:
@@ -83,6 +119,7 @@ def documents(draw: st.DrawFn) -> Document:
         pose=draw(POSES),
         reference=draw(st.none() | with_knee),
         motion=draw(st.just(Motion()) | MOTIONS),
+        requirements=draw(st.just(Requirements()) | REQUIREMENTS),
     )
 
 

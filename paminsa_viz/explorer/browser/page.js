@@ -45,6 +45,11 @@
     return send("graphics", names ? String(gl.getParameter(names.UNMASKED_RENDERER_WEBGL)) : "");
   }, 200);
 
+  const dark = window.matchMedia("(prefers-color-scheme: dark)");
+  const sendScheme = () => retry(() => send("scheme", dark.matches), 50);
+  dark.addEventListener("change", sendScheme, { signal: stopped.signal });
+  sendScheme();
+
   const shown = () => retry(() => send("shown", null), 50);
   const whenIdle = window.requestIdleCallback || ((run) => setTimeout(run, 200));
   requestAnimationFrame(() => whenIdle(shown, { timeout: 1000 }));
@@ -85,6 +90,19 @@
     }
   });
 
+  // --- docks: how wide they are, kept for a reload ------------------------------------------
+  let docks = "";
+  let reportedDocks = "";
+  every(400, () => {
+    const place = viewer().canvas?.getBoundingClientRect();
+    if (!place) return;
+    const widths = { left: place.left, right: window.innerWidth - place.right };
+    const now = JSON.stringify(widths);
+    const steady = now === docks; // not while one is dragged
+    docks = now;
+    if (steady && now !== reportedDocks && send("docks", widths)) reportedDocks = now;
+  });
+
   // --- clicks on Plotly figures -------------------------------------------------------------
   // By the place of the pointer and not by the page's own click: while a figure is pressed,
   // Plotly lays a cover over the window.
@@ -113,6 +131,13 @@
   };
   for (const kind of ["pointerdown", "pointerup"])
     document.addEventListener(kind, onPointer, { capture: true, signal: stopped.signal });
+
+  // --- buttons in texts ---------------------------------------------------------------------
+  // What is pressed may lie in an element that carries the message, such as a row of a table.
+  document.addEventListener("click", (event) => {
+    const found = event.target.closest?.("[data-paminsa-send]");
+    if (found) send(found.dataset.paminsaSend, found.dataset.paminsaValue);
+  }, { signal: stopped.signal });
 
   // --- places for figures: which are visible, and how wide ----------------------------------
   const hostOf = (mark) => mark?.parentElement?.parentElement;
@@ -175,6 +200,22 @@
     drawCursor();
   };
 
+  // --- legend of the 3D view ----------------------------------------------------------------
+  const showLegend = (html) => retry(() => {
+    const place = viewer().canvas?.parentElement;
+    if (!place) return false;
+    let box = document.querySelector(".pv-legend");
+    if (!box) {
+      box = document.createElement("div");
+      box.className = "pv-legend";
+      box.setAttribute("role", "note");
+      box.setAttribute("aria-label", "Legend of the 3D view");
+      place.appendChild(box);
+    }
+    box.innerHTML = html;
+    return true;
+  }, 200);
+
   // --- rendering on demand ------------------------------------------------------------------
   // viser draws the scene over and over for a quarter of a second after every change. Without a
   // graphics card that takes all of a machine, and the next change has to wait. Then the scene is
@@ -215,6 +256,8 @@
     "clicks on figures (_fullLayout)": () =>
       onceThere(".plot-container.plotly", () =>
         document.querySelector(".js-plotly-plot")?._fullLayout?._plots),
+    "places of tooltips (mantine-Tooltip-tooltip)": () =>
+      onceThere("[role=tooltip]", () => document.querySelector(".mantine-Tooltip-tooltip")),
     "time cursor (uplots)": () => onceThere(".uplot", () => window.__viserTestpoints?.uplots),
   };
   const waited = Object.fromEntries(Object.keys(features).map((name) => [name, 0]));
@@ -232,5 +275,6 @@
     stopped.abort();
     timers.forEach(clearInterval);
   };
-  window.paminsa = { stop, send, save, showTime, renderOnDemand };
+  const tour = (steps, again) => window.paminsaTour?.(steps, again);
+  window.paminsa = { stop, tour, send, save, showTime, showLegend, renderOnDemand };
 }

@@ -15,37 +15,52 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.explorer.browser import asset
-from paminsa_viz.palette import ACTUATOR_COLORS, BAD, INK, MUTED, OK, REFERENCE, WARN, rgb
+from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme, rgb
 
-TOP: Final = "#fcfdfe"
-BOTTOM: Final = "#d8dee5"
-MIDDLE: Final = "#eef1f5"
-"""The gradient behind the 3D view; the middle replaces it where a gradient costs too much."""
+_DARK_ROOT: Final = ':root[data-mantine-color-scheme="dark"]'
 
-_COLORS: Final = {
-    "ink": INK,
-    "muted": MUTED,
-    "reference": REFERENCE,
-    "good": OK,
-    "warning": WARN,
-    "wrong": BAD,
-    "backdrop-top": TOP,
-    "backdrop-bottom": BOTTOM,
-    "backdrop-middle": MIDDLE,
-} | {f"color-m{number}": color for number, color in enumerate(ACTUATOR_COLORS, start=1)}
+
+def _variables(theme: Theme) -> dict[str, str]:
+    """Return the CSS variables of a theme; those of data colors are named by them."""
+    top, bottom = theme.backdrop
+    middle = "#" + "".join(
+        f"{(a + b) // 2:02x}" for a, b in zip(rgb(top), rgb(bottom), strict=True)
+    )
+    named = {
+        name: getattr(theme, name)
+        for name in ("paper", "ink", "muted", "faint", "reference", "good", "warn", "bad")
+    }
+    fills = {
+        "good-fill": theme.good_fill, "warn-fill": theme.warn_fill, "bad-fill": theme.bad_fill
+    }  # fmt: skip
+    # The middle replaces the gradient where it costs too much.
+    behind = {"backdrop-top": top, "backdrop-bottom": bottom, "backdrop-middle": middle}
+    data = {
+        f"color-m{number}": theme.shown(color)
+        for number, color in enumerate(ACTUATOR_COLORS, start=1)
+    }
+    changes = {color[1:].lower(): shown for color, shown in theme.changes.items()}
+    return named | fills | behind | data | changes
 
 
 @cache
 def style_html() -> str:
-    """Return page.css with the palette's colors, as an HTML element."""
-    colors = "".join(f"--pv-{name}:{color};" for name, color in _COLORS.items())
-    return f"<style>:root{{{colors}}}\n{asset('page.css')}</style>"
+    """Return the style sheets with the colors of both themes, as an HTML element."""
+    rules = "\n".join(
+        f"{root}{{{''.join(f'--pv-{name}:{color};' for name, color in _variables(theme).items())}}}"
+        for root, theme in ((":root", LIGHT), (_DARK_ROOT, DARK))
+    )
+    sheets = "\n".join(asset(name) for name in ("page.css", "parts.css", "view.css"))
+    return f"<style>{rules}\n{sheets}</style>"
 
 
 def over_backdrop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Lay an image of the scene (h, w, 4), clear where nothing is, over the gradient (h, w, 3)."""
+    """Lay an image of the scene (h, w, 4), clear where nothing is, over the light gradient.
+
+    Returns the picture (h, w, 3).
+    """
     down = np.linspace(0.0, 1.0, pixels.shape[0])[:, None, None]
-    top, bottom = (np.array(rgb(color), dtype=np.float64) for color in (TOP, BOTTOM))
+    top, bottom = (np.array(rgb(color), dtype=np.float64) for color in LIGHT.backdrop)
     behind = top + (bottom - top) * down
     cover = pixels[..., 3:] / 255
     return np.rint(behind + (pixels[..., :3] - behind) * cover).astype(np.uint8)

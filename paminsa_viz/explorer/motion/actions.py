@@ -19,6 +19,7 @@ from paminsa_viz.explorer.motion.description import (
 )
 from paminsa_viz.explorer.motion.jobs import Answer, SimulationJob, SimulationOutcome, make_job
 from paminsa_viz.explorer.motion.planning import Planned
+from paminsa_viz.explorer.motion.simulated import shown_simulation
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import PRESET, Trajectory
@@ -63,9 +64,10 @@ def choose_preset(state: State, key: str) -> State:
 
 
 def choose_kind(state: State, kind: Kind) -> State:
-    """Choose to build a motion."""
+    """Choose to build a motion; the poses it is built from are shown."""
     timing = state.document.motion.timing
     timing = Timing.GIVEN if timing is Timing.OWN else timing
+    state = replace(state, layers=state.layers | {"points"})
     return from_start(change(state, kind=kind, timing=timing))
 
 
@@ -81,9 +83,9 @@ def limit(state: State, name: str, value: float) -> State:
 
 
 def current_pose(state: State) -> Pose:
-    """Return the pose of the robot, to the micrometer."""
-    x, y, theta, z = (round(value, 6) + 0.0 for value in state.last_reachable.pose)
-    return (x, y, theta, z)
+    """Return the pose of the robot, to the micrometer; theta as it is."""
+    x, y, theta, z = state.last_reachable.pose
+    return (round(x, 6) + 0.0, round(y, 6) + 0.0, theta, round(z, 6) + 0.0)
 
 
 def start_here(state: State) -> State:
@@ -112,23 +114,6 @@ def swap_ends(state: State) -> State:
 def center_here(state: State) -> State:
     """Put the circle's center at the robot's pose."""
     return change(state, center=current_pose(state))
-
-
-def add_waypoint(state: State) -> State:
-    """Add the pose of the robot to the waypoints.
-
-    Raises:
-        InvalidInput: If it is the last one again, or there are too many.
-    """
-    way, pose = state.document.motion.waypoints, current_pose(state)
-    if way and way[-1] == pose:
-        raise InvalidInput("waypoints", "the robot is at the last one; move it first")
-    return change(state, waypoints=(*way, pose))
-
-
-def remove_waypoint(state: State) -> State:
-    """Forget the last waypoint."""
-    return change(state, waypoints=state.document.motion.waypoints[:-1])
 
 
 def use_table(state: State, table: Trajectory) -> State:
@@ -220,10 +205,19 @@ def simulation_is_current(state: State) -> bool:
 
 
 def receive_simulation(state: State, outcome: SimulationOutcome) -> State:
-    """Take over the outcome of the job that runs; that of an older one is dropped."""
+    """Take over the outcome of the job that runs, and play it; that of an older one is dropped."""
     if state.simulating.running is not outcome.job:
         return state
-    return state.updated("simulating", running=None, outcome=outcome)
+    received = state.updated("simulating", running=None, outcome=outcome)
+    if shown_simulation(received.document, received.simulating) is None:
+        return with_document(received, received.document)
+    return play(received.updated("playback", time=0.0))
+
+
+def show_simulation(state: State, shown: bool) -> State:
+    """Let the robot in the scene move as simulated, or as planned."""
+    changed = state.updated("simulating", shown=shown)
+    return with_document(changed, changed.document)
 
 
 def receive_engine_answer(state: State, answer: Answer) -> State:

@@ -43,6 +43,9 @@ LONGEST = 60.0
 class SimulationSettings:
     """Robot and controller of a simulation.
 
+    The default carries 5 kg that the controller does not know of, with gains so low that the robot
+    is seen to sink below its path.
+
     Attributes:
         control: How the actuators are commanded.
         bandwidth: Of the error's own motion [Hz].
@@ -53,9 +56,9 @@ class SimulationSettings:
     """
 
     control: ControlMode = ControlMode.PD
-    bandwidth: float = 8.0
+    bandwidth: float = 3.0
     damping: float = 1.0
-    payload_mismatch: float = 0.0
+    payload_mismatch: float = 5.0
     knows_friction: bool = True
     initial_error: float = 0.0
 
@@ -98,11 +101,13 @@ class Simulating:
         settings: What a person set.
         running: The job that runs, or None.
         outcome: The last result, or None.
+        shown: Whether the scene plays the simulated robot, next to where it should be.
     """
 
     settings: SimulationSettings = field(default_factory=SimulationSettings)
     running: SimulationJob | None = None
     outcome: SimulationOutcome | None = None
+    shown: bool = True
 
 
 def make_job(

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from paminsa_viz.explorer.motion.description import MOST_SAMPLES, Kind, Motion, Pose, Timing
-from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError
+from paminsa_viz.model import Design, Geometry, InvalidInput, PaminsaError, check_reach
 from paminsa_viz.trajectory import (
     PRESET,
     CrossingPlan,
@@ -180,6 +180,14 @@ def _pose(values: np.ndarray) -> Pose:
 def checked(trajectory: Trajectory, geometry: Geometry) -> PathCheck:
     """Return where and why a robot fails on a trajectory."""
     return check_path(geometry, trajectory)
+
+
+@lru_cache(maxsize=_KEPT)
+def checked_poses(geometry: Geometry, poses: tuple[Pose, ...]) -> tuple[bool, ...]:
+    """Return whether a robot can be at each of some poses."""
+    if not poses:
+        return ()
+    return tuple(check_reach(geometry, np.array(poses)).ok.tolist())
 
 
 def pose_at(trajectory: Trajectory, geometry: Geometry, time: float) -> Pose | None:

@@ -17,7 +17,15 @@ _ENVIRONMENT = Environment(
     trim_blocks=True,
     lstrip_blocks=True,
 )
+
+
+def css_color(color: str) -> Markup:
+    """Return a data color ``#rrggbb`` as CSS that follows the theme; see `browser.style`."""
+    return Markup(f"var(--pv-{color.lstrip('#').lower()}, {Markup.escape(color)})")
+
+
 _ENVIRONMENT.filters |= {
+    "css_color": css_color,
     "fixed": units.fixed,
     "number": units.number,
     "percent_change": units.percent_change,

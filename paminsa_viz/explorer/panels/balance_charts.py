@@ -16,7 +16,7 @@ from paminsa_viz.explorer.inputs import finite
 from paminsa_viz.explorer.panels.balance_text import variable_html
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.palette import INK, MUTED, REFERENCE
+from paminsa_viz.palette import INK, MUTED, REFERENCE, Theme
 from paminsa_viz.plots.hover import FONT
 from paminsa_viz.units import number, symbols_html, unit_text
 
@@ -37,7 +37,7 @@ AXIS: dict[str, Any] = {
 }  # fmt: skip
 
 LAYOUT: dict[str, Any] = {
-    "font": {"family": FONT, "size": 12},
+    "font": {"family": FONT, "size": 12, "color": INK},
     "dragmode": False, "hovermode": "closest",
     "margin": {"l": 8, "r": 26, "t": 8, "b": 8}, "showlegend": True,
     "paper_bgcolor": "rgba(0,0,0,0)", "plot_bgcolor": "rgba(0,0,0,0)",
@@ -47,6 +47,21 @@ LAYOUT: dict[str, Any] = {
 CONFIG = {"displayModeBar": False, "doubleClick": False}
 
 Tree = dict[str, Any]
+
+
+def themed(tree: Any, theme: Theme) -> Any:
+    """Return a part of a figure with its colors as the theme has them."""
+    if isinstance(tree, dict):
+        return {key: themed(value, theme) for key, value in tree.items()}
+    if isinstance(tree, list):
+        return [themed(value, theme) for value in tree]
+    if not isinstance(tree, str) or not tree.startswith(("#", "rgba(255")):
+        return tree
+    ground = {
+        "#e4e8ec": theme.faint, "#b9c1c9": theme.muted, "#c3cad1": theme.muted,
+        "rgba(255,255,255,0.7)": f"{theme.paper}b3",
+    }  # fmt: skip
+    return theme.shown(ground.get(tree, tree))
 
 
 class ChartFigure(NamedTuple):
@@ -90,10 +105,11 @@ class BalanceChart:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what changed."""
         key = self._key(frame.state)
-        if dragging or key is None or key == self._drawn:
+        theme = frame.state.theme
+        if dragging or key is None or (key, theme) == self._drawn:
             return
-        self._drawn = key
-        figure = cast(Any, ChartFigure(self._figure(frame.state)))
+        self._drawn = (key, theme)
+        figure = cast(Any, ChartFigure(themed(self._figure(frame.state), theme)))
         if self._plot is not None:
             self._plot.figure = figure
             return

@@ -13,6 +13,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.tables import TABLE_FORMATS
@@ -66,8 +67,10 @@ class Exporter:
             self._busy.release()
 
 
-def export_entries(store: MapStore) -> Sequence[Entry]:
-    """Return the entries of the tab; maps come from the store.
+def export_entries(
+    store: MapStore, legend: Callable[[], Legend] = lambda: NO_LEGEND
+) -> Sequence[Entry]:
+    """Return the entries of the tab; maps come from the store, and pictures have the legend.
 
     Everything is made of the newest state, at full resolution, and says design and pose inside.
     """
@@ -131,7 +134,7 @@ def export_entries(store: MapStore) -> Sequence[Entry]:
             choices={
                 "View as PNG": exporter.run(
                     "the 3D view as PNG",
-                    lambda session: exports.view(session.state, session.client),
+                    lambda session: exports.view(session.state, session.client, legend()),
                 ),
                 "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
             },

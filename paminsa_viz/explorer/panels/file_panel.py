@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 from viser import Icon
 
 from paminsa_viz import __version__
 from paminsa_viz.explorer import actions, persistence
+from paminsa_viz.explorer.browser.tour import START
 from paminsa_viz.explorer.entries import Button, Folder, Html, Run, Upload
+from paminsa_viz.explorer.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.inputs import TextBox
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
 from paminsa_viz.files.errors import DesignFileError
-from paminsa_viz.model import APPENDIX_4, Design
+from paminsa_viz.model import Design
 
 
 def file_name(design: Design) -> str:
@@ -47,11 +50,26 @@ def _open(session: Session, name: str, content: bytes) -> None:
     session.notify("Design opened", design.name or name)
 
 
+EXAMPLE = "open-example"
+"""Message of the page: an example was pressed."""
+
+
+def gallery_html() -> str:
+    """Return the examples, each a button."""
+    return render("gallery.j2", examples=EXAMPLES, message=EXAMPLE, tour=START)
+
+
+def receive_example(session: Session, data: Any) -> None:
+    """Open the example that was pressed; ``data`` comes from the page."""
+    session.dispatch("file.open", lambda state: open_example(state, str(data)[:40]))
+
+
 FILE = (
     TextBox(
         "file.name", "Design name", hint="Is part of files, figures and tables",
         read=lambda state: state.document.design.name, apply=actions.rename,
     ),
+    Folder("file.examples", "Examples", entries=(Html("file.gallery", content=gallery_html()),)),
     Folder(
         "file.design", "Design file",
         entries=(
@@ -64,11 +82,6 @@ FILE = (
                 "file.upload", "Open a file…", receive=_open, icon=Icon.UPLOAD,
                 mime_type=".toml,.txt", color="gray",
                 hint="A design file in TOML; without the key knee, the lower knee",
-            ),
-            Button(
-                "file.open", "Appendix 4 (prototype)", icon=Icon.BOOK, color="gray",
-                hint="Open the paper's design; undo brings the current one back",
-                effect=lambda state: actions.load_design(state, APPENDIX_4),
             ),
         ),
     ),

@@ -10,10 +10,12 @@ import numpy as np
 from paminsa_viz.explorer.browser.bridge import Slots, marker
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, shows_difference
+from paminsa_viz.explorer.motion import points
 from paminsa_viz.explorer.motion.results import MotionStore, split_path
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import motion_points, render
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.palette import rgb
 from paminsa_viz.plots.contours import joined
 from paminsa_viz.plots.hover import HoverFigure
 from paminsa_viz.plots.map_data import MapData
@@ -75,7 +77,7 @@ class MapPicture:
         self.scales: tuple[Scale, ...] = ()
         self.data: MapData | None = None
         gui.add_html(marker(name, inputs))
-        blank = np.full((2, max(slots.width(name), 2), 3), 255, dtype=np.uint8)
+        blank = np.full((2, max(slots.width(name), 2), 3), rgb(session.state.theme.paper), np.uint8)
         self._image = gui.add_image(blank, format="auto", jpeg_quality=LIVE_QUALITY)
         self._markers = gui.add_html("")
         self._place = gui.add_folder(None)
@@ -95,8 +97,11 @@ class MapPicture:
         reference = document.reference
         motion = self._motions.analysis(state) if "path" in state.layers else None
         # Where the robot is, is not part of it: the marker lies over the picture.
-        values = (document.design, document.pose[2:], reference, view, quantities, width)
-        shown = (*values, self._slots.ratio, motion and motion.trajectory)
+        values = (
+            document.design, document.pose[2:], reference, view, quantities, width,
+            document.requirements,
+        )  # fmt: skip
+        shown = (*values, self._slots.ratio, motion and motion.trajectory, state.theme)
         if self._drawn and self._drawn[0] == shown and (dragging or self._drawn[1]):
             self._mark(state)
             return
@@ -104,7 +109,7 @@ class MapPicture:
         scales = self._store.scales(state, data, quantities, dragging=dragging)
         ratio = 1.0 if dragging else self._slots.ratio
         path = None if motion is None else floor_path(motion)
-        picture = self._live.draw(data, scales, width, ratio, path, COLUMNS)
+        picture = self._live.draw(data, scales, width, ratio, path, COLUMNS, state.theme)
         if not dragging:
             opaque = np.full((*picture.shape[:2], 1), 255, dtype=np.uint8)
             picture = np.concatenate([picture, opaque], axis=2)  # as PNG, without loss
@@ -112,7 +117,6 @@ class MapPicture:
         self.data, self.scales = data, scales
         self._layout = map_layout(data, scales, width, PAGE_EM, columns=COLUMNS)
         self._mark(state)
-        self._caption.content = caption(state, data)
         # How finely the values are drawn is not part of what can be read off.
         if not dragging and values != self._readable:
             self._show_values(data, self._layout)
@@ -123,9 +127,15 @@ class MapPicture:
         if self.data is None or self._layout is None:
             return
         self.data = self.data.with_pose(state.document.pose)
+        layout, data = self._layout, self.data
+        found = [] if "path" not in state.layers else points.listed(state)
         self._markers.content = render(
-            "map_markers.j2", layout=self._layout, places=self._layout.positions(self.data)
-        )
+            "map_markers.j2", layout=layout, places=layout.positions(data),
+            points=[(point.name, layout.places(data, *point.pose[:2])) for point in found],
+        )  # fmt: skip
+        text = caption(state, data)
+        if text != self._caption.content:
+            self._caption.content = text
 
     def _show_values(self, data: MapData, layout: MapLayout) -> None:
         figure = cast(Any, HoverFigure(data, layout, self._name))
@@ -156,4 +166,8 @@ def caption(state: State, data: MapData) -> str:
         theta=format_value(data.theta, "rad"),
         z=format_value(data.z, "m"),
         missing=data.missing_word,
+        outside=() if data.outside is None else data.outside.present(),
+        drawing=points.is_drawing(state),
+        message=motion_points.DRAW,
+        number=len(state.document.motion.waypoints) + 1,
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,19 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots
-from paminsa_viz.explorer.browser.style import dock_width, is_folded
+from paminsa_viz.explorer.docks import left_dock
 from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
-from paminsa_viz.explorer.maps import MapStore, go_to
+from paminsa_viz.explorer.maps import MapStore
+from paminsa_viz.explorer.motion.points import click_map
 from paminsa_viz.explorer.motion.results import MotionStore
+from paminsa_viz.explorer.panels import motion_points
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.panels.map_picture import MapPicture
 from paminsa_viz.explorer.panels.motion_chart import PLACE as MOTION_SLOT
 from paminsa_viz.explorer.panels.motion_plots import MotionPlots
+from paminsa_viz.explorer.scene.legend import SceneLegend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import RangeMode, State
 from paminsa_viz.model import InvalidInput
@@ -229,11 +233,13 @@ class MapsPanel:
         store: Where the maps come from; the floor map can share it.
     """
 
-    def __init__(self, session: Session, bridge: Bridge, motions: MotionStore) -> None:
+    def __init__(
+        self, session: Session, bridge: Bridge, motions: MotionStore, legend: SceneLegend
+    ) -> None:
         client = session.client
         self._session = session
         self.store = MapStore()
-        width = dock_width(*session.window)
+        width, folded = left_dock(session.state, session.window)
         slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
@@ -251,12 +257,13 @@ class MapsPanel:
         with motion_tab:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            self.export = Panel(session, export_entries(self.store))
+            self.export = Panel(session, export_entries(self.store, lambda: legend.shown))
         panel.dock_left()
         panel.set_width(width)
-        if is_folded(session.window[0]):
+        if folded:
             panel.minimize()
         bridge.on("click", self._click)
+        bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw the maps that are seen, and what the inputs show: the ranges of the pictures."""
@@ -267,10 +274,10 @@ class MapsPanel:
             view.draw(frame, dragging)
 
     def _click(self, data: Any) -> None:
-        """Move the robot to where a map was clicked; ``data`` comes from the page."""
+        """Move the robot to where a map was clicked, or draw; ``data`` comes from the page."""
         place = clicked_place(data)
         if place is not None:
-            self._session.dispatch("map click", lambda state: go_to(state, *place))
+            self._session.dispatch("map click", lambda state: click_map(state, *place))
 
 
 def clicked_place(data: Any) -> tuple[float, float] | None:

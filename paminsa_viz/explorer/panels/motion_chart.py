@@ -7,6 +7,7 @@ from typing import Any
 
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.inputs import finite
+from paminsa_viz.palette import LIGHT, Theme
 from paminsa_viz.plots.series_uplot import (
     Chart,
     ChartShape,
@@ -45,7 +46,7 @@ class MotionChart:
         self.handle: Any = None
         self.shape: ChartShape | None = None
 
-    def draw(self, chart: Chart | None) -> None:
+    def draw(self, chart: Chart | None, theme: Theme = LIGHT) -> None:
         """Show a chart, or nothing."""
         if chart is None:
             if self.handle is not None:
@@ -53,7 +54,7 @@ class MotionChart:
             self.handle = self.shape = None
             return
         # A chart that was made for more pieces is kept: in a drag, gaps come and go.
-        shape = chart_shape(chart, self.shape.pieces if self.shape else 1)
+        shape = chart_shape(chart, self.shape.pieces if self.shape else 1, theme)
         series = uplot_data(chart, shape.pieces)
         if self.handle is not None and shape == self.shape:
             self.handle.data = series

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import io
-import math
 from collections.abc import Mapping
 
 from viser import Icon
 
-from paminsa_viz.explorer.entries import Button, ButtonGroup, Condition, Entry, Folder, Html, Upload
+from paminsa_viz.explorer.entries import Condition, Entry, Folder, Html, Upload
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
     MILLIMETERS,
@@ -20,7 +19,6 @@ from paminsa_viz.explorer.inputs import (
     attribute,
 )
 from paminsa_viz.explorer.motion import actions as motions
-from paminsa_viz.explorer.motion import planning
 from paminsa_viz.explorer.motion.description import (
     DURATIONS,
     LARGEST_LIMIT,
@@ -31,12 +29,13 @@ from paminsa_viz.explorer.motion.description import (
     Timing,
 )
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels.motion_points import POINTS
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import Pose, State
+from paminsa_viz.explorer.state import State
 from paminsa_viz.files.errors import TableFileError
 from paminsa_viz.files.trajectory_table import parse_trajectory
 from paminsa_viz.trajectory import PRESETS, Profile
-from paminsa_viz.units import DisplayUnit, display_unit, number
+from paminsa_viz.units import DisplayUnit, display_unit
 
 MOTIONS: dict[str, str | Kind] = {
     **{f"Preset: {preset.label}": preset.key for preset in PRESETS},
@@ -79,32 +78,15 @@ def _choose(state: State, choice: str | Kind) -> State:
     return motions.choose_preset(state, choice)
 
 
-def poses_html(frame: Frame) -> str:
-    """Return the poses of a motion that is built, or what is known of a file's."""
-    document = frame.state.document
-    motion, geometry = document.motion, document.design.geometry
-    lines: list[tuple[str, str]] = []
-    if motion.kind.has_ends:
-        start, goal = planning.ends(motion, geometry)
-        if motion.kind is Kind.LINE:
-            goal = (goal[0], goal[1], start[2], goal[3])
-        lines = [("from", f" {_pose_text(start)}"), ("to", f" {_pose_text(goal)}")]
-    elif motion.kind is Kind.CIRCLE:
-        lines = [("center", f" {_pose_text(planning.center(motion, geometry))}")]
-    elif motion.kind is Kind.WAYPOINTS:
-        lines = [(f"{i}", f" {_pose_text(pose)}") for i, pose in enumerate(motion.waypoints, 1)]
-        lines = lines or [("", "none yet: move the robot, then add its pose")]
-    elif motion.kind is Kind.TABLE and motion.table is not None:
-        lines = [(motion.table.name, f", {motion.table.size} rows")]
-        lines += [("", note) for note in motion.table.notes]
-        lines.append(("", "A file's motion is not kept over a reload, nor in a share code."))
-    return render("motion_poses.j2", lines=lines)
-
-
-def _pose_text(pose: Pose) -> str:
-    x, y, theta, z = pose
-    mm = [number(round(1e3 * value, 1), 6) for value in (x, y, z)]
-    return f"x {mm[0]}, y {mm[1]}, z {mm[2]} mm, θ {number(round(math.degrees(theta), 1))}°"
+def file_html(frame: Frame) -> str:
+    """Return what is known of a file's motion."""
+    table = frame.state.document.motion.table
+    lines = [] if table is None else [
+        (table.name, f", {table.size} rows"),
+        *(("", note) for note in table.notes),
+        ("", "A file's motion is not kept over a reload, nor in a share code."),
+    ]  # fmt: skip
+    return render("motion_file.j2", lines=lines)
 
 
 UPLOAD_TIMEOUT = 10.0
@@ -174,33 +156,8 @@ DESCRIPTION: tuple[Entry, ...] = (
         "motion.kind", "Motion", options=MOTIONS, hint="A ready-made motion, or one of your own",
         read=_chosen, apply=_choose,
     ),
-    Html(
-        "motion.poses", content=poses_html,
-        visible=lambda state: state.document.motion.kind is not Kind.PRESET,
-    ),
-    ButtonGroup(
-        "motion.ends", "Ends",
-        choices={
-            "From here": motions.start_here,
-            "To here": motions.goal_here,
-            "Swap": motions.swap_ends,
-        },
-        visible=lambda state: state.document.motion.kind.has_ends,
-        hint="Let the motion start or end at the current pose of the robot",
-    ),
-    ButtonGroup(
-        "motion.waypoints", "Waypoints",
-        choices={
-            "Add current": motions.add_waypoint,
-            "Remove last": motions.remove_waypoint,
-            "Clear": lambda state: motions.change(state, waypoints=()),
-        },
-        visible=_kind(Kind.WAYPOINTS), hint="Move the robot, add its pose, move it on",
-    ),
-    Button(
-        "motion.center", "Center here", effect=motions.center_here, color="gray",
-        visible=_kind(Kind.CIRCLE), hint="Put the center at the current pose of the robot",
-    ),
+    Html("motion.file.about", content=file_html, visible=_kind(Kind.TABLE)),
+    *POINTS,
     _number(
         "radius", "Radius [mm]", LENGTHS, 1.0, "In the plane of x and y", _kind(Kind.CIRCLE),
         MILLIMETERS,

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from viser import Icon
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import Button, Condition, Entry, Folder, Html
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
@@ -32,7 +35,7 @@ from paminsa_viz.explorer.motion.jobs import (
     run,
 )
 from paminsa_viz.explorer.motion.results import MotionStore
-from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.panels import motion_points, render
 from paminsa_viz.explorer.panels.crossing_text import chart_html, crossing_html
 from paminsa_viz.explorer.panels.motion_description import DESCRIPTION
 from paminsa_viz.explorer.scene.path import hue_gradient, path_scale
@@ -133,7 +136,10 @@ def simulation_html(frame: Frame) -> str:
     level, title, lines = "plain", "Simulating …", []
     outcome = simulating.outcome
     if simulating.running is None and outcome is None:
-        text = "Errors and torques are plotted in “Motion plots”."
+        text = (
+            "The controller does not know of a part of the payload. Errors and torques are plotted "
+            "in “Motion plots”, and the robot moves as simulated in the scene."
+        )
         return render("note.j2", testid="simulation", muted=True, text=text)
     if simulating.running is None and outcome is not None:
         level, title, lines = "bad", "Not simulated", [outcome.problem]
@@ -188,6 +194,13 @@ SIMULATION: tuple[Entry, ...] = (
         disabled=lambda state: state.simulating.running is not None,
     ),
     Html("simulation.outcome", content=simulation_html),
+    Checkbox(
+        "simulation.shown", "Play it in the scene",
+        hint="The robot moves as simulated, next to a translucent one where it should be; without "
+        "it, it moves as planned",
+        visible=lambda state: state.simulating.outcome is not None,
+        read=lambda state: state.simulating.shown, apply=motions.show_simulation,
+    ),
 )  # fmt: skip
 
 
@@ -237,8 +250,9 @@ def motion_entries(store: MotionStore) -> tuple[Entry, ...]:
 class MotionPanel(Panel):
     """The entries of the tab, and the job that simulates."""
 
-    def __init__(self, session: Session, store: MotionStore) -> None:
+    def __init__(self, session: Session, bridge: Bridge, store: MotionStore) -> None:
         super().__init__(session, motion_entries(store))
+        bridge.on(motion_points.SELECT, partial(motion_points.receive_row, session))
         self._job: BackgroundJob[SimulationJob, SimulationOutcome] = BackgroundJob(
             session, "simulation", lambda job, _: run(job), motions.receive_simulation,
             failed=lambda job, problem: SimulationOutcome(job, None, problem),

@@ -100,7 +100,7 @@ class MotionPlots:
             self._numbers.content = numbers_html(self._drawn, self._read, time)
 
     def _draw_curves(self, state: State, found: MotionResults | None) -> None:
-        key = (found, state.plots)
+        key = (found, state.plots, state.theme)
         if key == self._key:
             return
         self._key = key
@@ -109,7 +109,7 @@ class MotionPlots:
             trace: statistics(chart.t, trace) for chart in self._drawn for trace in chart.traces
         }
         for index, chart in enumerate(self.charts):
-            chart.draw(self._drawn[index] if index < len(self._drawn) else None)
+            chart.draw(self._drawn[index] if index < len(self._drawn) else None, state.theme)
         self._caption.content = caption_html(state, found, self._drawn)
 
 

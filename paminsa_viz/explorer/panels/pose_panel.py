@@ -13,6 +13,7 @@ from paminsa_viz.explorer.entries import ButtonGroup, Html, Run
 from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Geometry, KneeBranch
 from paminsa_viz.model.grids import COORDINATES
@@ -89,10 +90,19 @@ def pose_line_html(frame: Frame) -> str:
     )  # fmt: skip
 
 
+def requirements_html(state: State) -> str:
+    """Return which requirements hold, or nothing without any."""
+    if not asked(state.document.requirements):
+        return ""
+    from paminsa_viz.explorer.panels import requirements_text  # loads SciPy
+
+    return requirements_text.strip_html(state)
+
+
 def strip_html(frame: Frame) -> str:
     """Return what is seen above all tabs."""
     numbers = of_pose(frame, actuators_html(frame), summary_html(frame))
-    parts = (status_html(frame), pose_line_html(frame), numbers)
+    parts = (status_html(frame), pose_line_html(frame), numbers, requirements_html(frame.state))
     return f'<div class="pv-strip">{"".join(parts)}</div>'
 
 

@@ -10,13 +10,13 @@ from typing import Any
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.balancing import actions as balancing
 from paminsa_viz.explorer.bindings import perform
-from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Run
-from paminsa_viz.explorer.inputs import Checkbox, Slider, attribute
+from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Html, Run
+from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.state import Appearance, State
 
 LEGS = tuple(name for name in CAMERAS if name.startswith("Leg"))
 WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
@@ -25,8 +25,15 @@ WHOLE = tuple(name for name in CAMERAS if name not in LEGS)
 def view_entries() -> tuple[Entry, ...]:
     """Return the entries of the tab for the layers that are registered."""
     return (
+        Html("layers", content=lambda _: '<span class="pv-layers"></span>'),
         _cameras("camera", "Camera", WHOLE),
         _cameras("camera.leg", "Face leg", LEGS),
+        Dropdown(
+            "appearance", "Theme", hint="Light or dark; files that are exported stay light",
+            options={"as the browser": Appearance.BROWSER, "light": Appearance.LIGHT,
+                     "dark": Appearance.DARK},
+            **attribute("appearance"),
+        ),
         *map(_switch, LAYERS.values()),
         Slider(
             "floor_opacity", "Map opacity", range=(0.1, 1.0), step=0.05,

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_radius
+from paminsa_viz.dimensions.layout import layout, lift_motor_height, plinth_outline
 from paminsa_viz.explorer.browser.style import view_width
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.model.design import Geometry
@@ -21,6 +21,9 @@ FIELD_OF_VIEW: Final = float(np.radians(32.0))
 
 FILL: Final = 0.94
 """How much of the picture's height or width a preset fills."""
+
+LEGEND_HEIGHT: Final = 56.0
+"""Height of the picture that is left to the legend [px]."""
 
 CAMERAS: Final = ("3D", "Top", "Front", "Leg 1", "Leg 2", "Leg 3")
 """Names of the presets."""
@@ -71,12 +74,13 @@ def _outline(geometry: Geometry) -> Array:
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     reach = geometry.base_radius + max(geometry.guide_link_length, geometry.crank_length)
     rings = [
-        (plinth_radius(geometry), place.ground - 0.02),
         (reach + 0.02, 0.0),
         (reach + 0.02, -geometry.knee.sign * geometry.crank_length),
         (0.04, lift_motor_height(geometry) + 0.06),
     ]
-    return np.vstack([np.column_stack([r * ring, np.full(24, z)]) for r, z in rings])
+    around = [np.column_stack([r * ring, np.full(24, z)]) for r, z in rings]
+    foot = plinth_outline(geometry)
+    return np.vstack([*around, np.column_stack([foot, np.full(len(foot), place.ground - 0.02)])])
 
 
 def _fitted(azimuth: float, elevation: float, points: Array, aspect: float) -> CameraView:
@@ -137,7 +141,9 @@ def look(session: Session, name: str) -> None:
     width, height = client.camera.image_width, client.camera.image_height
     if (width, height) == session.window:  # the panels take their part a moment later
         width = view_width(width, height)
-    view = preset(name, last_reachable.geometry, configuration, width / height if height else 1.0)
+    covered = min(LEGEND_HEIGHT / height, 0.25) if height else 0.0
+    aspect = width / height / (1 - covered) if height else 1.0
+    view = raised(preset(name, last_reachable.geometry, configuration, aspect), covered)
     camera = client.camera
     with client.atomic():
         camera.up_direction = view.up

@@ -115,6 +115,12 @@ class Curve:
         self._node.points = lines
         self.visible = self._visible
 
+    def recolor(self, color: str) -> None:
+        """Draw in another color ``#rrggbb``."""
+        self._color = linear_colors(color)[0]
+        if self._node is not None:
+            self._node.colors = self._color
+
     @property
     def visible(self) -> bool:
         """Whether the curve is shown (once it has something to show)."""

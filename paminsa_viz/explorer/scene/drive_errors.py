@@ -104,7 +104,8 @@ class DriveErrorView:
         del dragging
         shown = "drive_errors" in frame.state.layers
         design, pose = frame.shown_design, frame.configuration.pose
-        key = (shown, design.geometry, design.accuracy, tuple(pose.tolist()))
+        theme = frame.state.theme
+        key = (shown, design.geometry, design.accuracy, tuple(pose.tolist()), theme)
         if key == self._drawn:
             return
         self._drawn = key
@@ -112,9 +113,9 @@ class DriveErrorView:
             node.remove()
         self._nodes.clear()
         if shown and np.isfinite(pose).all():
-            self._draw(shown_errors(frame), design.geometry, pose[[0, 1, 3]])
+            self._draw(shown_errors(frame), design.geometry, pose[[0, 1, 3]], theme)
 
-    def _draw(self, found: DriveErrors, geometry: Any, center: Array) -> None:
+    def _draw(self, found: DriveErrors, geometry: Any, center: Array, theme: palette.Theme) -> None:
         reason = no_bound(found)
         place = center - np.array([0.0, 0.0, BELOW])
         if reason:
@@ -132,7 +133,8 @@ class DriveErrorView:
                 cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
         self._lines("edges", center + edges * BAR / scale, ERROR_COLOR, 2.5)
-        self._lines("rms", center + rms_rings(found, geometry) * BAR / scale, RMS_COLOR, 2.0)
+        rings = center + rms_rings(found, geometry) * BAR / scale
+        self._lines("rms", rings, theme.shown(RMS_COLOR), 2.0)
         self._label(error_text(found, scale), place)
 
     def _lines(self, name: str, lines: Array, color: str, width: float) -> None:

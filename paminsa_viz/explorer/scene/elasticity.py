@@ -161,6 +161,7 @@ class Deflection:
                     "/elastic/deflected_label", text, font_screen_scale=0.9, anchor="top-center"
                 )
             self._label.text, self._label.position = text, place
+        self._curve.recolor(frame.state.theme.shown(DEFLECTED_COLOR))
         self._curve.visible = shown
         if self._label is not None:
             self._label.visible = shown

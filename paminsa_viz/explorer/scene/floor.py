@@ -14,10 +14,11 @@ from numpy.typing import NDArray
 
 from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer.frame import Frame
-from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, go_to, half_width
+from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
+from paminsa_viz.explorer.motion.points import click_map
 from paminsa_viz.explorer.scene.curves import Curve, thinned
-from paminsa_viz.explorer.scene.floor_legend import FloorLegend
 from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.explorer.scene.legend import color_bar
 from paminsa_viz.explorer.state import State
 from paminsa_viz.palette import INK, rgb
 from paminsa_viz.plots import contours
@@ -26,7 +27,6 @@ from paminsa_viz.plots.scale import Scale, map_pixels
 
 ABOVE: Final = {
     "map": 0.0024,
-    "legend": 0.0026,
     "boundary": 0.0034,
     "circle": 0.0040,
     "ring": 0.0050,
@@ -67,7 +67,7 @@ class FloorMap:
         clear = np.zeros((2, 2, 4), dtype=np.uint8)
         self._map = scene.add_image("/floor/map", clear, 1.0, 1.0, **flat)
         self._map.on_click(self._click)
-        self._legend = FloorLegend(scene)
+        self._legend = context.legend
         self._ring = scene.add_frame("/floor/pose", show_axes=False, visible=False)
         # Solid, not pictures: what is clear in a picture still hides what lies below it.
         for name, (parts, color, height) in POSE_MARK.items():
@@ -81,7 +81,6 @@ class FloorMap:
         self._circle = Curve(scene, "/floor/singularity", INK, 2.5, dash=DASH)
         self._key: tuple[Any, ...] = ()
         self._curves_key: tuple[Any, ...] = ()
-        self._legend_key: tuple[Any, ...] = ()
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Draw what has changed; nothing is computed for layers that are hidden."""
@@ -96,7 +95,7 @@ class FloorMap:
                 self._draw_map(state, dragging)
             if layers & {"workspace", "singularity"}:
                 self._draw_curves(state, dragging)
-        for node in (self._map, self._legend, self._ring):
+        for node in (self._map, self._ring):
             node.visible = "floor_map" in layers
         self._boundary.visible = "workspace" in layers
         self._circle.visible = "singularity" in layers
@@ -106,7 +105,7 @@ class FloorMap:
             return
         self._height = height
         self._map.position = (0.0, 0.0, height + ABOVE["map"])
-        self._curves_key = self._legend_key = ()
+        self._curves_key = ()
 
     def _draw_map(self, state: State, dragging: bool) -> None:
         document, view, opacity = state.document, state.map_view, state.floor_opacity
@@ -120,17 +119,9 @@ class FloorMap:
         self._map.image = floor_image(data, scale, opacity)
         side = 2 * half_width(document.design.geometry)
         self._map.scale = (side, side, 1.0)
-        self._draw_legend(data, scale, state)
+        if self._legend is not None:
+            self._legend.bar = color_bar(data, scale)
         self._key = (shown, not dragging)
-
-    def _draw_legend(self, data: MapData, scale: Scale, state: State) -> None:
-        geometry = state.last_reachable.geometry
-        key = (data.names, scale, geometry)
-        if key == self._legend_key:
-            return
-        self._legend_key = key
-        self._legend.draw(data, scale)
-        self._legend.stand(geometry, self._height + ABOVE["legend"])
 
     def _draw_curves(self, state: State, dragging: bool) -> None:
         document = state.document
@@ -150,7 +141,7 @@ class FloorMap:
     def _click(self, event: Any) -> None:
         place = where_on_floor(event.ray_origin, event.ray_direction, self._height + ABOVE["map"])
         if place is not None:
-            self._dispatch("floor click", lambda state: go_to(state, *place))
+            self._dispatch("floor click", lambda state: click_map(state, *place))
 
 
 def floor_image(data: MapData, scale: Scale, opacity: float) -> NDArray[np.uint8]:

@@ -202,7 +202,8 @@ class PolytopeView:
         del dragging
         shown = frame.state.layers & {"force_polygon", "wrench_solid"}
         design, pose = frame.shown_design, frame.configuration.pose
-        key = (shown, design, tuple(pose.tolist()))
+        theme = frame.state.theme
+        key = (shown, design, tuple(pose.tolist()), theme)
         if shown and key != self._drawn:
             self._drawn = key
             try:
@@ -213,7 +214,7 @@ class PolytopeView:
             if found is not None:
                 center = pose[[0, 1, 3]]
                 if "force_polygon" in shown:
-                    self._draw_polygon(found, center + np.array([0.0, 0.0, ABOVE]))
+                    self._draw_polygon(found, center + np.array([0.0, 0.0, ABOVE]), theme.ink)
                 if "wrench_solid" in shown:
                     self._draw_solid(found, center)
         if not shown and self._nodes:
@@ -239,7 +240,7 @@ class PolytopeView:
             position=place,
         )  # fmt: skip
 
-    def _draw_polygon(self, found: WrenchPolytope, center: Array) -> None:
+    def _draw_polygon(self, found: WrenchPolytope, center: Array, ink: str) -> None:
         sides, limits = polygon_lines(found)
         if not len(sides):
             self._text("polygon", "no horizontal force is held here", center)
@@ -255,7 +256,7 @@ class PolytopeView:
         angle = np.linspace(0, 2 * np.pi, 49)
         ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1) * radius * BAR / scale
         circle = center + np.stack([ring[:-1:2], ring[1::2]], axis=1)
-        self._lines("disc", circle, [palette.INK] * len(circle), 2.0)
+        self._lines("disc", circle, [ink] * len(circle), 2.0)
         text = f"every direction {number(radius, 3)} N, {limits[worst]} ({scale_text(scale)})"
         self._text("polygon label", text, center - [0.0, 0.0, ABOVE + BELOW])
 

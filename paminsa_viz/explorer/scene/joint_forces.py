@@ -97,6 +97,8 @@ class JointForceView:
                     self._draw_arrows(forces, frame.configuration)
                 if "utilization" in shown:
                     self._draw_sleeves(bars_at(at)[1], frame.configuration)
+        if self._arrows is not None:
+            self._arrows.colors = linear_colors(state.theme.ink)[0]
         for key, nodes in (
             ("joint_forces", (self._arrows, self._labels.get("joint_forces"))),
             ("utilization", (self._sleeves, self._labels.get("utilization"))),

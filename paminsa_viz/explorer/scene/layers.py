@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from paminsa_viz.explorer.maps import MapStore
     from paminsa_viz.explorer.motion.results import MotionStore
+    from paminsa_viz.explorer.scene.legend import SceneLegend
     from paminsa_viz.explorer.session import View
 
     ViewFactory = Callable[["SceneContext"], View]
@@ -34,12 +35,14 @@ class SceneContext:
         dispatch: `Session.dispatch`, for layers that a person can click or drag.
         motions: What the session has computed along its motion.
         maps: The session's maps; only for layers that are not animated.
+        legend: Says what the colors of the floor map mean; only for layers that are not animated.
     """
 
     scene: SceneApi
     dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
     motions: MotionStore | None = None
     maps: MapStore | None = None
+    legend: SceneLegend | None = None
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,8 @@ class Layer:
         shortcut: Key that toggles it, or None.
         animated: Whether it moves with the robot, and so is drawn first, in every frame. The
             others are built with the rest of the page and drawn last, with the maps.
+        legend: Place of a function of a `Frame`, as ``"module:name"``, that returns the color and
+            the meaning of the layer's arrows, or None; empty if it has none.
     """
 
     key: str
@@ -65,6 +70,7 @@ class Layer:
     default: bool = False
     shortcut: str | None = None
     animated: bool = True
+    legend: str = ""
 
 
 LAYERS: Final[dict[str, Layer]] = {}
@@ -116,6 +122,7 @@ def _factory(view: str | ViewFactory) -> ViewFactory:
 
 _POLYTOPE = "forces:PolytopeView"
 _FLOOR = "floor:FloorMap"
+_WORKSPACES = "workspaces:WorkspaceOutlines"
 _JOINT_FORCES = "joint_forces:JointForceView"
 _MASSES = "mechanism:PointMassView"
 
@@ -129,20 +136,21 @@ register(
         "mass_centers", "Mass centers", "A ball for each mass, its volume in proportion", _MASSES,
         shortcut="C",
     ),
-    Layer("gravity", "Weights", "The weight of each body as an arrow", _MASSES),
+    Layer("gravity", "Weights", "The weight of each body as an arrow", _MASSES,
+          legend="arrow_meanings:weights"),
     Layer(
         "torques", "Actuator torques", "Static torques as arrows about the leg axes, and F₄",
-        "actuators:TorqueArrows", default=True,
+        "actuators:TorqueArrows", default=True, legend="arrow_meanings:torques",
     ),
     Layer("load", "Load", "The external force and moment, to a stated scale",
-          "forces:LoadView", default=True),
+          "forces:LoadView", default=True, legend="arrow_meanings:load"),
     Layer("force_polygon", "Force polygon",
           "Horizontal forces that the actuators hold with no moment", _POLYTOPE),
     Layer("wrench_solid", "Wrench polytope",
           "Horizontal forces and M_z / R_pl that the actuators hold", _POLYTOPE),
     Layer("joint_forces", "Joint forces",
           "Forces at the joints in the legs' planes, at rest or of the motion, to a stated scale",
-          _JOINT_FORCES),
+          _JOINT_FORCES, legend="arrow_meanings:joint_forces"),
     Layer("utilization", "Bars by load", "Stress of the bars over the yield stress", _JOINT_FORCES),
     Layer("drive_errors", "Drive errors",
           "Where the platform's center may be within the drives' errors, to a stated scale",
@@ -169,14 +177,29 @@ register(
         "floor_map", "Floor map", "The chosen map, under the robot; click it to go there", _FLOOR,
         default=True, shortcut="F", animated=False,
     ),
+    Layer("volume", "Volume of requirements",
+          "Where all requirements hold, colored by what ends it there", "workspaces:VolumeSurface",
+          default=True, animated=False),
+    Layer("required_workspace", "Required workspace", "Its outline", _WORKSPACES, default=True,
+          animated=False),
+    Layer("proven_workspace", "Proven workspace",
+          "Outline of the largest one, see the tab Requirements", _WORKSPACES, default=True,
+          animated=False),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
+    Layer("points", "Points of the motion",
+          "The poses that a motion is built from: click one, then drag it",
+          "pose_handles:MotionPoints"),
+    Layer("wanted_pose", "Wanted pose",
+          "Translucent: where the robot should be, while its simulation is played",
+          "ghost:WantedPose", default=True),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",
-        "escape:EscapeTwist", default=True,
+        "escape:EscapeTwist", default=True, legend="arrow_meanings:escape",
     ),
     Layer(
-        "gizmo", "Platform handle", "Drag the platform in the scene", "stage:Gizmo", shortcut="G"
+        "gizmo", "Platform handle", "Drag the platform in the scene", "pose_handles:Gizmo",
+        shortcut="G",
     ),
     Layer(
         "fine", "Fine detail",

@@ -197,12 +197,17 @@ def _counterweight_places(configuration: Configuration, weight: Counterweight) -
     return near + weight.beyond / bar_length(configuration.geometry, weight.bar) * (near - far)
 
 
+def newtons_per_bar(points: PointMasses, gravity: float) -> float:
+    """Return the weight that 100 mm of an arrow stand for [N]."""
+    heaviest = float((points.mass * gravity).max(initial=0.0))
+    return 0.1 * max(1 / ARROW_PER_NEWTON, heaviest / LONGEST_ARROW)
+
+
 def gravity_arrows(points: PointMasses, gravity: float) -> Array:
     """Return arrows from the mass centers downward, (n, 2, 3) [m], their length by the weight."""
     weight = points.mass * gravity
-    heaviest = float(weight.max(initial=0.0))
-    factor = min(ARROW_PER_NEWTON, LONGEST_ARROW / heaviest) if heaviest > 0 else 0.0
-    length = np.where(weight > 0, np.maximum(weight * factor, SHORTEST_ARROW), 0.0)
+    length = weight * 0.1 / newtons_per_bar(points, gravity)
+    length = np.where(weight > 0, np.maximum(length, SHORTEST_ARROW), 0.0)
     tips = points.center.copy()
     tips[:, 2] -= length
     return np.stack([points.center, tips], axis=1)
@@ -235,6 +240,7 @@ class PointMassView:
             self._balls.visible = "mass_centers" in shown
         if self._arrows is not None:
             self._arrows.visible = "gravity" in shown
+            self._arrows.colors = linear_colors(frame.state.theme.ink)[0]
 
     def _draw_balls(self, points: PointMasses) -> None:
         centers = points.center.astype(np.float32)

@@ -1,21 +1,17 @@
-"""Around the robot: light, ground, and the handle on the platform."""
+"""Around the robot: light and ground."""
 
 from __future__ import annotations
 
 from typing import Final
 
 import numpy as np
-import viser
 from numpy.typing import NDArray
 from viser import GlbHandle
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.state import State
-from paminsa_viz.meshes.bodies import body_glb, lengths_of
-from paminsa_viz.model import InvalidInput
+from paminsa_viz.meshes.bodies import ground_glb, lengths_of
 from paminsa_viz.model.design import Geometry
 from paminsa_viz.model.kinematics import Configuration
 
@@ -66,7 +62,7 @@ class Stage:
             "/stage/key", intensity=2.1, position=KEY_LIGHT, cast_shadow=False
         )
         scene.add_light_directional("/stage/fill", intensity=0.7, position=FILL_LIGHT)
-        self._lengths: object = None
+        self._drawn: object = None
         self._height = 0.0
         self._ground: GlbHandle | None = None
         self._spot = scene.add_image(
@@ -77,10 +73,11 @@ class Stage:
         """Follow the geometry, the platform, and what is shown."""
         del dragging
         layers = frame.state.layers
-        lengths = lengths_of("ground", frame.shown_design.geometry)
-        if lengths != self._lengths:
-            self._lengths = lengths
-            self._build(frame.shown_design.geometry)
+        geometry, dark = frame.shown_design.geometry, frame.state.theme.dark
+        key = (lengths_of("ground", geometry), dark)
+        if key != self._drawn:
+            self._drawn = key
+            self._build(geometry, dark)
         if frame.drawable:
             self._spot.position = self.shadow_place(frame.configuration)
         # Over a map it would only dim the colors, and true shadows need no help.
@@ -92,9 +89,9 @@ class Stage:
         x, y = configuration.pose[:2]
         return (float(x), float(y), self._height + 0.0012)
 
-    def _build(self, geometry: Geometry) -> None:
+    def _build(self, geometry: Geometry, dark: bool) -> None:
         self._height = layout(geometry).ground
-        data = body_glb("ground", geometry, fine=False)
+        data = ground_glb(geometry, dark=dark)
         if self._ground is None:
             self._ground = self._scene.add_glb(
                 "/stage/ground", data, cast_shadow=False, receive_shadow=False
@@ -111,46 +108,3 @@ class Stage:
             "warehouse" if shadows else None, environment_intensity=0.45
         )
         self._ground.receive_shadow = 0.22 if shadows else False
-
-
-class Gizmo:
-    """Arrows for x, y, z and an arc for theta, at the platform's center."""
-
-    def __init__(self, context: SceneContext) -> None:
-        self._dispatch = context.dispatch
-        free, locked = (-1000.0, 1000.0), (0.0, 0.0)
-        self.handle = context.scene.add_transform_controls(
-            "/gizmo",
-            scale=0.22,
-            line_width=3.0,
-            rotation_limits=(locked, locked, free),
-            depth_test=False,
-            opacity=0.85,
-            visible=False,
-        )
-        self._held = False
-        self.handle.on_update(self._dragged)
-
-    def _dragged(self, event: viser.TransformControlsEvent) -> None:
-        self._held = event.phase != "end"
-        self._dispatch("gizmo", self._move)
-
-    def _move(self, state: State) -> State:
-        x, y, z = (float(v) for v in self.handle.position)
-        w, _, _, k = (float(v) for v in self.handle.wxyz)
-        if not np.isfinite((x, y, z, w, k)).all():
-            raise InvalidInput("handle", "finite numbers are needed")
-        turn = 2 * np.arctan2(k, w)
-        # the quaternion knows the angle but for whole turns
-        before = state.document.pose[2]
-        theta = before + float(np.remainder(turn - before + np.pi, 2 * np.pi) - np.pi)
-        return actions.move(state, x=x, y=y, theta=theta, z=z)
-
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Follow the platform, unless it is being dragged."""
-        self.handle.visible = "gizmo" in frame.state.layers
-        if (self._held and dragging) or not frame.drawable:
-            return
-        x, y, theta, z = frame.state.last_reachable.pose
-        self.handle.position = (x, y, z)
-        self.handle.wxyz = (float(np.cos(theta / 2)), 0.0, 0.0, float(np.sin(theta / 2)))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion import points
 from paminsa_viz.explorer.motion.description import (
     MOST_SAMPLES,
     MOST_WAYPOINTS,
@@ -145,14 +146,14 @@ def test_motion_passes_its_waypoints() -> None:
     assert "two" in motions.planned(state).problem
     poses = []
     for x, y in ((0.05, 0.0), (0.0, 0.06), (-0.05, -0.02)):
-        state = motions.add_waypoint(actions.move(state, x=x, y=y))
+        state = points.add_waypoint(actions.move(state, x=x, y=y))
         poses.append(state.last_reachable.pose)
     motion = trajectory(state)
     for pose in poses:
         assert np.abs(motion.pose - pose).max(axis=1).min() < 1e-4
-    with pytest.raises(InvalidInput, match="is at the last"):
-        motions.add_waypoint(state)
-    assert len(motions.remove_waypoint(state).document.motion.waypoints) == 2
+    with pytest.raises(InvalidInput, match="is there"):
+        points.add_waypoint(state)
+    assert len(points.remove_waypoint(state).document.motion.waypoints) == 2
     assert motions.change(state, waypoints=()).document.motion.waypoints == ()
 
 

@@ -81,7 +81,7 @@ def test_pose_without_a_configuration_sends_nothing(scene: Scene, pose: tuple[fl
         ({"geometry.platform_radius": 0.12}, {"platform", "ground", "base"}),
         ({"geometry.platform_joint_height": 0.03}, {"platform", "ground", "base"}),
         ({"geometry.arm_length": 0.3}, {"carriage"}),
-        ({"geometry.guide_stroke": 0.3}, set()),
+        ({"geometry.guide_stroke": 0.3}, {"ground"}),
         ({"geometry.axis_clearance": 0.05}, set()),
         ({"links.b3": 0.9, "payload.mass": 2.0, "gravity": 1.62}, set()),
         ({"geometry.crank_length": 0.425}, {f"leg{i}/{b}" for i in (1, 2, 3) for b in ("b3", "b8")}

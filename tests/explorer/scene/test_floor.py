@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,21 +11,18 @@ import viser
 from hypothesis import given
 from hypothesis import strategies as st
 
-from paminsa_viz.dimensions.layout import layout, plinth_radius
+from paminsa_viz.dimensions.layout import layout
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.maps import COARSE, FULL, MapStore, half_width
 from paminsa_viz.explorer.scene import floor
 from paminsa_viz.explorer.scene.floor import FloorMap, floor_image, where_on_floor
-from paminsa_viz.explorer.scene.floor_legend import LEGEND_SIZE, legend_image, legend_place
 from paminsa_viz.explorer.scene.layers import SceneContext
-from paminsa_viz.explorer.state import RangeMode, initial_state
+from paminsa_viz.explorer.state import initial_state
 from paminsa_viz.model import APPENDIX_4, KneeBranch
-from paminsa_viz.model.reach import workspace_radius
 from paminsa_viz.plots import map_data
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.scale import Scale, color_table
 from tests.support.desk import Desk, desk_with
-from tests.support.samples import with_knee
 
 STORE = MapStore()
 ANY = st.floats(-5.0, 5.0)
@@ -80,33 +76,6 @@ def test_opacity_is_limited(opacity: float, alpha: int) -> None:
     assert set(np.unique(floor_image(data, scale, opacity)[data.status == 0, 3])) == {alpha}
 
 
-@pytest.mark.parametrize("knee", KneeBranch)
-@pytest.mark.parametrize("base", [0.2, 0.35, 0.6])
-def test_legend_is_on_the_plinth_outside_the_map(knee: KneeBranch, base: float) -> None:
-    geometry = with_knee(replace(APPENDIX_4.geometry, base_radius=base), knee)
-    (x, y), (w, _, _, k) = legend_place(geometry)
-    turn = 2 * math.atan2(k, w)
-    out = np.array([-math.sin(turn), math.cos(turn)])  # the letters' up
-    along = np.array([math.cos(turn), math.sin(turn)])
-    half = np.array(LEGEND_SIZE) / 2
-    corners = [
-        np.array([x, y]) + i * half[0] * along + j * half[1] * out for i in (-1, 1) for j in (-1, 1)
-    ]
-    assert max(np.hypot(*corner) for corner in corners) < plinth_radius(geometry)
-    assert out @ [x, y] < 0  # it is read from outside
-    if base == 0.35:
-        assert math.hypot(x, y) - half[1] > workspace_radius(geometry)
-
-
-def test_legend_has_the_colors_in_order() -> None:
-    image = legend_image(map_of("tau_1")[1])
-    row = image[image.shape[0] // 2]
-    colored = row[row[:, 3] == 255][:, :3].astype(int)
-    blue_first = colored[20] - colored[-20]
-    assert blue_first[2] > 0 > blue_first[0]
-    assert image[0, 0, 3] == image[-1, -1, 3] == 0
-
-
 @pytest.fixture
 def desk(server: viser.ViserServer) -> Iterator[Desk]:
     """The floor map, once it is drawn finely."""
@@ -122,7 +91,7 @@ def test_map_covers_its_extent_on_the_ground_of_either_knee(desk: Desk) -> None:
     np.testing.assert_allclose(node.position, (0, 0, ground + floor.ABOVE["map"]))
     desk.dispatch(lambda s: actions.set_knee(s, KneeBranch.UPPER))
     ground = layout(desk.design.geometry).ground
-    for node in (desk.panel._map, desk.panel._legend.bar, desk.panel._ring):
+    for node in (desk.panel._map, desk.panel._ring):
         desk.until(lambda node=node: abs(node.position[2] - ground) < 0.01)
 
 
@@ -137,14 +106,6 @@ def test_mark_is_below_the_platform_and_a_position_draws_no_new_map(desk: Desk) 
     desk.until(lambda: desk.panel._map.image is not before)
 
 
-def test_legend_names_quantity_and_range(desk: Desk) -> None:
-    view = {"range_mode": RangeMode.MANUAL, "low": -2.5, "high": 7.5}
-    desk.dispatch(lambda s: s.updated("map_view", quantity="tau_1", **view))
-    texts = desk.panel._legend._labels
-    desk.until(lambda: (texts["low"].text, texts["high"].text) == ("−2.5", "7.5"))
-    assert texts["name"].text == "τ₁  [N·m]"
-
-
 def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
     desk: Desk, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -153,7 +114,6 @@ def test_hidden_layers_are_not_drawn_and_nothing_is_solved_for_them(
         assert node.visible
         desk.dispatch(lambda s, name=name: actions.set_layers(s, **{name: False}))
         desk.until(lambda node=node: not node.visible)
-    assert not parts._legend.visible
     assert not parts._ring.visible
     calls: list[int] = []
     monkeypatch.setattr(map_data, "solve_field", lambda *args, **kwargs: calls.append(1))

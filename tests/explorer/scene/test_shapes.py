@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 import viser
 
-from paminsa_viz.explorer.browser.style import BOTTOM, TOP, over_backdrop, style_html
+from paminsa_viz.explorer.browser.style import over_backdrop, style_html
 from paminsa_viz.explorer.scene.actuators import FACES, TorqueArrows, arc_arrow, force_arrow
 from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
 from paminsa_viz.explorer.scene.curves import Curve, dashes, segments
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model.design import APPENDIX_4, KneeBranch
-from paminsa_viz.palette import rgb
+from paminsa_viz.palette import LIGHT, rgb
 from tests.support.samples import with_knee
 from tests.support.scene import frame_at, solved
 
@@ -115,14 +115,15 @@ def test_unknown_camera_is_an_error() -> None:
 
 
 def test_transparent_pixels_show_the_pages_gradient() -> None:
+    top, bottom = LIGHT.backdrop
     picture = over_backdrop(np.zeros((101, 3, 4), dtype=np.uint8))
-    assert tuple(picture[0, 0]) == rgb(TOP)
-    assert tuple(picture[-1, 2]) == rgb(BOTTOM)
+    assert tuple(picture[0, 0]) == rgb(top)
+    assert tuple(picture[-1, 2]) == rgb(bottom)
     assert (np.diff(picture[:, 0].astype(int), axis=0) <= 0).all()
-    assert all(color in style_html() for color in (TOP, BOTTOM))
+    assert all(color in style_html() for color in (top, bottom))
     pixels = np.full((3, 1, 4), 40, dtype=np.uint8)
     pixels[..., 3] = np.array([0, 255, 51])[:, None]
     clear, solid, fifth = over_backdrop(pixels)[:, 0].astype(float)
-    assert tuple(clear) == rgb(TOP)
+    assert tuple(clear) == rgb(top)
     assert (solid == 40).all()
-    np.testing.assert_allclose(fifth, np.array(rgb(BOTTOM)) * 0.8 + 8, atol=0.51)
+    np.testing.assert_allclose(fifth, np.array(rgb(bottom)) * 0.8 + 8, atol=0.51)

@@ -1,0 +1,66 @@
+"""The steps of the guided tour, which ``tour.js`` shows."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+from paminsa_viz.explorer.browser.bridge import Bridge
+
+START: Final = "start-tour"
+"""Message of the page: the tour is asked for."""
+
+
+def _step(title: str, text: str, selector: str = "", *, tab: str = "", host: bool = False) -> Any:
+    """Return a step about an element, its container, or a tab."""
+    selector = selector or "[role=tab]"
+    return {"title": title, "text": text, "selector": selector, "tab": tab, "host": host}
+
+
+STEPS: Final = (
+    _step(
+        "Status and torques",
+        "This strip stays above all tabs: whether the robot can take the pose, what gravity asks "
+        "of M1 to M4, the condition number κ, the nearest limit, and M_p2, which is zero for a "
+        "balanced robot.",
+        "div:has(> .pv-strip)",
+    ),
+    _step(
+        "The robot",
+        "Drag to turn the view, scroll to zoom, press 1 to 6 for other views. Press G for a handle "
+        "on the platform, and click the colored map on the ground to go there.",
+        "canvas",
+    ),
+    _step(
+        "Maps",
+        "Torques over the whole workspace at this θ and z. Click a map to go there, or draw a "
+        "motion on it. Tabs beside them hold one map of any quantity, the motion's curves, and the "
+        "export.",
+        '[data-paminsa-slot="torques"]', host=True,
+    ),
+    _step(
+        "Design and Balance",
+        "Lengths, masses, payload and counterweights. Pin a design as reference (P) to see every "
+        "number next to it. The tab Balance finds the masses or springs that take gravity off M1 "
+        "to M3.",
+        tab="Design",
+    ),
+    _step(
+        "Motion",
+        "Choose a motion, or build one from poses that are typed, dragged or drawn. Play it, plot "
+        "torques and power, check them with a physics engine, simulate it with a controller.",
+        tab="Motion",
+    ),
+    _step(
+        "Examples and files",
+        "Five example robots are a click away, next to design files and share codes. This tour can "
+        "be started again there.",
+        tab="File",
+    ),
+)  # fmt: skip
+"""What a newcomer is shown, in this order; a step whose element is not on the page is left out."""
+
+
+def offer_tour(bridge: Bridge) -> None:
+    """Start the tour for a newcomer, and for whoever asks for it."""
+    bridge.on(START, lambda _: bridge.call("tour", STEPS, True))
+    bridge.call("tour", STEPS, False)

@@ -1,0 +1,163 @@
+"""Texts of the tab *Requirements*: the list with its margins, and a line for the strip."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.requirements.causes import CauseGroup, cause_groups
+from paminsa_viz.explorer.requirements.checking import current_check, current_volume
+from paminsa_viz.explorer.requirements.jobs import VolumeOutcome
+from paminsa_viz.explorer.requirements.saved import asked
+from paminsa_viz.explorer.state import State
+from paminsa_viz.quantities.requirement_text import requirement_label
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.check import Over, RequirementCheck, RequirementsCheck
+from paminsa_viz.synthesis.volume import Volume
+from paminsa_viz.units import NONE, format_value, number
+
+NEAR = 0.05
+"""Share of a bound below which a margin is amber."""
+
+AMPLE = 0.1
+"""Margin of reach, and distance from singularities, of a full bar [m]."""
+
+OVER = {
+    Over.WORKSPACE: "Over the required workspace and all headings",
+    Over.VOLUME: "No workspace is required: over the volume where all hold",
+    Over.BEST: "No position meets all: each at the position that is best for it",
+}
+
+Pose = tuple[float, float, float, float]
+
+
+def names(state: State) -> dict[str, int]:
+    """Return the requirements of a state by short texts."""
+    bounds = state.document.requirements.bounds
+    return {f"{i + 1}: {requirement_label(one)}": i for i, one in enumerate(bounds)}
+
+
+def share(item: RequirementCheck, requirements: Requirements) -> float:
+    """Return a margin over the size of its bound, -1 to 1."""
+    size = AMPLE
+    if item.requirement is not None:
+        bound = requirements.bounds[item.requirement]
+        size = min((abs(limit) for limit in (bound.low, bound.high) if limit), default=1.0)
+    if math.isnan(item.margin):
+        return -1.0
+    return min(max(item.margin / size, -1.0), 1.0)
+
+
+def level(item: RequirementCheck, requirements: Requirements) -> tuple[str, str]:
+    """Return the mark of a requirement and the class of its color."""
+    if not item.holds:
+        return "✗", "pv-bad"
+    return "✓", "pv-warn" if share(item, requirements) < NEAR else "pv-ok"
+
+
+def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
+    mark, name = level(item, requirements)
+    part = share(item, requirements)
+    width = 50 * abs(part)
+    shown = NO_POSE if item.pose is None else item.pose
+    x, y, z = (format_value(shown[i], "m") for i in (0, 1, 3))
+    return {
+        "index": -1 if item.requirement is None else item.requirement,
+        "place": item.label if item.requirement is None else item.requirement,
+        "mark": mark, "level": name, "text": item.label, "reason": item.reason,
+        "worst": format_value(item.value, item.unit, 4),
+        "margin": f"margin {format_value(item.margin, item.unit, 3)}",
+        "left": f"{50 - width if part < 0 else 50:.1f}", "width": f"{max(width, 1.5):.1f}",
+        "pose": "" if item.pose is None else (
+            f"x {x}, y {y}, θ {format_value(shown[2], 'rad')}, z {z}"
+        ),
+    }  # fmt: skip
+
+
+NO_POSE: Pose = (math.nan,) * 4
+
+
+def list_html(frame: Frame) -> str:
+    """Return the list of the requirements with their worst values and margins."""
+    state = frame.state
+    requirements, check = state.document.requirements, current_check(state)
+    rows, note = [], ""
+    if check is not None:
+        rows = [_row(item, requirements) for item in check.items]
+        note = note_of(state, check)
+    return render("requirements_list.j2", rows=rows, chosen=state.requiring.selected, note=note)
+
+
+def note_of(state: State, check: RequirementsCheck) -> str:
+    """Return what a check is over, and how fine."""
+    low, high = (format_value(end, "rad") for end in state.document.requirements.theta)
+    known = state.requiring.fine
+    fine = "finely sampled" if known and known.check is check else "coarsely sampled"
+    return f"{OVER[check.over]} from θ {low} to {high}, {fine}"
+
+
+def worst_pose(state: State, place: str) -> Pose | None:
+    """Return the worst pose of a requirement, by its index or the name of what comes before it."""
+    check = current_check(state)
+    items = () if check is None else check.items
+    return next((i.pose for i in items if place in (i.label, str(i.requirement))), None)
+
+
+def strip_html(state: State) -> str:
+    """Return which requirements hold, as a line for the strip; nothing without any."""
+    requirements = state.document.requirements
+    check = current_check(state)
+    if check is None:
+        return ""
+    items = []
+    for item in check.items:
+        symbol = item.label
+        if item.requirement is not None:
+            symbol = requirements.bounds[item.requirement].entry.symbol
+        items.append((*level(item, requirements), symbol))
+    return render("requirements_strip.j2", items=items)
+
+
+def volume_html(frame: Frame) -> str:
+    """Return the volume where all requirements hold, and what each of them takes off it."""
+    state = frame.state
+    if not asked(state.document.requirements):
+        return ""
+    outcome = current_volume(state)
+    volume = None if outcome is None else outcome.volume
+    if outcome is None or volume is None:
+        problem = "" if outcome is None else outcome.problem
+        return render("requirements_volume.j2", problem=problem, waiting=outcome is None)
+    return render(
+        "requirements_volume.j2", problem="", waiting=False, fine=outcome.job.fine,
+        volume=number(LITERS * volume.volume, 4), error=number(LITERS * volume.error, 2),
+        utilization=percent(volume.utilization), reachable=number(LITERS * volume.reachable_volume),
+        conflict=outcome.conflict,
+        groups=[_group(volume, group) for group in shown_groups(outcome, volume)],
+    )  # fmt: skip
+
+
+LITERS = 1e3
+"""Cubic decimeters in a cubic meter."""
+
+
+def percent(part: float) -> str:
+    """Return a share in percent."""
+    return f"{number(100 * part, 3)} %" if math.isfinite(part) else NONE
+
+
+def shown_groups(outcome: VolumeOutcome, volume: Volume) -> list[CauseGroup]:
+    """Return all requirements, and of the other causes those that end the volume somewhere."""
+    colors = {part.color for part in outcome.surface}
+    groups, _ = cause_groups(volume.causes)
+    return [each for each in groups[1:] if each.requirement is not None or each.color in colors]
+
+
+def _group(volume: Volume, group: CauseGroup) -> dict[str, str]:
+    alone = only = ""
+    if group.requirement is not None:
+        alone = percent(float(volume.removed_alone[group.requirement]))
+        only = percent(float(volume.removed_last[group.requirement]))
+    return {"text": group.text, "color": group.color, "alone": alone, "only": only}

@@ -1,0 +1,1 @@
+"""Synthesis on the page: what is searched, the search, and what came of it."""

@@ -1,0 +1,217 @@
+"""Affine arithmetic: a range of a formula over a box of poses, which bounds it rigorously.
+
+A number that depends on a pose in a box is kept as
+
+    c + x e_x + y e_y + t e_theta + z e_z + e e_0,    every e_i any number from -1 to 1,
+
+where e_x .. e_z are the pose's place in the box and e_0 is unknown: e bounds all that is not
+linear, and all rounding. In contrast to plain intervals terms that cancel do so, and the bound of a
+box of width w is too wide by no more than a multiple of w^2 (Comba and Stolfi 1993; Stolfi and de
+Figueiredo 2003; with a fixed number of terms Messine 2002).
+
+The operations are plain formulas of numbers, as those of the model: they serve NumPy arrays (many
+boxes) and, compiled, single numbers. A range that an operation is not defined on, such as the
+reciprocal of one with zero, is infinite or NaN from there on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.model.robot import where
+
+ROUND = 2.0**-48
+"""Bound on the rounding of an operation, as a share of the largest size of what it works on.
+
+No operation below rounds more than 20 times in a row, each time by 2^-53 of that or less.
+"""
+
+
+class Affine:
+    """A number that depends on the place in a box; every field a number, or an array of them."""
+
+    __slots__ = ("c", "e", "t", "x", "y", "z")
+
+    def __init__(self, c: Any, x: Any, y: Any, t: Any, z: Any, e: Any) -> None:
+        self.c, self.x, self.y, self.t, self.z, self.e = c, x, y, t, z, e
+
+    def __add__(self, other: Any) -> Affine:
+        return added(self, other) if isinstance(other, Affine) else shifted(self, other)
+
+    def __sub__(self, other: Any) -> Affine:
+        return subtracted(self, other) if isinstance(other, Affine) else shifted(self, -other)
+
+    def __rsub__(self, other: Any) -> Affine:
+        return shifted(negated(self), other)
+
+    def __mul__(self, other: Any) -> Affine:
+        return multiplied(self, other) if isinstance(other, Affine) else scaled(self, other)
+
+    def __truediv__(self, other: Affine) -> Affine:
+        return multiplied(self, inverted(other))
+
+    def __rtruediv__(self, other: Any) -> Affine:
+        return scaled(inverted(self), other)
+
+    def __neg__(self) -> Affine:
+        return negated(self)
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **_: Any) -> Any:
+        """Let NumPy's functions and numbers work on ranges, as the model's formulas have them."""
+        operation = _UFUNCS.get(ufunc)
+        if operation is None or method != "__call__":
+            return NotImplemented
+        return operation(*inputs)
+
+
+def radius(a: Any) -> Any:
+    """Return the size of the part that is linear in the place."""
+    return np.abs(a.x) + np.abs(a.y) + np.abs(a.t) + np.abs(a.z)
+
+
+def size(a: Any) -> Any:
+    """Return the largest size that it can have."""
+    return np.abs(a.c) + radius(a) + a.e
+
+
+def lower(a: Any) -> Any:
+    """Return a number that it is not below."""
+    return a.c - (radius(a) + a.e) - ROUND * size(a)
+
+
+def upper(a: Any) -> Any:
+    """Return a number that it is not above."""
+    return a.c + (radius(a) + a.e) + ROUND * size(a)
+
+
+def added(a: Any, b: Any) -> Affine:
+    """Return the sum of two ranges."""
+    e = a.e + b.e + ROUND * (size(a) + size(b))
+    return Affine(a.c + b.c, a.x + b.x, a.y + b.y, a.t + b.t, a.z + b.z, e)
+
+
+def subtracted(a: Any, b: Any) -> Affine:
+    """Return the difference of two ranges."""
+    e = a.e + b.e + ROUND * (size(a) + size(b))
+    return Affine(a.c - b.c, a.x - b.x, a.y - b.y, a.t - b.t, a.z - b.z, e)
+
+
+def negated(a: Any) -> Affine:
+    """Return the range of the opposite numbers."""
+    return Affine(-a.c, -a.x, -a.y, -a.t, -a.z, a.e)
+
+
+def shifted(a: Any, number: Any) -> Affine:
+    """Return the sum of a range and a number."""
+    return Affine(a.c + number, a.x, a.y, a.t, a.z, a.e + ROUND * (np.abs(a.c) + np.abs(number)))
+
+
+def scaled(a: Any, number: Any) -> Affine:
+    """Return the product of a range and a number."""
+    e = np.abs(number) * (a.e + ROUND * size(a))
+    return Affine(a.c * number, a.x * number, a.y * number, a.t * number, a.z * number, e)
+
+
+def multiplied(a: Any, b: Any) -> Affine:
+    """Return the product of two ranges.
+
+    Of the products of two places, a square lies between 0 and 1, the others between -1 and 1.
+    """
+    x, y, t, z = a.x * b.x, a.y * b.y, a.t * b.t, a.z * b.z
+    mixed = (
+        np.abs(a.x * b.y + a.y * b.x)
+        + np.abs(a.x * b.t + a.t * b.x)
+        + np.abs(a.x * b.z + a.z * b.x)
+        + np.abs(a.y * b.t + a.t * b.y)
+        + np.abs(a.y * b.z + a.z * b.y)
+        + np.abs(a.t * b.z + a.z * b.t)
+    )
+    squares = np.abs(x) + np.abs(y) + np.abs(t) + np.abs(z)
+    most_a, most_b = np.abs(a.c) + radius(a), np.abs(b.c) + radius(b)
+    rounding = ROUND * (most_a + a.e) * (most_b + b.e)
+    e = 0.5 * squares + mixed + most_a * b.e + most_b * a.e + a.e * b.e + rounding
+    return Affine(
+        a.c * b.c + 0.5 * (x + y + t + z),
+        a.c * b.x + b.c * a.x,
+        a.c * b.y + b.c * a.y,
+        a.c * b.t + b.c * a.t,
+        a.c * b.z + b.c * a.z,
+        e,
+    )
+
+
+def _linear(a: Any, slope: Any, middle: Any, half: Any) -> Affine:
+    """Return slope a + middle, to which half is the distance of the function that it stands for."""
+    e = np.abs(slope) * (a.e + ROUND * size(a)) + half + ROUND * (np.abs(middle) + half)
+    return Affine(slope * a.c + middle, slope * a.x, slope * a.y, slope * a.t, slope * a.z, e)
+
+
+def inverted(a: Any) -> Affine:
+    """Return the range of the reciprocals; infinite where zero is among the numbers.
+
+    The line is parallel to the chord, halfway between that and the tangent (Chebyshev).
+    """
+    low, high = lower(a), upper(a)
+    product = where(low * high > 0.0, low * high, np.nan)
+    sign = where(low > 0.0, 1.0, -1.0)
+    chord = (low + high) / product
+    tangent = sign * 2.0 / np.sqrt(product)
+    half = 0.5 * np.abs(chord - tangent) + 4.0 * ROUND * np.abs(chord)
+    return _linear(a, -1.0 / product, 0.5 * (chord + tangent), half)
+
+
+def rooted(a: Any) -> Affine:
+    """Return the range of the square roots; NaN where a number is negative."""
+    low, high = lower(a), upper(a)
+    first, second = np.sqrt(where(low > 0.0, low, np.nan)), np.sqrt(high)
+    total = first + second
+    chord, tangent = first * second / total, 0.25 * total
+    half = 0.5 * np.abs(tangent - chord) + 4.0 * ROUND * total
+    return _linear(a, 1.0 / total, 0.5 * (chord + tangent), half)
+
+
+def cosine_and_sine(middle: Any, half: Any) -> tuple[Affine, Affine]:
+    """Return the ranges of cosine and sine over angles from middle - half to middle + half [rad].
+
+    With a turn h e_theta from the middle, its cosine is between cos h and 1, and its sine differs
+    from e_theta sin h by h^3 / (9 sqrt 3) at most; both hold up to h = pi, and wider ranges have no
+    bound.
+    """
+    none = where(half <= np.pi, 0.0 * half, np.nan)
+    cosine = np.cos(half)
+    turn_c = Affine(0.5 * (1.0 + cosine), none, none, none, none, 0.5 * (1.0 - cosine) + ROUND)
+    most = half * half * half * 0.0641501
+    turn_s = Affine(none, none, none, np.sin(half), none, most + ROUND)
+    c, s = np.cos(middle), np.sin(middle)
+    return (
+        subtracted(scaled(turn_c, c), scaled(turn_s, s)),
+        added(scaled(turn_c, s), scaled(turn_s, c)),
+    )
+
+
+def box_variables(middle: Any, half: Any) -> tuple[Affine, Affine, Affine, Affine, Affine]:
+    """Return x, y, cos theta, sin theta and z over boxes (..., 4) of half widths (..., 4)."""
+    none = np.zeros(np.shape(middle)[:-1])
+    x, y, t, z = np.moveaxis(np.asarray(middle, np.float64), -1, 0)
+    hx, hy, ht, hz = np.moveaxis(np.asarray(half, np.float64), -1, 0)
+    return (
+        Affine(x, hx, none, none, none, none),
+        Affine(y, none, hy, none, none, none),
+        *cosine_and_sine(t, ht),
+        Affine(z, none, none, none, hz, none),
+    )
+
+
+_UFUNCS: dict[Any, Callable[..., Affine]] = {
+    np.add: lambda a, b: b + a,
+    np.subtract: lambda a, b: b.__rsub__(a),
+    np.multiply: lambda a, b: b * a,
+    np.divide: lambda a, b: b.__rtruediv__(a),
+    np.sqrt: rooted,
+}
+"""What NumPy calls for a function of a range, or for a NumPy number with a range to its right."""

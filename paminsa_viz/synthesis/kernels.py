@@ -1,0 +1,122 @@
+"""Extreme values over poses of one trial robot, compiled.
+
+The formulas are those of the model. Unlike the kernels of `model.compiled` these keep to the
+order of the operations, so that a search has the same numbers in every process.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from paminsa_viz.model import compiled, leg, measures, robot
+
+STRICT = {key: value for key, value in compiled.OPTIONS.items() if key != "fastmath"}
+
+TORQUE_COLUMNS = ("tau_1", "tau_2", "tau_3", "f_4", "max_torque", "rms_torque")
+"""Quantities whose extremes `torques` returns."""
+
+
+@cache
+def load() -> tuple[Any, Any, Any]:
+    """Compile the kernels, or load them from disk: conditions, torques, radii."""
+    return _conditions(), _torques(), _radii()
+
+
+def _conditions() -> Any:
+    digest = compiled.register(measures.dexterity)
+
+    @njit(**STRICT)
+    def conditions(m, xy, turns, z):  # type: ignore[no-untyped-def]
+        """Return the least and largest condition number over all xy (n, 2) and turns (k, 2)."""
+        least, most = np.inf, 0.0
+        if digest < 0:
+            return least, most
+        for i in range(len(xy)):
+            for j in range(len(turns)):
+                _, value = measures.dexterity(m, xy[i, 0], xy[i, 1], turns[j, 0], turns[j, 1], z)
+                if not value < np.inf:  # also where there is none
+                    return least, np.inf
+                least, most = min(least, value), max(most, value)
+        return least, most
+
+    return conditions
+
+
+def _torques() -> Any:
+    digest = compiled.register(robot.unit_torques, measures.wrench_torques)
+
+    @njit(**STRICT)
+    def torques(m, imbalance, lift, wrench, xy, turns, z, out):  # type: ignore[no-untyped-def]
+        """Fill ``out`` (2, 6) with the least and largest of `TORQUE_COLUMNS` over all poses.
+
+        Args: M_p2, the constant part of F_4, the load's (f_x, f_y, m_z) at each turn (k, 3),
+        positions (n, 2), cosines and sines of theta (k, 2), heights.
+        """
+        if digest < 0:
+            return
+        out[0, :], out[1, :] = np.inf, -np.inf
+        loaded = np.any(wrench != 0.0)
+        for i in range(len(xy)):
+            x, y = xy[i, 0], xy[i, 1]
+            for j in range(len(turns)):
+                c, s = turns[j, 0], turns[j, 1]
+                a1, a2, a3 = 0.0, 0.0, 0.0
+                if loaded:
+                    w = measures.wrench_torques(m, x, y, c, s, z[0])
+                    fx, fy, ft = wrench[j, 0], wrench[j, 1], wrench[j, 2]
+                    a1 = -(w[0] * fx + w[3] * fy + w[6] * ft)
+                    a2 = -(w[1] * fx + w[4] * fy + w[7] * ft)
+                    a3 = -(w[2] * fx + w[5] * fy + w[8] * ft)
+                for n in range(len(z)):
+                    g = robot.unit_torques(m, x, y, c, s, z[n])
+                    t1 = imbalance * g[0] + a1
+                    t2 = imbalance * g[1] + a2
+                    t3 = imbalance * g[2] + a3
+                    f4 = imbalance * g[3] + lift
+                    if not abs(t1 + t2 + t3 + f4) < np.inf:
+                        out[0, :], out[1, :] = -np.inf, np.inf
+                        return
+                    most = max(abs(t1), abs(t2), abs(t3))
+                    rms = np.sqrt((t1 * t1 + t2 * t2 + t3 * t3) / 3.0)
+                    for k, value in enumerate((t1, t2, t3, f4, most, rms)):
+                        out[0, k] = min(out[0, k], value)
+                        out[1, k] = max(out[1, k], value)
+
+    return torques
+
+
+def _radii() -> Any:
+    digest = compiled.register(leg.leg_position)
+    axes = tuple(zip(robot.AXIS_X, robot.AXIS_Y, strict=True))
+
+    @njit(**STRICT)
+    def radii(m, guide, xy, turns, z, out):  # type: ignore[no-untyped-def]
+        """Fill ``out`` (4,) with the largest radii about z of joints 5, 8, 9 and the guide's end.
+
+        Squares of them [m^2].
+        """
+        if digest < 0:
+            return
+        out[:] = 0.0
+        for i in range(len(xy)):
+            for j in range(len(turns)):
+                for k in range(3):
+                    bx, by = m.base_radius * axes[k][0], m.base_radius * axes[k][1]
+                    for n in range(len(z)):
+                        g = leg.leg_position(
+                            m, axes[k][0], axes[k][1], xy[i, 0], xy[i, 1],
+                            turns[j, 0], turns[j, 1], z[n],
+                        )  # fmt: skip
+                        values = (g.rho, -m.guide_ratio * g.rho, g.r9, -guide)
+                        for p, r in enumerate(values):
+                            px, py = bx + r * g.ux, by + r * g.uy
+                            value = px * px + py * py
+                            out[p] = max(out[p], value)
+                            if not value < np.inf:
+                                out[p] = np.inf
+
+    return radii

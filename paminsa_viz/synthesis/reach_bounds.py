@@ -1,0 +1,129 @@
+"""Reach and singularity over a whole range of headings, in closed form.
+
+The distance X_1 of joint 5 of leg k from its axis is that of two points whose angle turns with
+theta: X_1^2 = A^2 + R_pl^2 + 2 A R_pl cos(theta + alpha_k - gamma), A and gamma being length and
+direction from the leg axis to the platform's center. So its extremes over a range of headings lie
+at the ends of the range or where the cosine is 1 or -1, and no heading between two samples is
+missed. The limits of reach are bounds on X_1 and on the height of joint 5. Singular positions form
+a circle whose radius grows with |theta| (see `model.singularity`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.leg import mechanism
+from paminsa_viz.model.reach import MARGINS, Limit
+from paminsa_viz.model.robot import AXIS_X, AXIS_Y
+
+TURN = 2.0 * np.pi
+
+
+def contains(low: ArrayLike, high: ArrayLike, angle: float) -> NDArray[np.bool_]:
+    """Say where ranges of angles [rad] contain an angle or one that is whole turns away."""
+    first = np.ceil((np.asarray(low) - angle) / TURN)
+    return np.floor((np.asarray(high) - angle) / TURN) >= first
+
+
+def cosine_range(low: ArrayLike, high: ArrayLike) -> tuple[Array, Array]:
+    """Return the least and the largest cosine over ranges of angles [rad], each (...)."""
+    ends = np.cos(low), np.cos(high)
+    least = np.where(contains(low, high, np.pi), -1.0, np.minimum(*ends))
+    return least, np.where(contains(low, high, 0.0), 1.0, np.maximum(*ends))
+
+
+@dataclass(frozen=True, eq=False)
+class ReachBounds:
+    """Extremes over a range of headings, at positions of batch shape (...).
+
+    Attributes:
+        geometry: Lengths of the mechanism.
+        near, far: (...) least and largest X_1 of any leg [m].
+        near_leg, far_leg: (...) indices of these legs.
+        position: (...) distance inside the singular circle, for every heading [m].
+        turn: Least R_b cos theta - R_pl, times its sign at theta = 0 [m]; not positive if the range
+            reaches the singular rotation.
+    """
+
+    geometry: Geometry
+    near: Array
+    far: Array
+    near_leg: NDArray[np.int8]
+    far_leg: NDArray[np.int8]
+    position: Array
+    turn: float
+
+    def margin(self, z: ArrayLike) -> tuple[Array, NDArray[np.uint8]]:
+        """Return the least margin to a limit of reach, and which it is.
+
+        Args:
+            z: Heights that broadcast against the positions [m].
+
+        Returns:
+            The margin (...), negative beyond a limit [m]; and 4 * leg + limit (...), see
+            `model.measures.least_margin`.
+        """
+        g, m = self.geometry, mechanism(self.geometry)
+        zeta2 = (np.asarray(z) + g.platform_joint_height) ** 2
+        bars = g.crank_length + g.coupler_length
+        parts = {
+            Limit.STRETCHED: bars - np.sqrt((m.span_ratio * self.far) ** 2 + zeta2),
+            Limit.FOLDED: np.sqrt((m.span_ratio * self.near) ** 2 + zeta2)
+            - abs(g.coupler_length - g.crank_length),
+            Limit.GUIDE: m.stroke - m.guide_ratio * self.far,
+            Limit.AXIS: self.near - m.clearance,
+        }
+        least, which = np.asarray(parts[Limit.STRETCHED]), np.zeros(1, np.uint8)
+        for index, limit in enumerate(MARGINS[1:], 1):
+            lower = parts[limit] < least
+            least = np.where(lower, parts[limit], least)
+            which = np.where(lower, np.uint8(index), which)
+        far = (which % 2) == 0  # stretched, and the guide
+        leg = np.where(far, self.far_leg, self.near_leg)
+        return least, (which + 4 * leg).astype(np.uint8)
+
+    @property
+    def regular(self) -> NDArray[np.bool_]:
+        """Where no heading is singular, nor is there one on the way from home (...)."""
+        return (self.position > 0.0) & (self.turn > 0.0)
+
+
+def reach_bounds(
+    geometry: Geometry, x: ArrayLike, y: ArrayLike, theta: tuple[float, float]
+) -> ReachBounds:
+    """Return the extremes over a range of headings.
+
+    Args:
+        geometry: Lengths of the mechanism.
+        x, y: Positions that broadcast [m].
+        theta: Least and largest heading [rad].
+    """
+    rb, rp = geometry.base_radius, geometry.platform_radius
+    x, y = np.broadcast_arrays(np.asarray(x, float), np.asarray(y, float))
+    near, far = [], []
+    for ax, ay in zip(AXIS_X, AXIS_Y, strict=True):
+        dx, dy = x - rb * ax, y - rb * ay
+        length = np.hypot(dx, dy)
+        shift = np.arctan2(ay, ax) - np.arctan2(dy, dx)
+        least, largest = cosine_range(theta[0] + shift, theta[1] + shift)
+        base, product = length**2 + rp**2, 2.0 * length * rp
+        near.append(np.sqrt(np.maximum(base + product * least, 0.0)))
+        far.append(np.sqrt(np.maximum(base + product * largest, 0.0)))
+    nears, fars = np.stack(near), np.stack(far)
+    least, largest = cosine_range(*theta)
+    sign = np.sign(rb - rp)
+    locus = np.sqrt(max(rb**2 + rp**2 - 2 * rb * rp * float(largest), 0.0))
+    return ReachBounds(
+        geometry,
+        nears.min(axis=0),
+        fars.max(axis=0),
+        nears.argmin(axis=0).astype(np.int8),
+        fars.argmax(axis=0).astype(np.int8),
+        locus - np.hypot(x, y),
+        float(np.min(sign * (rb * np.array([least, largest]) - rp))),
+    )

@@ -1,0 +1,132 @@
+"""Proof in closed form that a region can be reached from home without a singular pose between."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise, permutations
+
+import numpy as np
+
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.reach import home_pose
+from paminsa_viz.quantities.requirements import Requirement, Requirements
+from paminsa_viz.synthesis.evidence import Evidence, Verdict, pose_of
+from paminsa_viz.synthesis.families import EVERYWHERE, Method, method
+from paminsa_viz.synthesis.pose_search import freedom, lowest
+from paminsa_viz.synthesis.region_margins import Region, box, region_margins
+
+
+def part_of(requirements: Requirements, requirement: Requirement, region: Region) -> Region | None:
+    """Return the poses of a region's positions over which a requirement holds; None for none."""
+    low, high = requirement.z or EVERYWHERE
+    low, high = max(region.low[2], low), min(region.high[2], high)
+    if low > high:
+        return None
+    center = (*region.center[:2], 0.5 * (low + high))
+    half = (*region.half[:2], 0.5 * (high - low))
+    if requirement.z is None:
+        center, half = region.center, region.half
+    return replace(region, center=center, half=half, theta=requirements.headings(requirement))
+
+
+def regions_of(requirements: Requirements, region: Region) -> list[Region]:
+    """Return the poses that have to be taken: the region, and those of single requirements."""
+    parts = [part_of(requirements, bound, region) for bound in requirements.bounds]
+    return list(dict.fromkeys([region, *(part for part in parts if part is not None)]))
+
+
+def prove_reach(
+    design: Design, requirements: Requirements, region: Region
+) -> dict[Requirement | str, Evidence]:
+    """Return what is known of reach and singularities over a region, all of it in closed form."""
+    regions = regions_of(requirements, region)
+    margins = [region_margins(design.geometry, part) for part in regions]
+    least = {
+        "reach": min(item.least_reach for item in margins),
+        "singularity": min(min(item.circle, item.turn) for item in margins),
+    }
+    found: dict[Requirement | str, Evidence] = {
+        name: Evidence(
+            name,
+            Method.CLOSED_FORM,
+            Verdict.PROVEN if margin > 0.0 else Verdict.UNDECIDED,
+            margin,
+        )
+        for name, margin in least.items()
+    }
+    for part, item in zip(regions, margins, strict=True):
+        if item.holds():
+            continue
+        pose, value = lowest(lambda poses: freedom(design.geometry, poses).min(axis=0), part)
+        if value <= 0.0:
+            reach, singular = freedom(design.geometry, pose[None])[:, 0]
+            name = "reach" if reach <= singular else "singularity"
+            # a guide may be used to its end
+            if name == "singularity" or value < 0.0:
+                found[name] = Evidence(
+                    name, Method.CLOSED_FORM, Verdict.REFUTED, value, pose_of(pose)
+                )
+    for requirement in requirements.bounds:
+        if requirement.quantity == "reach_margin" and method(requirement) is Method.CLOSED_FORM:
+            found[requirement] = _reach_margin(design, requirements, requirement, region)
+    return found
+
+
+def reach_margin(
+    design: Design, requirements: Requirements, requirement: Requirement, region: Region
+) -> float:
+    """Return how far a least margin of reach is kept over a region, in closed form [m]."""
+    part = part_of(requirements, requirement, region)
+    if part is None:
+        return np.inf
+    return region_margins(design.geometry, part).least_reach - (requirement.low or 0.0)
+
+
+def _reach_margin(
+    design: Design, requirements: Requirements, requirement: Requirement, region: Region
+) -> Evidence:
+    """Return what is known of a least margin of reach, over its own headings and heights."""
+    part = part_of(requirements, requirement, region)
+    margin = reach_margin(design, requirements, requirement, region)
+    if part is None or margin >= 0.0:
+        return Evidence(
+            requirement.quantity, Method.CLOSED_FORM, Verdict.PROVEN, margin, None, requirement
+        )
+    pose, value = lowest(lambda poses: freedom(design.geometry, poses)[0], part)
+    value -= requirement.low or 0.0
+    verdict = Verdict.REFUTED if value < 0.0 else Verdict.UNDECIDED
+    return Evidence(
+        requirement.quantity, Method.CLOSED_FORM, verdict, value, pose_of(pose), requirement
+    )
+
+
+def home_path(geometry: Geometry, region: Region) -> Array:
+    """Return a path from home to a region's center, (n, 4), empty if none is proven.
+
+    It moves one of z, (x, y) and theta at a time, in the first order for which every pose on the
+    way, in closed form, can be taken without a singularity.
+    """
+    start = np.array(home_pose(geometry))
+    x, y, z = region.center
+    goal = np.array([x, y, np.clip(0.0, *region.theta), z])
+    moves = ([3], [0, 1], [2])
+    for order in permutations(moves):
+        path = [start]
+        for coordinates in order:
+            step = path[-1].copy()
+            step[coordinates] = goal[coordinates]
+            if (step != path[-1]).any():
+                path.append(step)
+        legs = pairwise(path) if len(path) > 1 else [(start, start)]
+        if all(_proven_between(geometry, first, last) for first, last in legs):
+            return np.array(path)
+    return np.zeros((0, 4))
+
+
+def _proven_between(geometry: Geometry, first: Array, last: Array) -> bool:
+    low, high = np.minimum(first, last), np.maximum(first, last)
+    poses = box(
+        (low[0], low[1], low[3]), (high[0], high[1], high[3]), (float(low[2]), float(high[2]))
+    )
+    return region_margins(geometry, poses).holds()

@@ -1,0 +1,112 @@
+"""Springs on the page: fitted in the background, next to a design that does not have them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import spring_torques
+from paminsa_viz.explorer import actions
+from paminsa_viz.explorer.balancing import springs
+from paminsa_viz.explorer.balancing.spring_settings import SpringsFrom
+from paminsa_viz.explorer.examples import EXAMPLES, open_example
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.panels.springs_panel import SPRINGS, springs_html
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import APPENDIX_4, InvalidInput, static_imbalance, static_torques
+from tests.support.desk import Desk
+
+PANEL = SPRINGS
+
+
+def fitted(state: State) -> State:
+    job = springs.start(state).springing.running
+    assert job is not None
+    return springs.receive(springs.start(state).updated("springing", running=job), springs.run(job))
+
+
+@pytest.fixture
+def off_center() -> State:
+    """A pose at which gravity loads M1 to M3."""
+    return actions.move(initial_state(), x=0.08, y=0.05, theta=np.pi / 3)
+
+
+def test_example_of_springs_holds_itself_anywhere(off_center: State) -> None:
+    state = open_example(off_center, "springs")
+    assert state.springing.running is not None
+    outcome = springs.run(state.springing.running)
+    assert outcome.fit is not None
+    (spring,) = outcome.fit.springs
+    # K h = M_p2 for a spring of free length zero from a mast of height h on slider 8
+    assert spring.stiffness * 0.1 == pytest.approx(static_imbalance(APPENDIX_4), rel=1e-9)
+    poses = np.random.default_rng(0).uniform(
+        (-0.1, -0.1, -0.3, -0.6), (0.1, 0.1, 0.3, -0.5), (50, 4)
+    )
+    held = static_torques(APPENDIX_4, poses) + spring_torques(
+        APPENDIX_4.geometry, outcome.fit.springs, poses
+    )
+    assert np.abs(held[:, :3]).max() <= 1e-9
+
+
+def test_text_compares_torques_with_and_without_springs(off_center: State) -> None:
+    state = fitted(off_center)
+    held = springs.relieved(state, compute(state).torques)
+    assert held is not None
+    np.testing.assert_allclose(held[:3], 0.0, atol=1e-9)
+    text = springs_html(compute(state))
+    assert "91 N/m" in text
+    assert "4.570" in text
+    assert "fit again" not in text
+    changed = actions.vary(state, {"links.b4": 0.9})
+    assert "fit again" in springs_html(compute(changed))
+    assert "91 N/m" not in springs_html(compute(springs.clear(state)))
+
+
+def test_springs_change_nothing_else(off_center: State) -> None:
+    state = fitted(off_center)
+    np.testing.assert_array_equal(compute(state).torques, compute(off_center).torques)
+    assert state.document == off_center.document
+
+
+def test_a_post_on_the_guide_only_comes_near(off_center: State) -> None:
+    state = fitted(springs.change_settings(off_center, start=SpringsFrom.GUIDE))
+    assert state.springing.outcome is not None
+    fit = state.springing.outcome.fit
+    assert fit is not None
+    assert 0.2 * fit.before < fit.after < fit.before
+    assert fit.gap < 1e-6
+
+
+@pytest.mark.parametrize("changes", [{"height": 0.0}, {"least": 0.2, "most": 0.1}, {"most": 9.0}])
+def test_impossible_places_are_refused(changes: dict[str, float]) -> None:
+    with pytest.raises(InvalidInput, match=r"possible|end above"):
+        springs.change_settings(initial_state(), **changes)
+
+
+def test_fit_of_another_design_is_dropped(off_center: State) -> None:
+    first = springs.start(off_center)
+    assert first.springing.running is not None
+    outcome = springs.run(first.springing.running)
+    again = springs.start(first)
+    assert springs.receive(again, outcome) == again
+
+
+def test_numbers_are_typed_in_millimeters(desk: Desk) -> None:
+    desk.set("springs.height", 120.5)
+    desk.until(lambda: desk.state.springing.settings.height == 0.1205)
+    desk.set("springs.free", (50.0, 150.0))
+    desk.until(lambda: desk.state.springing.settings.most == 0.15)
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.key)
+def test_examples_open_at_a_reachable_pose(example, off_center: State) -> None:
+    state = open_example(fitted(off_center), example.key)
+    frame = compute(state)
+    assert frame.requested.ok.all()
+    assert state.springing.outcome is None
+    assert state.document.design.name
+
+
+def test_unknown_examples_are_refused() -> None:
+    with pytest.raises(InvalidInput, match="is needed"):
+        open_example(initial_state(), "other")

@@ -1,0 +1,95 @@
+"""Actions on requirements: editing, suggestions, the workspace, and what is refused."""
+
+from __future__ import annotations
+
+import pytest
+
+from paminsa_viz.explorer.requirements import actions, suggestions
+from paminsa_viz.explorer.requirements.actions import Side, selected, side_of
+from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.quantities import QUANTITIES
+from paminsa_viz.quantities.requirements import WorkspaceShape
+
+
+@pytest.fixture
+def one() -> State:
+    """One requirement, on the condition number."""
+    return actions.add(initial_state())
+
+
+def test_an_added_requirement_is_edited_and_a_removed_one_is_not(one: State) -> None:
+    two = actions.add(one, "tau_1")
+    assert [bound.quantity for bound in two.document.requirements.bounds] == ["condition", "tau_1"]
+    found = selected(two)
+    assert found is not None
+    assert found.quantity == "tau_1"
+    left = actions.remove(two)
+    assert left.document.requirements == one.document.requirements
+    assert selected(left) == selected(one)
+    empty = actions.remove(left)
+    assert selected(empty) is None
+    assert empty.document == initial_state().document
+    assert actions.remove(empty).document == empty.document
+
+
+@pytest.mark.parametrize("side", Side)
+def test_the_side_that_is_chosen_is_the_bounds_and_the_number_stays(one: State, side: Side) -> None:
+    found = selected(actions.choose_side(one, side))
+    assert found is not None
+    assert side_of(found) is side
+    assert 10.0 in (found.low, found.high)
+    again = selected(actions.choose_side(actions.choose_side(one, side), Side.MOST))
+    assert again is not None
+    assert again.high == 10.0
+
+
+def test_numbers_are_set_on_the_side_that_is_bounded(one: State) -> None:
+    for side, low, high in (
+        (Side.MOST, None, 7.0), (Side.LEAST, 7.0, None), (Side.SIZE, -7.0, 7.0),
+    ):  # fmt: skip
+        found = selected(actions.set_bound(actions.choose_side(one, side), 7.0))
+        assert found is not None
+        assert (found.low, found.high) == (low, high)
+    with pytest.raises(InvalidInput, match="magnitude"):
+        actions.set_bound(actions.choose_side(one, Side.SIZE), -7.0)
+
+
+@pytest.mark.parametrize("quantity", list(QUANTITIES))
+def test_suggested_bounds_are_kept_over_the_workspace(quantity: str) -> None:
+    state = actions.change(initial_state(), theta=(-0.5, 0.5))
+    one = suggestions.suggested(state.document, quantity)
+    entry = QUANTITIES[quantity]
+    workspace = suggestions.default_workspace(state.document)
+    design = state.document.design
+    values = suggestions.sampled(design, (-0.5, 0.5), workspace, [entry])[quantity]
+    margins = one.margin(values)
+    known = margins[~(margins != margins)]
+    assert (known >= 0).all()
+
+
+def test_the_suggested_set_has_headings_and_a_workspace_and_can_be_cleared() -> None:
+    state = actions.suggest(initial_state())
+    requirements = state.document.requirements
+    assert requirements.theta == (-actions.TURN, actions.TURN)
+    assert requirements.workspace is not None
+    assert len(requirements.bounds) == 4
+    assert actions.clear(state).document == initial_state().document
+
+
+def test_shapes_keep_the_size_as_far_as_they_can() -> None:
+    box = actions.choose_shape(initial_state(), WorkspaceShape.BOX)
+    wide = actions.set_workspace(box, size=(0.3, 0.2, 0.1))
+    cylinder = actions.choose_shape(wide, WorkspaceShape.CYLINDER).document.requirements.workspace
+    assert cylinder is not None
+    assert cylinder.size == (0.3, 0.3, 0.1)
+    with pytest.raises(InvalidInput):
+        actions.set_workspace(box, size=(0.3, 0.2, 0.0))
+    assert actions.choose_shape(box, None).document == initial_state().document
+
+
+def test_more_requirements_than_a_page_takes_are_refused(one: State) -> None:
+    full = actions.change(one, bounds=one.document.requirements.bounds * MOST_REQUIREMENTS)
+    with pytest.raises(InvalidInput, match="at most"):
+        actions.add(full)

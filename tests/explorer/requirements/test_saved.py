@@ -1,0 +1,60 @@
+"""Requirements in saved texts: read back, or refused with a reason."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from paminsa_viz.explorer import persistence
+from paminsa_viz.explorer.requirements.saved import MOST_REQUIREMENTS, requirements_data
+from paminsa_viz.explorer.state import Document
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+
+ALL = Requirements(
+    (Requirement("condition", high=10.0),) * MOST_REQUIREMENTS,
+    (-0.5, 0.5),
+    Workspace(WorkspaceShape.BOX, (0.6, 0.5, 0.3), (0.0, None, -0.7)),
+)
+SAVED = requirements_data(ALL)
+
+
+def test_the_most_requirements_of_a_page_fit_into_a_share_code() -> None:
+    long, third = (-1 / 3, 1 / 7), 1 / 3
+    one = Requirement("rms_tolerance_horizontal", -third, third, long, long)
+    heavy = replace(ALL, bounds=(one,) * MOST_REQUIREMENTS)
+    document = Document(requirements=heavy)
+    assert persistence.open_share_code(persistence.share_code(document)) == document
+    assert len(persistence.dump(document)) < persistence.LONGEST_TEXT / 4
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"bounds": [*SAVED["bounds"], {"quantity": "condition", "high": 1.0}]},
+        {"bounds": [{"quantity": "nothing", "high": 1.0}]},
+        {"bounds": [{"quantity": "condition"}]},
+        {"bounds": [{"quantity": "condition", "high": "10"}]},
+        {"theta": [1.0, 0.0]},
+        {"theta": [0.0, 1e9]},
+        {"workspace": SAVED["workspace"] | {"size": [0.1, 0.1, -1.0]}},
+        {"workspace": SAVED["workspace"] | {"size": [0.1, 0.1, 1e9]}},
+        {"workspace": SAVED["workspace"] | {"shape": "ball"}},
+        {"workspace": 3},
+    ],
+    ids=str,
+)
+def test_impossible_requirements_are_refused(changed: dict[str, Any]) -> None:
+    data = json.loads(persistence.dump(Document(requirements=ALL)))
+    assert persistence.load(json.dumps(data)).requirements == ALL
+    data["requirements"] |= changed
+    with pytest.raises(InvalidInput):
+        persistence.load(json.dumps(data))

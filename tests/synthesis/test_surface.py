@@ -1,0 +1,121 @@
+"""The surface of a volume, its colors by cause, and its files."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+import trimesh
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.synthesis.causes import CauseKind
+from paminsa_viz.synthesis.columns import Columns, solve_columns
+from paminsa_viz.synthesis.surface import VolumeSurface, cause_color, volume_surface
+from paminsa_viz.synthesis.volume import COARSE, Resolution, Volume, solve_volume
+from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS, volume_bytes, volume_table
+from tests.synthesis.robots import TURN, needs
+
+
+@pytest.fixture(scope="module")
+def volume() -> Volume:
+    requirements = needs("condition <= 10", "max_torque <= 15 N m", "f_4 <= 250 N")
+    return solve_volume(APPENDIX_4, requirements, resolution=Resolution(60_000, 9, 5.0))
+
+
+@pytest.fixture(scope="module")
+def surface(volume: Volume) -> VolumeSurface:
+    return volume_surface(volume, faces=4_000)
+
+
+def test_surface_is_closed_and_encloses_the_volume(volume: Volume, surface: VolumeSurface) -> None:
+    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
+    assert len(surface.faces) <= 4_000
+    assert mesh.is_watertight
+    # positive: normals point outward
+    assert mesh.volume == pytest.approx(volume.volume, rel=0.01)
+    whole = volume_surface(volume, faces=10**9)
+    assert trimesh.Trimesh(whole.vertices, whole.faces).volume == pytest.approx(volume.volume)
+
+
+def test_margin_of_what_cuts_is_zero_at_the_surface(volume: Volume, surface: VolumeSurface) -> None:
+    for index in range(3):
+        code = next(c.code for c in volume.causes if c.requirement == index)
+        points = surface.vertices[surface.cause == code][::10]
+        assert len(points) > 5
+        theta = np.linspace(-TURN, TURN, volume.headings)
+        bound = volume.requirements.bounds[index]
+        moved = []
+        for shift in (-volume.cell, volume.cell):
+            direction = points * [1.0, 1.0, 0.0] / np.linalg.norm(points[:, :2], axis=1)[:, None]
+            if index == 2:
+                direction = np.broadcast_to([0.0, 0.0, 1.0], points.shape)
+            shifted = points + shift * direction
+            margin = []
+            for point in shifted:
+                field = solve_columns(
+                    APPENDIX_4.geometry, Columns.at(point[None, :2], theta, point[None, 2])
+                )
+                margin.append(float(bound.margin(bound.entry.over(field, APPENDIX_4)).min()))
+            moved.append(np.array(margin))
+        with np.errstate(invalid="ignore"):
+            # what cuts holds on one side of the surface, and breaks on the other
+            crossed = moved[0] * moved[1] < 0.0
+        assert crossed[np.isfinite(moved[0] * moved[1])].mean() > 0.9
+
+
+def test_parts_by_cause_are_the_whole(surface: VolumeSurface) -> None:
+    parts = surface.parts()
+    assert sum(len(faces) for _, faces in parts.values()) == len(surface.faces)
+    assert {cause.kind for cause in parts} >= {CauseKind.REQUIREMENT, CauseKind.REACH}
+    assert CauseKind.INSIDE not in {cause.kind for cause in parts}
+    colors = {cause_color(cause) for cause in parts if cause.requirement is not None}
+    assert len(colors) == 3
+
+
+@pytest.mark.parametrize("kind", ["stl", "glb"])
+def test_files_hold_the_same_surface(volume: Volume, kind: str) -> None:
+    loaded = trimesh.load(io.BytesIO(volume_bytes(volume, kind)), file_type=kind)
+    if kind == "stl":
+        mesh = loaded
+        assert mesh.volume == pytest.approx(1e9 * volume.volume, rel=0.01)
+        assert mesh.bounds[0][2] < -500.0
+    else:
+        mesh = loaded.to_geometry()
+        assert mesh.volume == pytest.approx(volume.volume, rel=0.01)
+        assert mesh.bounds[0][1] < -0.5  # y is up
+        assert any("condition" in name for name in loaded.geometry)
+
+
+def test_table_has_a_row_a_node_that_can_be_reached(volume: Volume) -> None:
+    table = volume_table(volume)
+    rows = len(table.columns["x_m"])
+    assert volume.reachable.sum() < rows < volume.cause.size
+    assert np.isfinite(table.columns["margin1_condition"]).sum() == volume.reachable.sum()
+    assert table.arrays is not None
+    assert table.arrays["cause"].shape == volume.cause.shape
+    assert list(table.columns)[:5] == ["x_m", "y_m", "z_m", "cause", "depth_m"]
+    assert "margin2_max_torque_Nm" in table.columns
+    assert (table.columns["cause"] == "inside").sum() == volume.inside.sum()
+    assert table.provenance["requirement 1"] == "condition <= 10"
+    assert float(table.provenance["volume [m^3]"]) == volume.volume
+
+
+@pytest.mark.parametrize("kind", VOLUME_FORMATS)
+def test_equal_volumes_give_equal_files(kind: str) -> None:
+    small = solve_volume(APPENDIX_4, needs("condition <= 5"), resolution=COARSE)
+    again = solve_volume(APPENDIX_4, needs("condition <= 5"), resolution=COARSE)
+    if kind != "npz":  # its archive names the time
+        assert volume_bytes(small, kind) == volume_bytes(again, kind)
+    assert volume_bytes(small, kind)
+
+
+def test_empty_volume_has_no_surface_to_write() -> None:
+    empty = solve_volume(APPENDIX_4, needs("condition <= 1"), resolution=COARSE)
+    assert len(volume_surface(empty).faces) == 0
+    with pytest.raises(InvalidInput, match="empty"):
+        volume_bytes(empty, "stl")
+    assert volume_bytes(empty, "csv")
+    with pytest.raises(InvalidInput, match="stl, glb"):
+        volume_bytes(empty, "obj")

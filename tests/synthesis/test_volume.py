@@ -1,0 +1,207 @@
+"""The volume against poses one by one, against finer grids, and against closed forms."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy import ndimage
+
+from paminsa_viz.model import APPENDIX_4, KneeBranch
+from paminsa_viz.model.reach import check_reach, home_pose
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
+from paminsa_viz.synthesis.margins import Canceled
+from paminsa_viz.synthesis.volume import COARSE, Resolution, Volume, solve_volume
+from tests.synthesis.robots import TURN, met, needs
+
+BOUNDS = ("condition <= 10", "max_torque <= 15 N m", "f_4 <= 250 N")
+MEDIUM = Resolution(60_000, 9, 5.0)
+
+
+@pytest.fixture(scope="module")
+def solved() -> Volume:
+    return solve_volume(APPENDIX_4, needs(*BOUNDS), resolution=MEDIUM)
+
+
+def depth_at(volume: Volume, points: np.ndarray) -> np.ndarray:
+    """Interpolate the depth at points (n, 3)."""
+    index = (points - [volume.x[0], volume.y[0], volume.z[0]]) / volume.cell
+    return ndimage.map_coordinates(volume.depth, index.T, order=1, mode="nearest")
+
+
+def test_random_poses_inside_meet_all_and_outside_some_do_not(solved: Volume) -> None:
+    # poses whose distance to the surface is larger than what a cell and a heading can hide
+    rng = np.random.default_rng(1)
+    low = [solved.x[0], solved.y[0], solved.z[0]]
+    high = [solved.x[-1], solved.y[-1], min(solved.z[-1], 0.0)]
+    points = rng.uniform(low, high, (100_000, 3))
+    theta = rng.uniform(-TURN, TURN, len(points))
+    poses = np.column_stack([points[:, :2], theta, points[:, 2]])
+    holds = met(APPENDIX_4, poses, 10.0, 15.0, 250.0)
+    depth = depth_at(solved, points)
+    assert (depth > solved.cell).sum() > 10_000
+    assert holds[depth > 0.25 * solved.cell].all()
+    # outside, some heading breaks something
+    outside = points[(depth < -solved.cell) & (points[:, 2] < 0.0)][:4000]
+    assert len(outside) == 4000
+    turned = np.linspace(-TURN, TURN, 33)
+    poses = np.concatenate(
+        [
+            np.broadcast_to(outside[:, None, :2], (4000, 33, 2)),
+            np.broadcast_to(turned[:, None], (4000, 33, 1)),
+            np.broadcast_to(outside[:, None, 2:], (4000, 33, 1)),
+        ],
+        axis=-1,
+    )
+    holds = met(APPENDIX_4, poses.reshape(-1, 4), 10.0, 15.0, 250.0).reshape(4000, 33)
+    assert not holds.all(axis=1).any()
+
+
+def test_every_requirement_and_reach_cut_somewhere(solved: Volume) -> None:
+    kinds = {cause.kind for cause in solved.shares()}
+    assert kinds >= {CauseKind.INSIDE, CauseKind.REQUIREMENT}
+    cut = {cause.requirement for cause in solved.shares()}
+    assert cut >= {0, 1, 2}
+    assert (solved.removed_alone > solved.removed_last).all()
+    assert (solved.removed_last > 0.0).all()
+    assert 0.0 < solved.utilization < 1.0
+
+
+def test_reach_and_fold_cut_a_robot_of_unequal_bars() -> None:
+    g = replace(APPENDIX_4.geometry, crank_length=0.25, coupler_length=0.75)
+    design = replace(APPENDIX_4, geometry=g)
+    volume = solve_volume(design, needs("condition <= 100"), resolution=MEDIUM)
+    words = {volume.causes[code].word.partition(":")[0] for code in np.unique(volume.cause)}
+    assert {"stretched", "folded"} <= words
+    assert volume.volume > 0.0
+
+
+@pytest.mark.parametrize("nodes", [8_000, 30_000])
+def test_finer_grid_changes_the_volume_by_less_than_its_error(solved: Volume, nodes: int) -> None:
+    fine = solve_volume(APPENDIX_4, solved.requirements, resolution=Resolution(400_000, 17, 9.0))
+    assert abs(solved.volume - fine.volume) <= solved.error
+    rough = solve_volume(APPENDIX_4, solved.requirements, resolution=Resolution(nodes, 9, 9.0))
+    assert abs(rough.volume - fine.volume) <= rough.error
+    assert fine.error < solved.error < 0.1 * solved.volume
+
+
+def test_volume_of_the_condition_number_has_the_known_radius() -> None:
+    # At theta = 0 kappa is 10 at r = 0.736761 (R_b - R_pl), first toward the legs; so at +y.
+    requirements = Requirements(needs("condition <= 10").bounds, (0.0, 0.0))
+    volume = solve_volume(APPENDIX_4, requirements, resolution=Resolution(200_000, 3, 5.0))
+    radius = 0.736761 * 0.25
+    level = int(np.abs(volume.z + 0.4).argmin())
+    distance = np.hypot(volume.x[:, None], volume.y[None, :])
+    inside = volume.inside[..., level]
+    assert inside[distance < radius - 1e-9].all()
+    middle = len(volume.x) // 2
+    np.testing.assert_array_equal(inside[middle, middle:], distance[middle, middle:] < radius)
+    depth = volume.depth[middle, :, level]
+    edge = np.flatnonzero(inside[middle])[-1]
+    crossing = volume.y[edge] + volume.cell * depth[edge] / (depth[edge] - depth[edge + 1])
+    assert crossing == pytest.approx(radius, abs=0.1 * volume.cell)
+
+
+def test_condition_at_the_center_sets_the_range_of_headings() -> None:
+    # kappa at the center is X_1 / (sqrt(2) |R_b cos theta - R_pl|)
+    rb, rp, theta = 0.35, 0.1, 1.0
+    x1 = math.sqrt(rb**2 + rp**2 - 2 * rb * rp * math.cos(theta))
+    kappa = x1 / (math.sqrt(2) * abs(rb * math.cos(theta) - rp))
+    for factor, center in ((1.001, True), (0.999, False)):
+        volume = solve_volume(
+            APPENDIX_4, needs(f"condition <= {factor * kappa!r}", theta=(-theta, theta)),
+            resolution=COARSE,
+        )  # fmt: skip
+        middle = len(volume.x) // 2
+        assert bool(volume.met[0, middle, middle].any()) is center
+
+
+def test_heights_beyond_the_guides_count_only_if_asked_for() -> None:
+    below = solve_volume(APPENDIX_4, needs(), resolution=COARSE)
+    both = solve_volume(APPENDIX_4, needs(), resolution=COARSE, both_sides=True)
+    assert (below.z[below.inside.any(axis=(0, 1))] <= 0.0).all()
+    assert both.z[both.inside.any(axis=(0, 1))].max() > 0.3
+    assert both.volume > 1.5 * below.volume
+    assert (below.cause[..., below.z > 0.0] == OTHER_SIDE).all()
+
+
+def test_mirrored_knee_has_the_mirrored_reach() -> None:
+    flat = replace(APPENDIX_4, geometry=replace(APPENDIX_4.geometry, platform_joint_height=0.0))
+    lower = solve_volume(flat, needs("condition <= 10"), resolution=COARSE)
+    upper = solve_volume(
+        flat.with_knee(KneeBranch.UPPER), needs("condition <= 10"), resolution=COARSE
+    )
+    assert upper.volume == pytest.approx(lower.volume, rel=1e-3)
+    np.testing.assert_allclose(upper.z, -lower.z[::-1], atol=1e-12)
+    np.testing.assert_array_equal(upper.inside, lower.inside[..., ::-1])
+
+
+def test_volume_is_one_part_that_holds_home(solved: Volume) -> None:
+    assert ndimage.label(solved.inside)[1] == 1
+    assert solved.home_inside
+    z = home_pose(APPENDIX_4.geometry)[3]
+    middle = len(solved.x) // 2
+    assert solved.inside[middle, middle, int(np.abs(solved.z - z).argmin())]
+    assert (solved.depth[solved.inside] >= 0.0).all()
+    assert (solved.depth[~solved.inside] <= 0.0).all()
+
+
+def test_range_of_z_frees_other_heights() -> None:
+    everywhere = solve_volume(APPENDIX_4, needs("condition <= 3"), resolution=COARSE)
+    free = solve_volume(APPENDIX_4, needs("condition <= 3 for z -600..-400 mm"), resolution=COARSE)
+    held = (free.z >= -0.6) & (free.z <= -0.4)
+    np.testing.assert_array_equal(free.met[0][..., held], everywhere.met[0][..., held])
+    reachable = free.reachable & ~held
+    assert free.met[0][reachable].all()
+    assert not everywhere.met[0][reachable].all()
+
+
+def test_own_range_of_headings_counts() -> None:
+    few = solve_volume(APPENDIX_4, needs("condition <= 3 for theta 0..0"), resolution=COARSE)
+    wide = solve_volume(APPENDIX_4, needs("condition <= 3"), resolution=COARSE)
+    assert few.volume > wide.volume
+
+
+def test_reach_of_a_volume_is_exact_between_sampled_headings() -> None:
+    volume = solve_volume(APPENDIX_4, needs(theta=(-1.0, 0.7)), resolution=COARSE)
+    nodes = np.argwhere(volume.reachable)
+    theta = np.linspace(-1.0, 0.7, 101)
+    poses = np.empty((len(nodes), len(theta), 4))
+    poses[..., 0] = volume.x[nodes[:, 0], None]
+    poses[..., 1] = volume.y[nodes[:, 1], None]
+    poses[..., 2] = theta
+    poses[..., 3] = volume.z[nodes[:, 2], None]
+    assert check_reach(APPENDIX_4.geometry, poses).ok.all()
+
+
+def test_canceled_between_blocks() -> None:
+    with pytest.raises(Canceled):
+        solve_volume(APPENDIX_4, needs("f_4 <= 400"), resolution=COARSE, progress=lambda _: True)
+
+
+def test_headings_beyond_the_singularity_leave_nothing() -> None:
+    volume = solve_volume(
+        APPENDIX_4, needs("condition <= 10", theta=(-1.5, 1.5)), resolution=COARSE
+    )
+    assert volume.empty
+    assert volume.volume == volume.error == volume.reachable_volume == 0.0
+    assert math.isnan(volume.utilization)
+    words = {volume.causes[code].word for code in np.unique(volume.cause)}
+    assert "singular" in words
+
+
+def test_impossible_requirement_is_the_cause_everywhere() -> None:
+    volume = solve_volume(APPENDIX_4, needs("condition <= 1"), resolution=COARSE)
+    assert volume.empty
+    assert volume.reachable.any()
+    assert (volume.cause[volume.reachable] == FIRST_REQUIREMENT).all()
+    assert volume.removed_alone[0] == 1.0
+
+
+def test_costly_quantities_get_larger_cells() -> None:
+    volume = solve_volume(APPENDIX_4, needs("frequency_1 >= 1 Hz"), resolution=COARSE)
+    assert volume.reachable.size < 3_000
+    assert volume.volume > 0.0
