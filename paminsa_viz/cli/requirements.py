@@ -2,31 +2,28 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import tyro
 
 from paminsa_viz.cli.arguments import UsageError
-from paminsa_viz.cli.flags import DesignFlags, JsonFlags, Point, check_ending
+from paminsa_viz.cli.flags import JsonFlags, check_ending
+from paminsa_viz.cli.largest import Largest, Prove
 from paminsa_viz.cli.output import print_json, print_table, print_written
+from paminsa_viz.cli.requirement_flags import RequirementFlags
 from paminsa_viz.cli.requirements_report import CheckReport, check_data, print_check
 from paminsa_viz.files.atomic import write_bytes
-from paminsa_viz.files.design_file import load_content
 from paminsa_viz.quantities import QUANTITIES
 from paminsa_viz.quantities.requirement_text import (
     EXAMPLE,
     ascii_unit,
-    parse_requirement,
 )
-from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 from paminsa_viz.synthesis.check import check_requirements
 from paminsa_viz.synthesis.conflict import smallest_conflict
 from paminsa_viz.synthesis.volume import COARSE, FINE, solve_volume
 from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS, volume_bytes
-from paminsa_viz.units import MM
 
 DESCRIPTION = """\
 Requirements: bounds on quantities, headings and a workspace, of a design file or as text.
@@ -35,6 +32,8 @@ Requirements: bounds on quantities, headings and a workspace, of a design file o
   paminsa-viz requirements check --require "condition <= 10" --require "|tau_1| <= 15 N m"
                                  --theta -30 30 --cylinder 300 400
   paminsa-viz requirements check robot.toml --volume --out volume.stl --out volume.csv
+  paminsa-viz requirements largest robot.toml --cylinder 300 400
+  paminsa-viz requirements prove robot.toml --cylinder 300 400 --center 0 0 -600
   paminsa-viz requirements quantities                   what can be bounded, and its unit
 
 A requirement is "QUANTITY <= NUMBER", with >= or |QUANTITY| as well, a unit, and ranges such as
@@ -46,24 +45,11 @@ argument or file."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Check(JsonFlags, DesignFlags):
+class Check(JsonFlags, RequirementFlags):
     """Say which requirements hold, with margins and the worst poses; exit code 1 if one does not.
 
     Over the required workspace; without one, over the volume where all hold."""
 
-    file: Annotated[Path | None, tyro.conf.Positional, tyro.conf.arg(metavar="FILE")] = None
-    """Design file with its requirements; Appendix 4 if left out."""
-    require: Annotated[tuple[str, ...], tyro.conf.arg(metavar="TEXT")] = ()
-    """A requirement on top of the file's; may be given several times."""
-    theta: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="FROM TO")] = None
-    """Headings that count [degrees], instead of the file's."""
-    cylinder: Annotated[tuple[float, float] | None, tyro.conf.arg(metavar="DIAMETER HEIGHT")] = None
-    """A cylinder that has to fit [mm], instead of the file's workspace."""
-    box: Annotated[Point | None, tyro.conf.arg(metavar="X Y Z")] = None
-    """A box that has to fit [mm], instead of the file's workspace."""
-    center: Annotated[tuple[str, str, str] | None, tyro.conf.arg(metavar="X Y Z")] = None
-    """Center of the workspace [mm]; 'free' for a coordinate that is to be found. 0 0 free if left
-    out."""
     volume: bool = False
     """Solve the volume where all requirements hold: dm^3, utilization, and what cuts it."""
     both_sides: bool = False
@@ -78,12 +64,7 @@ class Check(JsonFlags, DesignFlags):
         """Check, print, write."""
         for path in self.out:
             check_ending("--out", path, [f".{kind}" for kind in VOLUME_FORMATS])
-        if self.file is not None and self.design is not None:
-            raise UsageError("FILE and --design exclude each other")
-        path = self.file or self.design
-        design = replace(self, design=path).given_design()
-        given = None if path is None else load_content(path).requirements
-        requirements = self._requirements(given or Requirements())
+        design, requirements = self.given()
         if not requirements.bounds and requirements.workspace is None and not self.volume:
             raise UsageError(
                 f"there is no requirement; give one as --require {EXAMPLE!r}, or a design file "
@@ -115,42 +96,6 @@ class Check(JsonFlags, DesignFlags):
                 print_written(self.out)
         return 0 if found.holds else 1
 
-    def _requirements(self, given: Requirements) -> Requirements:
-        bounds = (*given.bounds, *map(parse_requirement, self.require))
-        low, high = given.theta
-        if self.theta is not None:
-            low, high = map(math.radians, self.theta)
-        return Requirements(bounds, (low, high), self._workspace(given.workspace))
-
-    def _workspace(self, given: Workspace | None) -> Workspace | None:
-        if self.cylinder is not None and self.box is not None:
-            raise UsageError("--cylinder and --box exclude each other")
-        if self.cylinder is None and self.box is None:
-            if self.center is None:
-                return given
-            if given is None:
-                raise UsageError("--center needs --cylinder or --box")
-            return replace(given, center=self._center())
-        if self.cylinder is not None:
-            diameter, height = (extent / MM for extent in self.cylinder)
-            size = (diameter, diameter, height)
-            return Workspace(WorkspaceShape.CYLINDER, size, self._center())
-        assert self.box is not None
-        x, y, z = (extent / MM for extent in self.box)
-        return Workspace(WorkspaceShape.BOX, (x, y, z), self._center())
-
-    def _center(self) -> tuple[float | None, float | None, float | None]:
-        if self.center is None:
-            return 0.0, 0.0, None
-        found = []
-        for word in self.center:
-            try:
-                found.append(None if word == "free" else float(word) / MM)
-            except ValueError:
-                raise UsageError(f"--center: a number or 'free' is needed, not {word!r}") from None
-        x, y, z = found
-        return x, y, z
-
 
 @dataclass(frozen=True, kw_only=True)
 class Quantities(JsonFlags):
@@ -174,5 +119,7 @@ class Quantities(JsonFlags):
 
 FLAGS: Any = (
     Annotated[Check, tyro.conf.subcommand("check")]
+    | Annotated[Largest, tyro.conf.subcommand("largest")]
+    | Annotated[Prove, tyro.conf.subcommand("prove")]
     | Annotated[Quantities, tyro.conf.subcommand("quantities")]
 )

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from paminsa_viz import __version__
 from paminsa_viz.cli.output import print_table
 from paminsa_viz.model.design import Design
-from paminsa_viz.quantities.requirement_text import requirement_text
+from paminsa_viz.quantities.requirement_text import ascii_unit, requirement_text
 from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
-from paminsa_viz.synthesis.causes import CauseKind
+from paminsa_viz.synthesis.causes import Cause, CauseKind
 from paminsa_viz.synthesis.check import Over, RequirementCheck, RequirementsCheck
 from paminsa_viz.synthesis.conflict import Conflict, Relaxation
+from paminsa_viz.synthesis.surface import volume_surface
 from paminsa_viz.synthesis.volume import Volume
-from paminsa_viz.units import DEGREES, MM, format_ascii
+from paminsa_viz.units import DEGREES, MM, DisplayUnit, format_ascii
 
 LITERS = 1e3
 """Cubic decimeters in a cubic meter."""
@@ -77,19 +79,33 @@ def _print_volume(volume: Volume) -> None:
             print("home is not in it: the largest connected part that can be reached from home")
     nodes = f"{volume.cause.size:,} nodes {MM * volume.cell:.3g} mm apart"
     print(f"on {nodes}, {volume.headings} headings")
-    rows = [("removed of the reachable volume", "", "alone", "by it only")]
-    for cause, share in volume.shares().items():
-        if cause.kind is CauseKind.INSIDE:
-            continue
-        alone = last = ""
-        text = cause.text
-        if cause.requirement is not None:
-            text = requirement_text(volume.requirements.bounds[cause.requirement])
-            alone = f"{100 * volume.removed_alone[cause.requirement]:.1f} %"
-            last = f"{100 * volume.removed_last[cause.requirement]:.1f} %"
-        rows.append((text, f"{100 * share:.1f} %", alone, last))
+    areas = volume_surface(volume).areas()
+    shares = {c: s for c, s in volume.shares().items() if c.kind is not CauseKind.INSIDE}
+    rows = [("cut by", "surface", "of reachable volume", "alone", "by it only")]
+    for cause in sorted({*areas, *shares}, key=lambda c: (-areas.get(c, 0.0), c.code)):
+        index = cause.requirement
+        alone, last = "", ""
+        if index is not None:
+            alone, last = (
+                _percent(volume.removed_alone[index]),
+                _percent(volume.removed_last[index]),
+            )
+        surface = _percent(areas[cause] / sum(areas.values())) if cause in areas else ""
+        removed = _percent(shares[cause]) if cause in shares else ""
+        rows.append((_cause(volume, cause), surface, removed, alone, last))
     if len(rows) > 1:
-        print_table(rows)
+        print_table(rows, right=True)
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %"
+
+
+def _cause(volume: Volume, cause: Cause) -> str:
+    """Return a cause as text that every terminal shows."""
+    if cause.requirement is None:
+        return cause.text
+    return requirement_text(volume.requirements.bounds[cause.requirement])
 
 
 def _print_conflict(report: CheckReport) -> None:
@@ -116,16 +132,22 @@ def _relaxation_text(report: CheckReport, relaxation: Relaxation) -> str:
     if relaxation.relaxed is None or relaxation.by is None:
         return f"{text}: no other bound of it helps"
     by = format_ascii(relaxation.by, bound.entry.unit, 3)
-    unit = bound.entry.display
     ends = [
-        f"{name} {unit.format(new, 6, ascii_only=True)}"
-        for name, old, new in (
-            ("at least", bound.low, relaxation.relaxed.low),
-            ("at most", bound.high, relaxation.relaxed.high),
+        f"{name} {_rounded(new, bound.entry.display, direction)}"
+        for name, old, new, direction in (
+            ("at least", bound.low, relaxation.relaxed.low, math.floor),
+            ("at most", bound.high, relaxation.relaxed.high, math.ceil),
         )
         if new is not None and new != old
     ]
     return f"{text}: would do with {' and '.join(ends)} (moved by {by})"
+
+
+def _rounded(value: float, unit: DisplayUnit, direction: Callable[[float], int]) -> str:
+    """Return a bound with four digits, rounded to the side on which it still helps."""
+    shown = value * unit.factor
+    step = 10.0 ** (math.floor(math.log10(abs(shown))) - 3) if shown else 1.0
+    return f"{direction(shown / step) * step:.4g} {ascii_unit(unit)}".rstrip()
 
 
 def _over(report: CheckReport) -> str:

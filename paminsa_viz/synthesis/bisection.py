@@ -35,6 +35,9 @@ TURN_LENGTH = 0.1
 _ROUND = 1e-13
 """Rounding of a gauge, as a share of it."""
 
+_SPECK = 1e-14
+"""Rounding of a coordinate [m, rad]."""
+
 Grows = tuple[bool, bool, bool]
 
 
@@ -53,7 +56,7 @@ class Gauge:
     def of_boxes(self, middle: Array, half: Array) -> Array:
         """Return the least gauge of the poses of boxes (n, 4), rounded down (n,)."""
         away = np.abs(middle[:, [0, 1, 3]] - self.region.center) - half[:, [0, 1, 3]]
-        return self._of(np.maximum(away, 0.0)) * (1.0 - _ROUND)
+        return self._of(np.maximum(away - _SPECK, 0.0)) * (1.0 - _ROUND)
 
     def of_poses(self, poses: Array) -> Array:
         """Return the gauge of poses (n, 4), (n,)."""
@@ -162,7 +165,8 @@ def first_box(group: Group, region: Region) -> tuple[Array, Array] | None:
     high = np.array([*region.high[:2], group.theta[1], min(region.high[2], group.z[1])])
     if (low > high).any():
         return None
-    middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 + _ROUND)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    half = np.where(half > 0.0, half * (1.0 + _ROUND) + _SPECK, 0.0)
     if not group.family.axes[3]:
         # the height nearest to the center's, for the gauge
         middle[3], half[3] = np.clip(region.center[2], low[3], high[3]), 0.0

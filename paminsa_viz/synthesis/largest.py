@@ -14,31 +14,19 @@ from enum import Enum
 import numpy as np
 
 from paminsa_viz.errors import InvalidInput
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements, Workspace
-from paminsa_viz.synthesis.bisection import Control, Gauge, Grows, Nearest, nearest_violation
+from paminsa_viz.synthesis.bisection import Control, Grows
 from paminsa_viz.synthesis.certificate import region_of
-from paminsa_viz.synthesis.evidence import Evidence, Pose, Proof, Verdict, pose_of
-from paminsa_viz.synthesis.families import Group, Method, groups, method
+from paminsa_viz.synthesis.evidence import Pose, Proof, Verdict, pose_of
+from paminsa_viz.synthesis.growing import GrowingRegion, ScaleBounds
 from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.placement import Placement
-from paminsa_viz.synthesis.pose_search import freedom, lowest
-from paminsa_viz.synthesis.reach_proof import home_path, prove_reach, regions_of
-from paminsa_viz.synthesis.region_margins import Region, region_margins
-from paminsa_viz.synthesis.sampled import sample_requirement, sampled_evidence
+from paminsa_viz.synthesis.reach_proof import home_path
+from paminsa_viz.synthesis.region_margins import Region
 
 TOLERANCE = 1e-3
 """Difference of extents that is aimed at [m]."""
-
-FIRST_TOLERANCE = 0.064
-"""Difference of extents of the first stage [m]."""
-
-LARGEST = 100.0
-"""No extent is larger: that is the longest bar [m]."""
-
-_BISECTIONS = 60
-_INSIDE = 1.0 - 1e-9
 
 
 class Growth(Enum):
@@ -90,24 +78,6 @@ class LargestWorkspace:
     seconds: float
 
 
-@dataclass
-class _Bounds:
-    """Two bounds of the scale, and what the upper one rests on."""
-
-    lower: float
-    upper: float
-    pose: Array | None = None
-    cause: str = ""
-    requirement: Requirement | None = None
-
-    def lowered(
-        self, upper: float, pose: Array | None, cause: str, requirement: Requirement | None
-    ) -> None:
-        if upper < self.upper:
-            self.upper, self.pose, self.cause = upper, pose, cause
-            self.requirement = requirement
-
-
 def largest_workspace(
     design: Design,
     requirements: Requirements,
@@ -152,174 +122,33 @@ def largest_workspace(
         if place is None:
             return _nothing(requirements, region, control, "volume")
         region, placed = replace(region, center=place.center), place.scale
-    search = _Search(design, requirements, region, grows, control)
-    search.run(tolerance)
-    return search.answer(workspace, placed)
+    growing = GrowingRegion(design, requirements, region, grows, control)
+    growing.run(tolerance)
+    bounds, found = growing.bounds, growing.found
+    upper = bounds.upper if placed == np.inf else max(bounds.upper, placed)
+    limit = _size(region.scaled(upper, grows))
+    if found is None:
+        cause = bounds.cause or "home"
+        return _nothing(requirements, region, control, cause, bounds, limit)
+    size = _size(found)
+    evidence, path = growing.evidence(found), home_path(design.geometry, found)
+    return LargestWorkspace(
+        Workspace(workspace.shape, size, found.center),
+        requirements.theta,
+        Proof(Verdict.PROVEN, found, evidence, path, boxes=control.boxes, seconds=control.elapsed),
+        limit,
+        max(a - b for a, b in zip(limit, size, strict=True)),
+        None if bounds.pose is None else pose_of(bounds.pose),
+        bounds.cause,
+        bounds.requirement,
+        control.boxes,
+        control.elapsed,
+    )
 
 
-class _Search:
-    """The search about one center."""
-
-    def __init__(
-        self,
-        design: Design,
-        requirements: Requirements,
-        region: Region,
-        grows: Grows,
-        control: Control,
-    ) -> None:
-        self._design, self._requirements, self._region = design, requirements, region
-        self._gauge, self._grows, self._control = Gauge(region, grows), grows, control
-        self._groups = groups(design, requirements)
-        self._nearest: list[Nearest | None] = [None] * len(self._groups)
-        self._extent = 2.0 * max(h for h, g in zip(region.half, grows, strict=True) if g)
-        reach = self._reach()
-        self._bounds = _Bounds(reach, reach)
-
-    def run(self, tolerance: float) -> None:
-        """Bring the bounds together."""
-        bounds, control = self._bounds, self._control
-        if bounds.upper <= 0.0:
-            return
-        self._name_limit_of_reach()
-        self._sample()
-        bounds.lower = min(bounds.lower, bounds.upper)
-        # an answer of the first stage at once, and finer ones while there is time
-        step = min(FIRST_TOLERANCE, 0.25 * bounds.upper * self._extent)
-        while True:
-            step = max(step, tolerance)
-            for index, group in enumerate(self._groups):
-                self._advance(index, group, step / self._extent)
-            if control.over or step <= tolerance:
-                break
-            step *= 0.25
-        lowers = [found.lower for found in self._nearest if found is not None]
-        bounds.lower = min([bounds.lower, bounds.upper, *lowers])
-
-    def _advance(self, index: int, group: Group, tolerance: float) -> None:
-        bounds, control = self._bounds, self._control
-        before = self._nearest[index]
-        if before is not None and before.lower >= bounds.upper - tolerance:
-            return
-        # what is not known yet of the other requirements has to have its share of the time
-        waiting = sum(found is None for found in self._nearest)
-        share = control.left / max(1, waiting) if before is None else np.inf
-        found = nearest_violation(group, self._gauge, bounds.upper, tolerance, control, share)
-        if found.pose is not None:
-            broken = group.requirements[found.requirement]
-            bounds.lowered(found.upper, found.pose, broken.quantity, broken)
-        if before is None or found.lower > before.lower:
-            self._nearest[index] = found
-
-    def _reach(self) -> float:
-        """Return the largest scale at which reach and singularities hold, in closed form."""
-        requirements, geometry = self._requirements, self._design.geometry
-        least = [
-            r.low or 0.0
-            for r in requirements.bounds
-            if r.quantity == "reach_margin" and method(r) is Method.CLOSED_FORM
-        ]
-        if not len(home_path(geometry, self._region.scaled(0.0, self._grows))):
-            return 0.0
-
-        def holds(scale: float) -> bool:
-            whole = self._region.scaled(scale, self._grows)
-            parts = regions_of(requirements, whole)
-            if not all(region_margins(geometry, part).holds() for part in parts):
-                return False
-            if not least:
-                return True
-            found = prove_reach(self._design, requirements, whole)
-            return all(item.verdict is Verdict.PROVEN for item in found.values())
-
-        low, high = 0.0, LARGEST / self._extent
-        for _ in range(_BISECTIONS):
-            middle = 0.5 * (low + high)
-            low, high = (middle, high) if holds(middle) else (low, middle)
-        return low
-
-    def _name_limit_of_reach(self) -> None:
-        """Find a pose just outside of the largest region of reach that cannot be taken."""
-        bounds = self._bounds
-        whole = self._region.scaled(bounds.upper * (1.0 + 1e-6), self._grows)
-        for part in regions_of(self._requirements, whole):
-            pose, value = lowest(lambda p: freedom(self._design.geometry, p).min(axis=0), part)
-            if value <= 0.0:
-                reach, singular = freedom(self._design.geometry, pose[None])[:, 0]
-                bounds.pose, bounds.cause = pose, "reach" if reach <= singular else "singularity"
-                return
-        low = [r for r in self._requirements.bounds if r.quantity == "reach_margin"]
-        if low:
-            bounds.cause, bounds.requirement = "reach_margin", low[0]
-
-    def _sample(self) -> None:
-        """Lower the upper bound to where samples break a requirement that cannot be proven."""
-        for requirement in self._requirements.bounds:
-            if method(requirement) is not Method.SAMPLED:
-                continue
-            for _ in range(4):
-                whole = self._region.scaled(self._bounds.upper, self._grows)
-                poses, margins = sample_requirement(
-                    self._design, self._requirements, requirement, whole
-                )
-                poses = poses[~(margins >= 0.0)]
-                if not len(poses) or self._control.over:
-                    break
-                scales = self._gauge.of_poses(poses)
-                row = int(np.argmin(scales))
-                self._bounds.lowered(
-                    float(scales[row]), poses[row], requirement.quantity, requirement
-                )
-
-    def answer(self, workspace: Workspace, placed: float) -> LargestWorkspace:
-        """Return the answer; ``placed`` is the scale that poses tell of for the best center."""
-        bounds, control = self._bounds, self._control
-        upper = bounds.upper if placed == np.inf else max(bounds.upper, placed)
-        limit = self._size(upper)
-        scale = bounds.lower * _INSIDE
-        if scale <= 0.0:
-            cause = bounds.cause or "home"
-            return _nothing(self._requirements, self._region, control, cause, bounds, limit)
-        region = self._region.scaled(scale, self._grows)
-        size = self._size(scale)
-        return LargestWorkspace(
-            Workspace(workspace.shape, size, region.center),
-            self._requirements.theta,
-            Proof(
-                Verdict.PROVEN, region, self._evidence(region),
-                home_path(self._design.geometry, region), boxes=control.boxes,
-                seconds=control.elapsed,
-            ),
-            limit,
-            max(a - b for a, b in zip(limit, size, strict=True)),
-            None if bounds.pose is None else pose_of(bounds.pose),
-            bounds.cause,
-            bounds.requirement,
-            control.boxes,
-            control.elapsed,
-        )  # fmt: skip
-
-    def _size(self, scale: float) -> tuple[float, float, float]:
-        a, b, c = (2.0 * half for half in self._region.scaled(scale, self._grows).half)
-        return a, b, c
-
-    def _evidence(self, region: Region) -> tuple[Evidence, ...]:
-        found: dict[Requirement | str, Evidence] = dict(
-            prove_reach(self._design, self._requirements, region)
-        )
-        found["home"] = Evidence("home", Method.CLOSED_FORM, Verdict.PROVEN)
-        for group, nearest in zip(self._groups, self._nearest, strict=True):
-            for index, requirement in enumerate(group.requirements if nearest else ()):
-                assert nearest is not None
-                found[requirement] = Evidence(
-                    requirement.quantity, Method.BISECTION, Verdict.PROVEN,
-                    float(nearest.margins[index]), None, requirement, nearest.boxes,
-                )  # fmt: skip
-        for item in sampled_evidence(self._design, self._requirements, region):
-            if item.requirement is not None:
-                found[item.requirement] = item
-        order: list[Requirement | str] = ["reach", "singularity", "home"]
-        return tuple(found[key] for key in dict.fromkeys([*order, *self._requirements.bounds]))
+def _size(region: Region) -> tuple[float, float, float]:
+    a, b, c = (2.0 * half for half in region.half)
+    return a, b, c
 
 
 def _nothing(
@@ -327,7 +156,7 @@ def _nothing(
     region: Region,
     control: Control,
     cause: str,
-    bounds: _Bounds | None = None,
+    bounds: ScaleBounds | None = None,
     limit: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> LargestWorkspace:
     """Return the answer that no such workspace is proven."""

@@ -133,3 +133,59 @@ def test_bad_input_is_refused_in_one_line(words: tuple[str, ...], place: str, ca
         assert not Path("v.stl").exists()
     else:
         check_refused("requirements", capsys, *words, place=place)
+
+
+PROVABLE = (
+    "--require", "condition <= 10", "--require", "max_torque <= 15 N m", "--require", "f_4 <= 450",
+    "--theta", "-30", "30",
+)  # fmt: skip
+CENTERED = ("--cylinder", "300", "400", "--center", "0", "0", "-600")
+
+
+def test_largest_proven_workspace_with_its_gap(capsys) -> None:
+    words = ("largest", *PROVABLE, *CENTERED, "--grow", "horizontal", "--tolerance", "10")
+    code, out, err = run("requirements", capsys, *words)
+    assert (code, err) == (0, "")
+    assert "largest proven workspace: cylinder d 3" in out
+    assert "x 400 mm about (0, 0, -600) mm, theta -30 to 30 deg" in out
+    assert "condition <= 10 breaks at x" in out
+    data = run_json("requirements", capsys, *words)
+    assert data["found"]
+    assert 0 < data["gap_m"] <= 0.01
+    assert data["limit_m"][0] - data["size_m"][0] == pytest.approx(data["gap_m"])
+    assert [item["verdict"] for item in data["evidence"]] == ["proven"] * 6
+
+
+def test_largest_workspace_that_does_not_exist_gives_exit_code_1(capsys) -> None:
+    words = ("largest", "--require", "f_4 <= 100", *CENTERED)
+    code, out, _ = run("requirements", capsys, *words)
+    assert code == 1
+    assert "none: f_4 <= 100 N breaks at x" in out
+
+
+def test_proof_of_a_workspace(capsys) -> None:
+    code, out, err = run("requirements", capsys, "prove", *PROVABLE, *CENTERED)
+    assert (code, err) == (0, "")
+    assert "about (0, 0, -600) mm, theta -30 to 30 deg: proven" in out
+    code, out, _ = run(
+        "requirements", capsys, "prove", *PROVABLE, "--require", "|tau_1| <= 1 N m", *CENTERED
+    )
+    assert code == 1
+    assert "broken at x" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("prove",), "--cylinder"),
+        (("prove", "--cylinder", "100", "100"), "--center"),
+        (("prove", *CENTERED, "--time", "0"), "--time"),
+        (("largest", *CENTERED, "--tolerance", "-1"), "--tolerance"),
+        (("largest",), "--cylinder"),
+    ],
+)
+def test_proofs_refuse_what_they_cannot_use(
+    capsys, words: tuple[str, ...], place: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    check_refused("requirements", capsys, *words, place=place)
