@@ -18,11 +18,11 @@ from paminsa_viz.model import (
     Payload,
     check_reach,
     inverse_kinematics,
+    resized,
     static_imbalance,
 )
 from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.singularity import measure_singularity
-from paminsa_viz.studies import resized
 from paminsa_viz.trajectory import PRESET
 
 RADIUS, HEIGHT, TURN = 0.1, 0.2, np.radians(30.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
-from paminsa_viz.explorer.motion.planning import planned, pose_at
+from paminsa_viz.explorer.motion.simulated import at_instant
 from paminsa_viz.explorer.scene.layers import with_layers
 from paminsa_viz.explorer.state import Document, LastReachable, State
 from paminsa_viz.files.design_writer import NAME_CHARACTERS, name_problem
@@ -26,12 +26,12 @@ CHANGED_NAME = f"{APPENDIX_4.name}{CHANGED}"
 def with_document(state: State, document: Document) -> State:
     """Return the state with another document; the robot follows it if the pose can be taken.
 
-    While the robot follows the motion, its pose is that of the instant that is shown; where the
-    motion fails, it stays.
+    While the robot follows the motion, its pose is that of the instant that is shown, or where the
+    simulated robot is if that is shown; where the motion fails, it stays.
     """
     document = with_names_apart(document)
     if state.playback.following:
-        document = at_instant(document, state.playback.time)
+        document = at_instant(document, state.simulating, state.playback.time)
     last_reachable = state.last_reachable
     if check_reach(document.design.geometry, document.pose).ok.all():
         last_reachable = LastReachable(document.design.geometry, document.pose)
@@ -55,15 +55,6 @@ def another_name(name: str) -> str:
     else:
         ending = f"{CHANGED} {int(count or 1) + 1}"
     return base[: NAME_CHARACTERS - len(ending)] + ending
-
-
-def at_instant(document: Document, time: float) -> Document:
-    """Return a document with the pose of its motion at a time [s]; the same where there is none."""
-    found = planned(document.motion, document.design)
-    if found.trajectory is None:
-        return document
-    pose = pose_at(found.trajectory, document.design.geometry, time)
-    return document if pose is None else replace(document, pose=pose)
 
 
 def move(state: State, **coordinates: float) -> State:

@@ -16,6 +16,7 @@ from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.browser.style import CONTROLS_WIDTH, style_html
 from paminsa_viz.explorer.browser.tour import offer_tour
+from paminsa_viz.explorer.docks import keep_docks, restore_right
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.pose_panel import POSE, STRIP
@@ -128,7 +129,9 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         else:
             bridge.call("renderOnDemand")
 
+    keep_docks(session, bridge)
     bridge.on("hello", restore)
+    bridge.on("hello", lambda _: session.submit(lambda: restore_right(session)))
     bridge.on("hello", lambda _: session.submit(build_robot))
     bridge.on("graphics", choose_detail)
     bridge.on("shown", lambda _: session.submit(build_rest))

@@ -98,6 +98,27 @@ class Document:
 
 
 @dataclass(frozen=True)
+class Dock:
+    """One of the page's docks, as a person has left it; None for what the page itself chooses.
+
+    Attributes:
+        width: Width [px].
+        folded: Whether it is folded.
+    """
+
+    width: int | None = None
+    folded: bool | None = None
+
+
+@dataclass(frozen=True)
+class Docks:
+    """The dock of the maps, left, and that of the tabs, right."""
+
+    left: Dock = Dock()
+    right: Dock = Dock()
+
+
+@dataclass(frozen=True)
 class ExportSettings:
     """How files are exported.
 
@@ -133,6 +154,7 @@ class State:
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
         appearance: Which theme the page has.
         browser_dark: Whether the browser asks for a dark one.
+        docks: Widths of the page's docks.
     """
 
     document: Document
@@ -158,6 +180,7 @@ class State:
     table_at_rest: bool = False
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False
+    docks: Docks = field(default_factory=Docks)
 
     @property
     def theme(self) -> Theme:

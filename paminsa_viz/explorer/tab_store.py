@@ -16,10 +16,11 @@ import msgspec
 
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.docks import LARGEST_DOCK
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
 from paminsa_viz.explorer.scene.layers import LAYERS
-from paminsa_viz.explorer.state import Appearance, MapView, State
+from paminsa_viz.explorer.state import Appearance, Docks, MapView, State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.plots.ranges import LARGEST_END
 from paminsa_viz.quantities import QUANTITIES
@@ -32,6 +33,7 @@ VIEW: dict[str, Any] = {
     "condition_limit": float,
     "table_at_rest": bool,
     "appearance": Appearance,
+    "docks": Docks,
 }
 """Parts of the state that say how it is shown, and their types."""
 
@@ -75,6 +77,9 @@ def _possible(name: str, value: Any) -> bool:
             return 0 <= value.actuator < 4 and 0 <= value.color < 4
         case "floor_opacity":
             return 0 <= value <= 1
+        case "docks":
+            widths = (value.left.width, value.right.width)
+            return all(width is None or 0 < width <= LARGEST_DOCK for width in widths)
         case "condition_limit":
             return math.isfinite(value) and value >= 1
     return True

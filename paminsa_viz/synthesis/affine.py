@@ -179,9 +179,10 @@ def cosine_and_sine(middle: Any, half: Any) -> tuple[Affine, Affine]:
     """Return the ranges of cosine and sine over angles from middle - half to middle + half [rad].
 
     With a turn h e_theta from the middle, its cosine is between cos h and 1, and its sine differs
-    from e_theta sin h by h^3 / (9 sqrt 3) at most; both hold up to h = pi.
+    from e_theta sin h by h^3 / (9 sqrt 3) at most; both hold up to h = pi, and wider ranges have no
+    bound.
     """
-    none = 0.0 * half
+    none = where(half <= np.pi, 0.0 * half, np.nan)
     cosine = np.cos(half)
     turn_c = Affine(0.5 * (1.0 + cosine), none, none, none, none, 0.5 * (1.0 - cosine) + ROUND)
     most = half * half * half * 0.0641501

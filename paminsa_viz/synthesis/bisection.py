@@ -10,7 +10,6 @@ say from where on one does.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -18,6 +17,7 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.families import Group
+from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.region_margins import Region
 
 BATCH = 8192
@@ -34,6 +34,9 @@ TURN_LENGTH = 0.1
 
 _ROUND = 1e-13
 """Rounding of a gauge, as a share of it."""
+
+_SPECK = 1e-14
+"""Rounding of a coordinate [m, rad]."""
 
 Grows = tuple[bool, bool, bool]
 
@@ -53,7 +56,7 @@ class Gauge:
     def of_boxes(self, middle: Array, half: Array) -> Array:
         """Return the least gauge of the poses of boxes (n, 4), rounded down (n,)."""
         away = np.abs(middle[:, [0, 1, 3]] - self.region.center) - half[:, [0, 1, 3]]
-        return self._of(np.maximum(away, 0.0)) * (1.0 - _ROUND)
+        return self._of(np.maximum(away - _SPECK, 0.0)) * (1.0 - _ROUND)
 
     def of_poses(self, poses: Array) -> Array:
         """Return the gauge of poses (n, 4), (n,)."""
@@ -69,33 +72,36 @@ class Gauge:
         return share.max(axis=1)
 
 
-@dataclass
 class Control:
-    """When to stop, and who wants to know.
+    """When to stop, and who wants to know how far it is.
 
     Attributes:
-        deadline: Time of `time.perf_counter` at which to stop [s].
-        cancel: Says whether to stop now.
-        progress: Called with the number of boxes bounded so far.
         boxes: How many boxes have been bounded.
     """
 
-    deadline: float = np.inf
-    cancel: Callable[[], bool] | None = None
-    progress: Callable[[int], None] | None = None
-    boxes: int = 0
+    def __init__(self, time_limit: float, progress: Progress | None = None) -> None:
+        self._start = time.perf_counter()
+        self._limit = time_limit
+        self._progress = progress
+        self._stopped = False
+        self.boxes = 0
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the start [s]."""
+        return time.perf_counter() - self._start
+
+    @property
+    def left(self) -> float:
+        """Time that is left [s]."""
+        return self._limit - self.elapsed
 
     @property
     def over(self) -> bool:
-        """Whether to stop."""
-        canceled = self.cancel is not None and self.cancel()
-        return canceled or time.perf_counter() > self.deadline
-
-    def count(self, boxes: int) -> None:
-        """Count boxes that have been bounded."""
-        self.boxes += boxes
-        if self.progress is not None:
-            self.progress(self.boxes)
+        """Whether to stop: the time is over, or the progress function said so."""
+        if not self._stopped and self._progress is not None:
+            self._stopped = self._progress(min(1.0, self.elapsed / max(self._limit, 1e-9)))
+        return self._stopped or self.left < 0.0
 
 
 @dataclass(frozen=True)
@@ -159,7 +165,8 @@ def first_box(group: Group, region: Region) -> tuple[Array, Array] | None:
     high = np.array([*region.high[:2], group.theta[1], min(region.high[2], group.z[1])])
     if (low > high).any():
         return None
-    middle, half = 0.5 * (low + high), 0.5 * (high - low) * (1.0 + _ROUND)
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    half = np.where(half > 0.0, half * (1.0 + _ROUND) + _SPECK, 0.0)
     if not group.family.axes[3]:
         # the height nearest to the center's, for the gauge
         middle[3], half[3] = np.clip(region.center[2], low[3], high[3]), 0.0
@@ -167,7 +174,12 @@ def first_box(group: Group, region: Region) -> tuple[Array, Array] | None:
 
 
 def nearest_violation(
-    group: Group, gauge: Gauge, upper: float, tolerance: float | None, control: Control
+    group: Group,
+    gauge: Gauge,
+    upper: float,
+    tolerance: float | None,
+    control: Control,
+    time_limit: float = np.inf,
 ) -> Nearest:
     """Find the poses nearest to a region's center that break a requirement.
 
@@ -178,6 +190,7 @@ def nearest_violation(
         tolerance: Difference of ``upper`` and ``lower`` at which to stop. None: stop at the first
             pose that breaks a requirement.
         control: When to stop at the latest.
+        time_limit: When to stop at the latest, from now on [s].
     """
     count = len(group.requirements)
     start = first_box(group, gauge.region.scaled(upper, gauge.grows))
@@ -185,6 +198,7 @@ def nearest_violation(
         return Nearest(upper, upper, None, -1, np.full(count, np.inf), 0)
     pool = _Pool(*start, gauge.of_boxes(*start))
     first, pose, broken, lower = control.boxes, None, -1, np.inf
+    end = control.elapsed + time_limit
     proven: list[tuple[Array, Array]] = []
     slack = 0.0 if tolerance is None else tolerance
     while len(pool.gauge):
@@ -194,11 +208,13 @@ def nearest_violation(
             beyond = pool.gauge >= upper - slack
             lower = min(lower, pool.gauge[beyond].min(initial=np.inf))
             pool.keep(~beyond)
-        if not len(pool.gauge) or control.over or len(pool.gauge) > MOST_BOXES:
+        if not len(pool.gauge) or len(pool.gauge) > MOST_BOXES:
+            break
+        if control.over or control.elapsed > end:
             break
         middle, half, near = pool.take(BATCH)
         margins = group.margins(middle, half)
-        control.count(len(near))
+        control.boxes += len(near)
         good = (margins >= 0.0).all(axis=1)
         proven.append((near[good], margins[good]))
         middle, half, near = middle[~good], half[~good], near[~good]

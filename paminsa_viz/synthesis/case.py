@@ -14,6 +14,7 @@ from paminsa_viz.model.design import APPENDIX_4, PARAMETER, Design
 from paminsa_viz.model.geometry import Geometry
 from paminsa_viz.model.resizing import resized
 from paminsa_viz.quantities.requirements import Requirements, Workspace
+from paminsa_viz.synthesis.inner_case import InnerCase, check_inner
 from paminsa_viz.synthesis.objectives import find_objective
 
 GUIDE = "geometry.guide_link_length"
@@ -149,6 +150,8 @@ class SynthesisCase:
         above_guides: Whether joints 5 may be above the guides (with the lower knee; below them
             with the upper one).
         regimes: Which of R_pl < R_b and R_pl > R_b are searched.
+        inner: Masses, counterweights and springs to choose for each set of lengths, and motions;
+            its bounds are those of the requirements, its goal the objective if it can be.
         seed: The same seed gives the same result.
         effort: How long to search.
         name: What a person calls it.
@@ -167,6 +170,7 @@ class SynthesisCase:
     margin: float = 0.001
     above_guides: bool = False
     regimes: tuple[Regime, ...] = (Regime.SMALLER, Regime.LARGER)
+    inner: InnerCase | None = None
     seed: int = 0
     effort: Effort = field(default_factory=Effort)
     name: str = field(default="synthesis", compare=False)
@@ -180,6 +184,7 @@ class SynthesisCase:
             workspace = replace(workspace, center=(x or 0.0, y or 0.0, z))
             required = replace(self.requirements, workspace=workspace)
             object.__setattr__(self, "requirements", required)
+        check_inner(self.inner, (self.objective, *(limit.objective for limit in self.limits)))
         find_objective(self.objective)
         paths = [item.path for item in self.ranges]
         if not paths:

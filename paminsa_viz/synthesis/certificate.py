@@ -11,7 +11,6 @@ path from home into the region, whose boxes are proven in the same way.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 
 import numpy as np
@@ -23,6 +22,7 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements, Works
 from paminsa_viz.synthesis.bisection import Control, Gauge, Nearest, nearest_violation
 from paminsa_viz.synthesis.evidence import Evidence, Proof, Verdict, pose_of
 from paminsa_viz.synthesis.families import Method, groups
+from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.reach_proof import home_path, prove_reach, regions_of
 from paminsa_viz.synthesis.region_margins import Region
 from paminsa_viz.synthesis.sampled import sampled_evidence
@@ -36,8 +36,7 @@ def prove(
     workspace: Workspace | None = None,
     *,
     time_limit: float = 15.0,
-    progress: Callable[[int], None] | None = None,
-    cancel: Callable[[], bool] | None = None,
+    progress: Progress | None = None,
 ) -> Proof:
     """Prove that requirements hold over a workspace, or find a pose where one does not.
 
@@ -46,8 +45,7 @@ def prove(
         requirements: What has to hold.
         workspace: The positions, with a center; None for that of the requirements.
         time_limit: When to stop and answer that it is undecided [s].
-        progress: Called with the number of boxes bounded so far.
-        cancel: Says whether to stop now.
+        progress: Is told what part of the time is over, and may end it.
 
     Raises:
         InvalidInput: If there is no workspace, or a coordinate of its center is open.
@@ -62,7 +60,7 @@ def prove(
         design,
         requirements,
         region_of(workspace, requirements),
-        Control(time.perf_counter() + time_limit, cancel, progress),
+        Control(time_limit, progress),
     )
 
 
@@ -77,7 +75,7 @@ def prove_region(
     design: Design, requirements: Requirements, region: Region, control: Control
 ) -> Proof:
     """Prove that requirements hold over a region; see `prove`."""
-    start, first = time.perf_counter(), control.boxes
+    start, first = control.elapsed, control.boxes
     paths = [home_path(design.geometry, part) for part in regions_of(requirements, region)]
     found = prove_reach(design, requirements, region)
     home = Verdict.PROVEN if all(map(len, paths)) else Verdict.UNDECIDED
@@ -109,7 +107,7 @@ def prove_region(
         paths[0],
         np.concatenate(remaining) if remaining else np.zeros((0, 2, 4)),
         control.boxes - first,
-        time.perf_counter() - start,
+        control.elapsed - start,
     )
 
 

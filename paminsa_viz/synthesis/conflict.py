@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement, Workspace
-from paminsa_viz.synthesis.check import worst_over
+from paminsa_viz.synthesis.check_items import worst_over
 from paminsa_viz.synthesis.margins import headings
 from paminsa_viz.synthesis.relaxation import irreducible_set, smallest_set
 from paminsa_viz.synthesis.volume import Volume
@@ -93,7 +93,11 @@ def _candidates(volume: Volume, workspace: Workspace | None) -> tuple[Array, NDA
 
 def _conflict_of(met: NDArray[np.bool_]) -> tuple[int, ...]:
     """Return the fewest rows of which no column has all, empty if there is such a column."""
-    patterns = np.unique(met, axis=1)
+    bytes_ = np.packbits(met, axis=0)
+    code = np.zeros(met.shape[1], object if len(bytes_) > 7 else np.int64)
+    for byte in bytes_:
+        code = code * 256 + byte
+    patterns = met[:, np.unique(code, return_index=True)[1]]
 
     def feasible(chosen: tuple[int, ...]) -> bool:
         return bool(patterns[list(chosen)].all(axis=0).any())

@@ -39,35 +39,39 @@ def reach_distances(bounds: ReachBounds, z: Array) -> Array:
     return np.minimum(np.minimum(stretch, fold), flat)
 
 
-def margin_distance(margin: Array, step: float) -> Array:
-    """Return a margin over its slope, the distance to where it is zero to first order [m].
+def margin_slope(margin: Array) -> Array:
+    """Return the size of a margin's gradient (x, y, z) [a node's distance], at least.
 
-    NaN where the margin is NaN. A margin that is infinite, or no number can be had for, is a step
-    away on its side.
-
-    Args:
-        margin: (x, y, z) on nodes.
-        step: Distance of the nodes [m].
+    Of the two differences along an axis the larger counts; what is not finite does not.
     """
     finite = np.where(np.isfinite(margin), margin, np.nan)
     squared = np.zeros(margin.shape)
-    with np.errstate(all="ignore"):
-        for axis, size in enumerate(margin.shape):
-            if size < 2:
-                continue
-            change = np.abs(np.diff(finite, axis=axis))
-            slope = np.full(margin.shape, np.nan)
-            first = tuple(slice(None, -1) if i == axis else slice(None) for i in range(3))
-            last = tuple(slice(1, None) if i == axis else slice(None) for i in range(3))
-            slope[first] = change
-            slope[last] = np.fmax(slope[last], change)
-            np.nan_to_num(slope, copy=False)
-            squared += slope * slope
-        found = margin * step / np.sqrt(squared)
+    for axis in range(3):
+        change = np.abs(np.diff(finite, axis=axis))
+        slope = np.zeros(margin.shape)
+        for part in (slice(None, -1), slice(1, None)):
+            view = slope[(slice(None),) * axis + (part,)]
+            np.fmax(view, change, out=view)
+        squared += slope * slope
+    return np.sqrt(squared)
+
+
+def margin_distance(margin: Array, slope: Array, step: float) -> Array:
+    """Return a margin over its slope, the distance to where it is zero to first order [m].
+
+    NaN where the margin is NaN; where it is infinite, a step on its side.
+
+    Args:
+        margin: (x, y, z) on nodes.
+        slope: (x, y, z) as of `margin_slope`.
+        step: Distance of the nodes [m].
+    """
     # A constant margin has no slope, and is as far away as can be.
     far = step * max(margin.shape)
-    found = np.where(np.isfinite(margin), np.clip(found, -far, far), np.sign(margin) * step)
-    return np.where(np.isfinite(margin) & np.isnan(found), 0.0, found)
+    with np.errstate(all="ignore"):
+        found = np.clip(margin * (step / slope), -far, far)
+    found = np.where(np.isinf(margin), np.copysign(step, margin), found)
+    return np.where(margin == 0.0, 0.0, found)
 
 
 def enclosed_volume(depth: Array, step: float) -> float:

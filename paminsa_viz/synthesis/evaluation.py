@@ -14,6 +14,8 @@ from paminsa_viz.model.grids import solve_field
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis import kernels
 from paminsa_viz.synthesis.case import Regime, SynthesisCase
+from paminsa_viz.synthesis.inner_limits import InnerInfeasible
+from paminsa_viz.synthesis.inner_trial import with_best_masses
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.region import farthest
 from paminsa_viz.synthesis.samples import TRIAL, Density
@@ -157,6 +159,11 @@ class Evaluator:
         stages = (self._conditions, self._torques, self._others)
         for stage, values in enumerate(stages, 3):
             over = 0.0
+            if stage == 4 and self.case.inner is not None:
+                try:
+                    trial = with_best_masses(trial, self.tighter, self.relaxed)
+                except InnerInfeasible as error:
+                    return Evaluation(stage, error.excess, np.nan, worst, unlimited, trial)
             for index, extremes in values(trial):
                 worst[index], broken = self._worst(index, bounds[index], extremes)
                 over += broken if index != self.relaxed else 0.0

@@ -41,7 +41,7 @@ class InnerSolution:
     Attributes:
         design: The robot with these masses and counterweights.
         springs: Its springs, one a place; they are no part of the design.
-        goal: What was minimized.
+        goal: Key of what was minimized; empty for what is none of `inner_goals.GOALS`.
         objective: Its value [SI].
         lower_bound: No masses and springs within the bounds have a smaller one: the value of the
             dual program.
@@ -66,6 +66,18 @@ class InnerSolution:
         """By how much others could be better at most: the certificate."""
         return max(0.0, self.objective - self.lower_bound)
 
+    def value(self, key: str) -> float:
+        """Return the value of a goal, which need not be the one that was minimized [SI].
+
+        Raises:
+            InvalidInput: If there is no such goal, or it needs motions and there are none.
+        """
+        if key == self.goal:
+            return self.objective
+        program = self.program
+        goal = find_goal(key, free=program.case.free, motions=len(program.motions))
+        return goal.term(program.space, program.motions).value(self.solution.state)
+
     def held(self, pose: Array) -> Array:
         """Return static torques with the springs, (..., 4) [N m, N]."""
         torque = static_torques(self.design, pose)
@@ -83,12 +95,16 @@ class InnerProgram:
         space: Masses and springs as states.
         goal: What to minimize.
         limits: What to keep.
+        motions: The motions with their torques as functions of the state.
+        key: Key of the goal; empty for what is none of `inner_goals.GOALS`.
     """
 
     case: InnerCase
     space: InnerSpace
     goal: ConvexTerm
     limits: tuple[InnerLimit, ...]
+    motions: tuple[MotionRows, ...]
+    key: str
 
     def solve(
         self, limits: Sequence[InnerLimit] | None = None, tolerance: float = 1e-9
@@ -114,7 +130,7 @@ class InnerProgram:
             raise InnerInfeasible(error.excess, reason) from None
         return InnerSolution(
             self.space.design_of(found.levers), self.space.springs_of(found.state),
-            self.case.goal, found.value, found.bound, self._active(found, kept), found.rounds,
+            self.key, found.value, found.bound, self._active(found, kept), found.rounds,
             time.perf_counter() - began, self, found,
         )  # fmt: skip
 
@@ -170,7 +186,11 @@ def inner_program(
         if limit is not None:
             term = peak_term(motions, actuators)
             limits.append(InnerLimit(name, unit, "high", limit, None, term))
-    return InnerProgram(case, space, goal, tuple(limits))
+    for key, most in case.most:
+        other = find_goal(key, free=case.free, motions=len(motions))
+        term = other.term(space, motions)
+        limits.append(InnerLimit(other.label, other.unit, "high", most, None, term))
+    return InnerProgram(case, space, goal, tuple(limits), tuple(motions), case.goal)
 
 
 def solve_inner(

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from paminsa_viz.balancing import Changes, CounterweightRange, MassRange, SpringPlace
 from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.ranges import LARGEST
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.inner_goals import find_goal
+from paminsa_viz.synthesis.inner_goals import GOALS, find_goal
 from paminsa_viz.trajectory.sampled import Trajectory
 
 ACTUATORS_OF: dict[str, tuple[int, ...]] = {
@@ -63,6 +64,9 @@ class InnerCase:
         bounds: Bounds at rest; those of `ACTUATORS_OF` alone, others masses do not meet.
         motion_torque: Largest torque of M1..M3 on the motions [N m]; None for no limit.
         motion_force: Largest force of M4 on the motions [N]; None for no limit.
+        most: Largest values of other goals, by key [SI].
+        from_center: Whether positions of motions count from the workspace's center, which a search
+            may move; otherwise from the base.
 
     Raises:
         InvalidInput: If there is no such goal, a bound or a limit is none of masses or springs, or
@@ -77,9 +81,13 @@ class InnerCase:
     bounds: tuple[Requirement, ...] = ()
     motion_torque: float | None = None
     motion_force: float | None = None
+    most: tuple[tuple[str, float], ...] = ()
+    from_center: bool = False
 
     def __post_init__(self) -> None:
         find_goal(self.goal, free=self.free, motions=len(self.motions))
+        for key, _ in self.most:
+            find_goal(key, free=self.free, motions=len(self.motions))
         for bound in self.bounds:
             if bound.quantity not in ACTUATORS_OF:
                 known = ", ".join(ACTUATORS_OF)
@@ -102,6 +110,14 @@ class InnerCase:
         """Whether there is anything to choose."""
         return bool(self.masses or self.counterweights or self.springs)
 
+    def placed(self, center: Array) -> InnerCase:
+        """Return the case with its motions where a workspace with some center (3,) [m] is."""
+        if not self.from_center:
+            return self
+        shift = np.array([center[0], center[1], 0.0, center[2]])
+        moved = tuple(replace(motion, pose=motion.pose + shift) for motion in self.motions)
+        return replace(self, motions=moved, from_center=False)
+
     def changes(self, design: Design) -> Changes:
         """Return what may change in a design of some lengths."""
         masses = tuple(m.of(design) if isinstance(m, MassFactor) else m for m in self.masses)
@@ -116,3 +132,23 @@ def linear_bounds(bounds: Sequence[Requirement]) -> tuple[Requirement, ...]:
         if bound.quantity in ACTUATORS_OF
         and (bound.quantity != "max_torque" or bound.high is not None)
     )
+
+
+def check_inner(inner: InnerCase | None, objectives: Sequence[str]) -> None:
+    """Check that what is to be minimized or limited makes sense with what is free.
+
+    Args:
+        inner: Masses, springs and motions of a search, if there are any.
+        objectives: Keys of what the search minimizes and limits.
+
+    Raises:
+        InvalidInput: If an objective is of motions and there are none, or is one that free masses
+            make zero; or if there are bounds of its own.
+    """
+    if inner is not None and inner.bounds:
+        raise InvalidInput("inner.bounds", "bounds at rest are those of the case's requirements")
+    free = inner is not None and inner.free
+    motions = 0 if inner is None else len(inner.motions)
+    for key in objectives:
+        if key in GOALS or (key == "static_torque" and free):
+            find_goal(key, free=free, motions=motions)

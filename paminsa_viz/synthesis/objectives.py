@@ -54,8 +54,14 @@ _PLATFORM = MASS_PATHS.index("platform.mass")
 
 def _moving_mass(trial: Trial) -> float:
     legs = float(trial.masses[_LEG_MASSES].sum())
-    weights = sum(weight.mass for weight in trial.case.reference.counterweights)
+    owner = trial.case.reference if trial.inner is None else trial.inner.design
+    weights = sum(weight.mass for weight in owner.counterweights)
     return 3 * (legs + weights) + float(trial.masses[_PLATFORM])
+
+
+def _of_motions(trial: Trial, key: str) -> float:
+    assert trial.inner is not None  # see `inner_case.check_inner`
+    return trial.inner.value(key)
 
 
 def _volume(trial: Trial) -> float:
@@ -81,6 +87,16 @@ OBJECTIVES: dict[str, Objective] = {
             "static_torque", "peak static torque",
             "Largest static torque of M1 to M3 over the workspace; zero where M_p2 is", "N m",
             lambda trial: trial.static_torque,
+        ),
+        Objective(
+            "peak_torque", "peak torque on motions",
+            "Largest torque of M1 to M3 on the motions", "N m",
+            lambda trial: _of_motions(trial, "peak_torque"),
+        ),
+        Objective(
+            "energy", "energy of motions",
+            "Energy that the actuators put in on the motions; braking gives none back", "J",
+            lambda trial: _of_motions(trial, "energy"),
         ),
         Objective(
             "volume", "volume of the workspace",

@@ -73,13 +73,22 @@ def prove_reach(
     return found
 
 
+def reach_margin(
+    design: Design, requirements: Requirements, requirement: Requirement, region: Region
+) -> float:
+    """Return how far a least margin of reach is kept over a region, in closed form [m]."""
+    part = part_of(requirements, requirement, region)
+    if part is None:
+        return np.inf
+    return region_margins(design.geometry, part).least_reach - (requirement.low or 0.0)
+
+
 def _reach_margin(
     design: Design, requirements: Requirements, requirement: Requirement, region: Region
 ) -> Evidence:
     """Return what is known of a least margin of reach, over its own headings and heights."""
     part = part_of(requirements, requirement, region)
-    margin = np.inf if part is None else region_margins(design.geometry, part).least_reach
-    margin -= requirement.low or 0.0
+    margin = reach_margin(design, requirements, requirement, region)
     if part is None or margin >= 0.0:
         return Evidence(
             requirement.quantity, Method.CLOSED_FORM, Verdict.PROVEN, margin, None, requirement

@@ -127,7 +127,9 @@ def _least(
     """Return the least value of a limit's function (or zero) with its gap; None if infeasible."""
     term = program.goal if goal is None else goal.term
     try:
-        found = replace(program, goal=term).solve(limits, tolerance=1e-6 if goal is None else 1e-9)
+        found = replace(program, goal=term, key="").solve(
+            limits, tolerance=1e-6 if goal is None else 1e-9
+        )
     except InnerInfeasible:
         return None
     return found.objective, found.gap

@@ -65,6 +65,14 @@ class VolumeSurface:
             found[self.causes[each]] = (self.vertices[used], faces.reshape(-1, 3))
         return found
 
+    def areas(self) -> dict[Cause, float]:
+        """Return the area that each cause cuts [m^2], the largest first."""
+        found = {}
+        for cause, (vertices, faces) in self.parts().items():
+            a, b, c = (vertices[faces[:, i]] for i in range(3))
+            found[cause] = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2.0
+        return dict(sorted(found.items(), key=lambda item: -item[1]))
+
 
 def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
     """Return the surface of a volume, by marching cubes, with fewer faces where it is flat.

@@ -18,6 +18,7 @@ from paminsa_viz.model.resizing import resized_coefficients, resized_masses
 from paminsa_viz.quantities.requirements import Range, Workspace
 from paminsa_viz.synthesis import kernels
 from paminsa_viz.synthesis.case import Guide, SynthesisCase
+from paminsa_viz.synthesis.inner import InnerSolution
 from paminsa_viz.synthesis.region import Spans, reach_margins, spans
 from paminsa_viz.synthesis.samples import TRIAL, Density, TrialSamples, sample
 
@@ -76,6 +77,8 @@ class Trial:
         workspace: Its workspace, at its height.
         masses: In the order of `lumped.MASS_PATHS` (28,) [kg, kg m^2].
         coefficients: Lumped coefficients (18,).
+        inner: The best masses and springs, where some are free; masses and coefficients are
+            those with them.
     """
 
     poses: Poses
@@ -84,6 +87,7 @@ class Trial:
     workspace: Workspace
     masses: Array
     coefficients: Array
+    inner: InnerSolution | None = None
 
     @property
     def case(self) -> SynthesisCase:
@@ -93,6 +97,8 @@ class Trial:
     @cached_property
     def design(self) -> Design:
         """The robot."""
+        if self.inner is not None:
+            return self.inner.design
         return self.case.design(self.geometry)
 
     @cached_property
@@ -125,6 +131,8 @@ class Trial:
         (2, 6) [N m, N]; infinite without a finite value everywhere, NaN without poses.
         """
         heights = self.heights(z)
+        if self.inner is not None and self.inner.springs:
+            return self._sprung(theta, heights)
         out = np.full((2, len(kernels.TORQUE_COLUMNS)), np.nan)
         if not len(heights):
             return out
@@ -138,6 +146,29 @@ class Trial:
             self.mechanism, float(c[1]), float(lift), wrench, xy, found.turns, heights, out
         )
         return out
+
+    def grid(self, theta: Range, heights: Array) -> Array:
+        """Return the poses of headings and heights (h,), (n, 4)."""
+        found = self.poses.over(theta)
+        xy = found.place(found.within, self.workspace)
+        shape = (len(xy), len(found.theta), len(heights))
+        pose = np.empty((*shape, 4))
+        pose[..., :2] = xy[:, None, None]
+        pose[..., 2], pose[..., 3] = found.theta[:, None], heights
+        return pose.reshape(-1, 4)
+
+    def _sprung(self, theta: Range, heights: Array) -> Array:
+        """Return what `torques` returns of a robot with springs."""
+        if not len(heights):
+            return np.full((2, len(kernels.TORQUE_COLUMNS)), np.nan)
+        assert self.inner is not None
+        held = self.inner.held(self.grid(theta, heights))
+        rotary = held[:, :3]
+        both = np.abs(rotary).max(axis=1), np.sqrt((rotary**2).mean(axis=1))
+        columns = np.column_stack([held, *both])
+        if not np.isfinite(columns).all():
+            return np.array([[-np.inf], [np.inf]]) * np.ones(columns.shape[1])
+        return np.array([columns.min(axis=0), columns.max(axis=0)])
 
     @cached_property
     def radii(self) -> Array:

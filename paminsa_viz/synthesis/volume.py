@@ -7,13 +7,10 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
-from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design, Geometry, KneeBranch
-from paminsa_viz.model.reach import MARGINS, Limit, home_pose, workspace_radius
-from paminsa_viz.model.singularity import singular_radius
+from paminsa_viz.model.design import Design
+from paminsa_viz.model.reach import MARGINS, Limit
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.causes import (
     DISCONNECTED,
@@ -25,36 +22,24 @@ from paminsa_viz.synthesis.causes import (
     Cause,
     causes_of,
 )
-from paminsa_viz.synthesis.distance import enclosed_volume, margin_distance, reach_distances
-from paminsa_viz.synthesis.margins import Progress, heading_margins, time_per_position
-from paminsa_viz.synthesis.reach_bounds import cosine_range, reach_bounds
+from paminsa_viz.synthesis.distance import (
+    enclosed_volume,
+    margin_distance,
+    margin_slope,
+    reach_distances,
+)
+from paminsa_viz.synthesis.margins import Progress, heading_margins
+from paminsa_viz.synthesis.reach_bounds import reach_bounds
+from paminsa_viz.synthesis.volume_grid import (
+    COARSE,
+    FINE,
+    Resolution,
+    axes_of,
+    home_side,
+    joined_to_home,
+)
 
-
-@dataclass(frozen=True)
-class Resolution:
-    """How finely a volume is sampled.
-
-    Attributes:
-        nodes: Nodes of the box around what can be reached, at most.
-        headings: Headings over a range; an odd number.
-        budget: Time that costly quantities may take [s]; they get larger cells where it is short.
-    """
-
-    nodes: int
-    headings: int
-    budget: float
-
-    def __post_init__(self) -> None:
-        if self.nodes < 64 or self.headings < 3 or self.headings % 2 == 0:
-            problem = "64 nodes or more, and an odd number of headings from 3 on, are needed"
-            raise InvalidInput("resolution", problem)
-
-
-COARSE = Resolution(8_000, 5, 0.06)
-"""While a length is changed: some ten milliseconds."""
-
-FINE = Resolution(600_000, 17, 5.0)
-"""About 10^7 poses."""
+__all__ = ["COARSE", "FINE", "Resolution", "Volume", "solve_volume"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,23 +153,24 @@ def solve_volume(
     Raises:
         Canceled: If ``progress`` says so.
     """
-    x, z = _axes(design, requirements, resolution, both_sides)
+    x, z = axes_of(design, requirements, resolution, both_sides)
     step = float(x[1] - x[0])
     g = design.geometry
     bounds = reach_bounds(g, x[:, None, None], x[None, :, None], requirements.theta)
     margin, which = bounds.margin(z)
-    side = _side(g, z, both_sides)
+    side = home_side(g, z, both_sides)
     # A guide may be used to its end.
     reached = (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
     takes = reached & bounds.regular & (side >= 0.0)
-    reachable = _joined(takes, x, z, g)[0]
+    reachable = joined_to_home(takes, x, z, g)[0]
     margins, fewer = _margins(design, requirements, x, z, reachable, resolution, progress)
     met = (margins >= 0.0).all(axis=0) & reachable
-    inside, home_inside = _joined(met, x, z, g)
+    inside, home_inside = joined_to_home(met, x, z, g)
 
     body = np.minimum(reach_distances(bounds, z), side)
     body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
-    apart = _distances(requirements, margins, z, step)
+    slopes = [margin_slope(margin) for margin in margins]
+    apart = _distances(requirements, margins, slopes, z, step)
     depth = np.fmin(body, apart.min(axis=0)) if len(apart) else body
     depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
 
@@ -202,7 +188,8 @@ def solve_volume(
     halves = (enclosed_volume(depth[n::2, n::2, n::2], 2.0 * step) for n in range(2))
     error = max(abs(volume - half) for half in halves)
     if len(apart) and not np.array_equal(fewer, margins, equal_nan=True):
-        looser = np.fmin(body, _distances(requirements, fewer, z, step).min(axis=0))
+        looser = _distances(requirements, fewer, slopes, z, step).min(axis=0)
+        looser = np.fmin(body, looser)
         looser[met & ~inside] *= -1.0
         error += abs(enclosed_volume(looser, step) - volume)
     return Volume(
@@ -212,64 +199,6 @@ def solve_volume(
 
 
 _GUIDE = MARGINS.index(Limit.GUIDE)
-
-_LEAST_NODES = 300
-"""Nodes of a volume of the costliest quantities."""
-
-
-def _axes(
-    design: Design, requirements: Requirements, resolution: Resolution, both_sides: bool
-) -> tuple[Array, Array]:
-    """Return the nodes along x (and y) and along z, one at least beyond all that can be reached."""
-    g = design.geometry
-    nearest = np.arccos(np.clip(cosine_range(*requirements.theta)[1], -1.0, 1.0))
-    offset = float(singular_radius(g, nearest))
-    radius = min(workspace_radius(g), offset)
-    bars = g.crank_length + g.coupler_length
-    height = np.sqrt(max(bars**2 - (g.span_ratio * offset) ** 2, 0.0))
-    if not (radius > 0.0 and height > 0.0):  # nothing can be reached
-        radius, height = max(radius, 0.1 * g.base_radius), max(height, 0.1 * bars)
-    low, high = -height - g.platform_joint_height, height - g.platform_joint_height
-    if not both_sides:
-        low, high = (low, min(high, 0.0)) if _below(g) else (max(low, 0.0), high)
-    size = (2.0 * radius) ** 2 * (high - low)
-    step = float(np.cbrt(size / resolution.nodes))
-    heights = max(2, round((high - low) / step))
-    each = time_per_position(design, requirements, resolution.headings, heights) / heights
-    if each > 0.0:
-        nodes = max(_LEAST_NODES, min(resolution.nodes, resolution.budget / each))
-        step = float(np.cbrt(size / nodes))
-    half = int(np.ceil(radius / step)) + 1
-    count = int(np.ceil((high - low) / step)) + 3
-    count += 1 - count % 2  # odd, so that every second node reaches the ends
-    middle = 0.5 * (low + high)
-    z = middle + step * (np.arange(count) - (count - 1) / 2)
-    return step * np.arange(-half, half + 1), z
-
-
-def _below(geometry: Geometry) -> bool:
-    return geometry.knee is KneeBranch.LOWER
-
-
-def _side(geometry: Geometry, z: Array, both_sides: bool) -> Array:
-    """Return how far heights are on home's side of the guides [m]."""
-    if both_sides:
-        return np.full(z.shape, np.inf)
-    return -z if _below(geometry) else z
-
-
-def _joined(
-    nodes: NDArray[np.bool_], x: Array, z: Array, geometry: Geometry
-) -> tuple[NDArray[np.bool_], bool]:
-    """Return the nodes that are joined to home, or the largest part if home is not among them."""
-    labels, count = ndimage.label(nodes)
-    if count == 0:
-        return np.zeros(nodes.shape, np.bool_), False
-    middle = len(x) // 2
-    home = labels[middle, middle, int(np.abs(z - home_pose(geometry)[3]).argmin())]
-    sizes = np.bincount(labels.ravel())
-    sizes[0] = 0
-    return labels == (home or sizes.argmax()), bool(home)
 
 
 def _margins(
@@ -306,11 +235,13 @@ def _span(used: NDArray[np.bool_]) -> tuple[int, int]:
     return int(index[0]), int(index[-1]) + 1
 
 
-def _distances(requirements: Requirements, margins: Array, z: Array, step: float) -> Array:
+def _distances(
+    requirements: Requirements, margins: Array, slopes: list[Array], z: Array, step: float
+) -> Array:
     """Return the distance to where each requirement breaks, (requirements, x, y, z) [m]."""
     found = np.empty(margins.shape)
     for number, bound in enumerate(requirements.bounds):
-        found[number] = margin_distance(margins[number], step)
+        found[number] = margin_distance(margins[number], slopes[number], step)
         if bound.z is not None:
             beyond = np.maximum(bound.z[0] - z, z - bound.z[1])
             found[number] = np.maximum(found[number], beyond)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from paminsa_viz import palette
 from paminsa_viz.errors import InvalidInput
@@ -69,13 +70,17 @@ def volume_glb(surface: VolumeSurface) -> bytes:
 
 
 def volume_table(volume: Volume) -> DataTable:
-    """Return the nodes of a volume as a table of one row a node, along z first.
+    """Return the nodes that can be reached, and those next to them, along z first.
 
     The columns are x, y and z, the cause in words, the estimated distance to the surface (negative
     outside), and the least margin of each requirement over its headings, NaN out of reach. A binary
-    file holds the axes and arrays (x, y, z) instead, and ``cause_words`` by code.
+    file holds the axes and arrays (x, y, z) of all nodes instead, and ``cause_words`` by code.
     """
-    x, y, z = np.meshgrid(volume.x, volume.y, volume.z, indexing="ij")
+    near = ndimage.binary_dilation(volume.reachable)
+    index = np.nonzero(near)
+    x, y, z = (
+        np.round(axis[i], 9) for axis, i in zip((volume.x, volume.y, volume.z), index, strict=True)
+    )
     words = np.array([cause.word for cause in volume.causes])
     margins: dict[str, Array] = {}
     for index, bound in enumerate(volume.requirements.bounds):
@@ -83,13 +88,15 @@ def volume_table(volume: Volume) -> DataTable:
         suffix = f"_{unit}" if unit not in ("", "1") else ""
         margins[f"margin{index + 1}_{bound.quantity}{suffix}"] = volume.margins[index]
     columns: dict[str, NDArray[Any]] = {
-        "x_m": x, "y_m": y, "z_m": z, "cause": words[volume.cause], "depth_m": volume.depth,
+        "x_m": x, "y_m": y, "z_m": z, "cause": words[volume.cause[near]],
+        "depth_m": np.round(volume.depth[near], 7),
+        **{name: values[near] for name, values in margins.items()},
     }  # fmt: skip
     arrays: dict[str, NDArray[Any]] = {
         "x_m": volume.x, "y_m": volume.y, "z_m": volume.z, "cause": volume.cause,
         "cause_words": words, "depth_m": volume.depth,
     }  # fmt: skip
-    return DataTable(columns | margins, provenance(FORMAT, _facts(volume)), arrays | margins)
+    return DataTable(columns, provenance(FORMAT, _facts(volume)), arrays | margins)
 
 
 def _facts(volume: Volume) -> dict[str, str]:

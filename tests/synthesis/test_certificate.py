@@ -121,17 +121,17 @@ def test_time_that_is_over_leaves_boxes_undecided() -> None:
     assert len(proof.remaining)
 
 
-def test_a_proof_can_be_canceled() -> None:
-    counts: list[int] = []
-    proof = prove(
-        APPENDIX_4,
-        NEEDED,
-        cylinder(0.3, 0.4),
-        progress=counts.append,
-        cancel=lambda: len(counts) > 1,
-    )
+def test_a_proof_can_be_stopped() -> None:
+    parts: list[float] = []
+
+    def stop(part: float) -> bool:
+        parts.append(part)
+        return len(parts) > 3
+
+    proof = prove(APPENDIX_4, NEEDED, cylinder(0.3, 0.4), progress=stop)
     assert proof.verdict is Verdict.UNDECIDED
-    assert counts == sorted(counts)
+    assert parts == sorted(parts)
+    assert len(parts) == 4
 
 
 def test_bounds_hold_over_their_own_headings_and_heights() -> None:

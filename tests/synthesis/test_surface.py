@@ -88,9 +88,13 @@ def test_files_hold_the_same_surface(volume: Volume, kind: str) -> None:
         assert any("condition" in name for name in loaded.geometry)
 
 
-def test_table_has_a_row_a_node(volume: Volume) -> None:
+def test_table_has_a_row_a_node_that_can_be_reached(volume: Volume) -> None:
     table = volume_table(volume)
-    assert len(np.ravel(table.columns["x_m"])) == volume.cause.size
+    rows = len(table.columns["x_m"])
+    assert volume.reachable.sum() < rows < volume.cause.size
+    assert np.isfinite(table.columns["margin1_condition"]).sum() == volume.reachable.sum()
+    assert table.arrays is not None
+    assert table.arrays["cause"].shape == volume.cause.shape
     assert list(table.columns)[:5] == ["x_m", "y_m", "z_m", "cause", "depth_m"]
     assert "margin2_max_torque_Nm" in table.columns
     assert (table.columns["cause"] == "inside").sum() == volume.inside.sum()

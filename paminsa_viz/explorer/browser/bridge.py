@@ -72,6 +72,8 @@ class Bridge:
         timer.start()
         self._run(asset("backdrop.js"))
         self._run(asset("number_fields.js"))
+        self._run(asset("tooltips.js"))
+        self._run(asset("names.js"))
         self._run(asset("tour.js"))
         self._run(f"({asset('page.js').rstrip()})({json.dumps(config)})")
 

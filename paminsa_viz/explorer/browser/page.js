@@ -90,6 +90,19 @@
     }
   });
 
+  // --- docks: how wide they are, kept for a reload ------------------------------------------
+  let docks = "";
+  let reportedDocks = "";
+  every(400, () => {
+    const place = viewer().canvas?.getBoundingClientRect();
+    if (!place) return;
+    const widths = { left: place.left, right: window.innerWidth - place.right };
+    const now = JSON.stringify(widths);
+    const steady = now === docks; // not while one is dragged
+    docks = now;
+    if (steady && now !== reportedDocks && send("docks", widths)) reportedDocks = now;
+  });
+
   // --- clicks on Plotly figures -------------------------------------------------------------
   // By the place of the pointer and not by the page's own click: while a figure is pressed,
   // Plotly lays a cover over the window.
@@ -243,6 +256,8 @@
     "clicks on figures (_fullLayout)": () =>
       onceThere(".plot-container.plotly", () =>
         document.querySelector(".js-plotly-plot")?._fullLayout?._plots),
+    "places of tooltips (mantine-Tooltip-tooltip)": () =>
+      onceThere("[role=tooltip]", () => document.querySelector(".mantine-Tooltip-tooltip")),
     "time cursor (uplots)": () => onceThere(".uplot", () => window.__viserTestpoints?.uplots),
   };
   const waited = Object.fromEntries(Object.keys(features).map((name) => [name, 0]));

@@ -19,6 +19,7 @@ from paminsa_viz.explorer.motion.description import (
 )
 from paminsa_viz.explorer.motion.jobs import Answer, SimulationJob, SimulationOutcome, make_job
 from paminsa_viz.explorer.motion.planning import Planned
+from paminsa_viz.explorer.motion.simulated import shown_simulation
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import InvalidInput
 from paminsa_viz.trajectory import PRESET, Trajectory
@@ -204,10 +205,19 @@ def simulation_is_current(state: State) -> bool:
 
 
 def receive_simulation(state: State, outcome: SimulationOutcome) -> State:
-    """Take over the outcome of the job that runs; that of an older one is dropped."""
+    """Take over the outcome of the job that runs, and play it; that of an older one is dropped."""
     if state.simulating.running is not outcome.job:
         return state
-    return state.updated("simulating", running=None, outcome=outcome)
+    received = state.updated("simulating", running=None, outcome=outcome)
+    if shown_simulation(received.document, received.simulating) is None:
+        return with_document(received, received.document)
+    return play(received.updated("playback", time=0.0))
+
+
+def show_simulation(state: State, shown: bool) -> State:
+    """Let the robot in the scene move as simulated, or as planned."""
+    changed = state.updated("simulating", shown=shown)
+    return with_document(changed, changed.document)
 
 
 def receive_engine_answer(state: State, answer: Answer) -> State:

@@ -12,7 +12,7 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots
-from paminsa_viz.explorer.browser.style import dock_width, is_folded
+from paminsa_viz.explorer.docks import left_dock
 from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Pair, attribute, finite
@@ -239,7 +239,7 @@ class MapsPanel:
         client = session.client
         self._session = session
         self.store = MapStore()
-        width = dock_width(*session.window)
+        width, folded = left_dock(session.state, session.window)
         slots = Slots(session, bridge, {TORQUE_SLOT: width, SINGLE_SLOT: 0, MOTION_SLOT: 0})
         panel = client.gui.add_panel()
         with panel.add_tab("Torque maps", viser.Icon.CHART_GRID_DOTS):
@@ -260,7 +260,7 @@ class MapsPanel:
             self.export = Panel(session, export_entries(self.store, lambda: legend.shown))
         panel.dock_left()
         panel.set_width(width)
-        if is_folded(session.window[0]):
+        if folded:
             panel.minimize()
         bridge.on("click", self._click)
         bridge.on(motion_points.DRAW, partial(motion_points.receive_switch, session))

@@ -136,7 +136,10 @@ def simulation_html(frame: Frame) -> str:
     level, title, lines = "plain", "Simulating …", []
     outcome = simulating.outcome
     if simulating.running is None and outcome is None:
-        text = "Errors and torques are plotted in “Motion plots”."
+        text = (
+            "The controller does not know of a part of the payload. Errors and torques are plotted "
+            "in “Motion plots”, and the robot moves as simulated in the scene."
+        )
         return render("note.j2", testid="simulation", muted=True, text=text)
     if simulating.running is None and outcome is not None:
         level, title, lines = "bad", "Not simulated", [outcome.problem]
@@ -191,6 +194,13 @@ SIMULATION: tuple[Entry, ...] = (
         disabled=lambda state: state.simulating.running is not None,
     ),
     Html("simulation.outcome", content=simulation_html),
+    Checkbox(
+        "simulation.shown", "Play it in the scene",
+        hint="The robot moves as simulated, next to a translucent one where it should be; without "
+        "it, it moves as planned",
+        visible=lambda state: state.simulating.outcome is not None,
+        read=lambda state: state.simulating.shown, apply=motions.show_simulation,
+    ),
 )  # fmt: skip
 
 

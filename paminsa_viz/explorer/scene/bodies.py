@@ -7,11 +7,12 @@ message a body is enough that way, where separate bodies would need two.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from typing import Any, Final
 
 import numpy as np
-from viser import FrameHandle, GlbHandle
+from viser import FrameHandle, GlbHandle, SceneApi
 
 from paminsa_viz.dimensions import attached
 from paminsa_viz.dimensions.placement import about_z, elevated
@@ -41,26 +42,43 @@ PARENT: Final = {
 
 
 @cache
-def node_name(body: str) -> str:
+def node_name(body: str, root: str = "/robot") -> str:
     """Return the scene name of a body, for example ``/robot/leg1/slider/b8``."""
     if not body.startswith("leg"):
-        return f"/robot/{body}"
+        return f"{root}/{body}"
     leg, _, kind = body.partition("/")
-    return f"/robot/{leg}/{PARENT[kind]}{kind}" if kind else f"/robot/{leg}"
+    return f"{root}/{leg}/{PARENT[kind]}{kind}" if kind else f"{root}/{leg}"
 
 
-class Bodies:
-    """All bodies of one robot in one scene: the layers ``mesh`` and ``fine``.
+class Robot:
+    """A robot's bodies in a scene, below a node of their own.
 
     They start plain, and are there sooner.
     """
 
-    def __init__(self, context: SceneContext) -> None:
-        self._scene = context.scene
-        self._top = context.scene.add_frame("/robot", show_axes=False)
+    def __init__(
+        self,
+        scene: SceneApi,
+        root: str = "/robot",
+        *,
+        standing: bool = True,
+        drawn: Callable[[bytes], bytes] | None = None,
+    ) -> None:
+        """Prepare an empty robot.
+
+        Args:
+            scene: Where it goes.
+            root: Name of its node.
+            standing: Whether the bodies that do not move are part of it.
+            drawn: Makes the GLB that is drawn out of a body's own, for another look.
+        """
+        self._scene, self._root = scene, root
+        self._drawn = drawn
+        self._bodies = (*STANDING, *_MOVING) if standing else _MOVING
+        self._top = scene.add_frame(root, show_axes=False)
         self._nodes: dict[str, FrameHandle | GlbHandle] = {
-            name: context.scene.add_frame(name, show_axes=False)
-            for name in (node_name(f"leg{leg}") for leg in (1, 2, 3))
+            name: scene.add_frame(name, show_axes=False)
+            for name in (self._name(f"leg{leg}") for leg in (1, 2, 3))
         }
         self._data: dict[str, bytes] = {}
         self._built: dict[str, object] = {}
@@ -68,11 +86,21 @@ class Bodies:
         self._design: Design | None = None
         self._configuration: Configuration | None = None
 
-    def draw(self, frame: Frame, dragging: bool) -> None:
-        """Move what has moved; remake only bodies whose lengths have changed."""
-        del dragging
-        self._top.visible = "mesh" in frame.state.layers
-        fine, design = "fine" in frame.state.layers, frame.shown_design
+    def _name(self, body: str) -> str:
+        return node_name(body, self._root)
+
+    def show(self, visible: bool) -> None:
+        """Show or hide it."""
+        self._top.visible = visible
+
+    def put(self, design: Design, configuration: Configuration | None, *, fine: bool) -> None:
+        """Move what has moved; remake only bodies whose lengths have changed.
+
+        Args:
+            design: Whose bodies, payload and counterweights are drawn.
+            configuration: Where they are, of shape (); None leaves them.
+            fine: Whether bodies have round edges and bolts.
+        """
         if fine != self._fine or self._design is None or design.geometry != self._design.geometry:
             self._fine = fine
             self._build(design.geometry)
@@ -81,9 +109,9 @@ class Bodies:
             self._design = design
             self._attach_payload(design)
             self._attach_counterweights(design)
-        if frame.drawable and frame.configuration is not self._configuration:
-            self._configuration = frame.configuration
-            positions, turns = self.places(frame.configuration)
+        if configuration is not None and configuration is not self._configuration:
+            self._configuration = configuration
+            positions, turns = self.places(configuration)
             for name, position in positions.items():
                 self._nodes[name].position = position
             for name, turn in turns.items():
@@ -91,22 +119,25 @@ class Bodies:
 
     def _build(self, geometry: Geometry) -> None:
         """Make or replace the bodies whose defining lengths or detail differ."""
-        for body in (*STANDING, *_MOVING):
+        for body in self._bodies:
             wanted = (shapes.lengths_of(body, geometry), self._fine)
             if self._built.get(body) != wanted:
                 self._built[body] = wanted
-                self._put(node_name(body), shapes.body_glb(body, geometry, fine=self._fine))
+                self._put(self._name(body), shapes.body_glb(body, geometry, fine=self._fine))
         for leg in (1, 2, 3):
-            self._nodes[node_name(f"leg{leg}")].position = shapes.leg_axis(geometry, leg - 1)
-            self._nodes[node_name(f"leg{leg}/b4")].position = (geometry.crank_length, 0.0, 0.0)
+            self._nodes[self._name(f"leg{leg}")].position = shapes.leg_axis(geometry, leg - 1)
+            self._nodes[self._name(f"leg{leg}/b4")].position = (geometry.crank_length, 0.0, 0.0)
 
     def _put(self, name: str, data: bytes) -> Any:
         """Make or replace one node; a replaced one keeps its pose and what is attached to it."""
         node = self._nodes.get(name)
+        if node is not None and self._data[name] == data:
+            return node
+        drawn = data if self._drawn is None else self._drawn(data)
         if node is None:
-            node = self._nodes[name] = self._scene.add_glb(name, data)
-        elif self._data[name] != data:
-            node.glb_data = data  # pyright: ignore[reportAttributeAccessIssue]
+            node = self._nodes[name] = self._scene.add_glb(name, drawn)
+        else:
+            node.glb_data = drawn  # pyright: ignore[reportAttributeAccessIssue]
         self._data[name] = data
         return node
 
@@ -120,10 +151,10 @@ class Bodies:
         """
         x, y, theta, z = configuration.pose
         positions = {
-            node_name("carriage"): (0.0, 0.0, float(configuration.actuators[3])),
-            node_name("platform"): (float(x), float(y), float(z)),
+            self._name("carriage"): (0.0, 0.0, float(configuration.actuators[3])),
+            self._name("platform"): (float(x), float(y), float(z)),
         }
-        turns = {node_name("platform"): about_z(theta)}
+        turns = {self._name("platform"): about_z(theta)}
         legs = about_z(configuration.beta)
         bars = {
             "b3": elevated(configuration.phi + np.pi),
@@ -140,15 +171,15 @@ class Bodies:
                 ("slider", radius8[leg], 0.0),
                 ("swivel", radius5[leg], height5[leg]),
             ):
-                positions[node_name(f"{name}/{kind}")] = (float(r), 0.0, float(height))
-            turns[node_name(name)] = legs[leg]
+                positions[self._name(f"{name}/{kind}")] = (float(r), 0.0, float(height))
+            turns[self._name(name)] = legs[leg]
             for bar, turn in bars.items():
-                turns[node_name(f"{name}/{bar}")] = turn[leg]
+                turns[self._name(f"{name}/{bar}")] = turn[leg]
         return positions, turns
 
     def _attach_payload(self, design: Design) -> None:
         """Show a payload, its volume in proportion to its mass; without mass it is hidden."""
-        name, mass = f"{node_name('platform')}/payload", design.payload.mass
+        name, mass = f"{self._name('platform')}/payload", design.payload.mass
         if mass > 0:
             node = self._put(name, loads.payload_glb())
             node.position = attached.payload_offset(design.geometry)
@@ -161,7 +192,7 @@ class Bodies:
     def _attach_counterweights(self, design: Design) -> None:
         """Attach counterweights to the bars of every leg; one without mass is not drawn."""
         wanted = {
-            f"{node_name(bar)}/weight{number}": counterweight_glb(
+            f"{self._name(bar)}/weight{number}": counterweight_glb(
                 design.geometry, weight, shapes.color_of(bar)
             )
             for leg in (1, 2, 3)
@@ -175,6 +206,21 @@ class Bodies:
                 self._nodes.pop(name).remove()
         for name, data in wanted.items():
             self._put(name, data)
+
+
+class Bodies(Robot):
+    """The robot of the page: the layers ``mesh`` and ``fine``."""
+
+    def __init__(self, context: SceneContext) -> None:
+        super().__init__(context.scene)
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the design and the pose."""
+        del dragging
+        layers = frame.state.layers
+        self.show("mesh" in layers)
+        configuration = frame.configuration if frame.drawable else None
+        self.put(frame.shown_design, configuration, fine="fine" in layers)
 
 
 def _radius_in_leg_plane(configuration: Configuration, joint: int) -> Array:

@@ -189,6 +189,9 @@ register(
     Layer("points", "Points of the motion",
           "The poses that a motion is built from: click one, then drag it",
           "pose_handles:MotionPoints"),
+    Layer("wanted_pose", "Wanted pose",
+          "Translucent: where the robot should be, while its simulation is played",
+          "ghost:WantedPose", default=True),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",

@@ -1,0 +1,230 @@
+"""``paminsa-viz requirements largest`` and ``prove``: workspaces with a proof."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Literal
+
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import UsageError
+from paminsa_viz.cli.flags import JsonFlags
+from paminsa_viz.cli.output import print_json, print_table
+from paminsa_viz.cli.requirement_flags import RequirementFlags
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirement_text import requirement_text
+from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
+from paminsa_viz.synthesis.certificate import prove
+from paminsa_viz.synthesis.evidence import Evidence, Pose, Proof, Verdict
+from paminsa_viz.synthesis.families import Method
+from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
+from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.units import DEGREES, MM, format_ascii
+
+_GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}
+
+_NAMES = {
+    "reach": "reachable: margin to every limit",
+    "singularity": "no singular pose: distance to them",
+    "home": "joined to home",
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prove(JsonFlags, RequirementFlags):
+    """Prove that all requirements hold over the workspace, or find a pose where one does not.
+
+    Its center has to be given. Exit code 1 if one is broken or undecided."""
+
+    time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
+    """Time after which to answer that it is undecided."""
+
+    def run(self) -> int:
+        """Prove and print."""
+        design, requirements = self.given()
+        _check_time(self.time)
+        if requirements.workspace is None:
+            raise UsageError("a workspace is needed: --cylinder or --box, or that of a design file")
+        if None in requirements.workspace.center:
+            raise UsageError("--center: a proof needs three numbers; 'largest' finds a center")
+        proof = prove(design, requirements, time_limit=self.time)
+        if self.json:
+            print_json({"design": design.name, "made_by": _made_by(), **_proof_data(proof)})
+        else:
+            print(f"{design.name}, {_place(proof.region)}: {proof.verdict.value}")
+            _print_evidence(proof)
+            if proof.pose is not None:
+                print(f"broken at {_pose(proof.pose)}")
+            print(f"{proof.boxes:,} boxes, {proof.seconds:.1f} s; {len(proof.remaining):,} open")
+        return 0 if proof.verdict is Verdict.PROVEN else 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Largest(JsonFlags, RequirementFlags):
+    """Find the largest workspace of a shape over which all requirements are proven.
+
+    The sizes of --cylinder or --box are its proportions. Exit code 1 if there is none."""
+
+    grow: Literal["all", "horizontal", "vertical"] = "all"
+    """Which extents grow; the others are kept."""
+    tolerance: Annotated[float, tyro.conf.arg(metavar="MM")] = 1.0
+    """Gap between what is proven and a pose that breaks a requirement, at which to stop."""
+    time: Annotated[float, tyro.conf.arg(metavar="S")] = 15.0
+    """Time after which to stop; the gap is then what it is."""
+    both_sides: bool = False
+    """A free height may be on the other side of the guides than home."""
+
+    def run(self) -> int:
+        """Search and print."""
+        design, requirements = self.given()
+        _check_time(self.time)
+        if not (math.isfinite(self.tolerance) and self.tolerance > 0.0):
+            raise UsageError(f"--tolerance: a number above 0 is needed, not {self.tolerance}")
+        if requirements.workspace is None:
+            raise UsageError("a shape is needed: --cylinder or --box, or that of a design file")
+        found = largest_workspace(
+            design,
+            requirements,
+            growth=_GROWTH[self.grow],
+            tolerance=self.tolerance / MM,
+            time_limit=self.time,
+            both_sides=self.both_sides,
+        )
+        if self.json:
+            print_json(_largest_data(design, found))
+        else:
+            _print_largest(design, requirements, found)
+        return 1 if found.workspace is None else 0
+
+
+def _check_time(time: float) -> None:
+    if not (math.isfinite(time) and time > 0.0):
+        raise UsageError(f"--time: a number of seconds above 0 is needed, not {time}")
+
+
+def _print_largest(design: Design, requirements: Requirements, found: LargestWorkspace) -> None:
+    if found.workspace is None:
+        undecided = found.proof.verdict is Verdict.UNDECIDED
+        why = "undecided in this time" if undecided else "none"
+        print(f"{design.name}, largest workspace: {why}{_cause(found)}")
+        return
+    region = found.proof.region
+    print(f"{design.name}, largest proven workspace: {_place(region)}")
+    limit = Region(region.shape, region.center, _half(found.limit), region.theta)
+    print(f"gap {MM * found.gap:.3g} mm to {_size(limit)}{_cause(found)}")
+    _print_evidence(found.proof)
+    print(f"{found.boxes:,} boxes, {found.seconds:.1f} s")
+    if found.proof.sampled:
+        print("what is only sampled is not proven")
+
+
+def _half(size: tuple[float, float, float]) -> tuple[float, float, float]:
+    a, b, c = (0.5 * extent for extent in size)
+    return a, b, c
+
+
+def _cause(found: LargestWorkspace) -> str:
+    if found.cause == "home":
+        return ": no path from home to its center"
+    if found.cause == "volume":
+        return ": no position meets all requirements"
+    name = found.cause if found.requirement is None else requirement_text(found.requirement)
+    if not name:
+        return ""
+    return f": {name}" + ("" if found.pose is None else f" breaks at {_pose(found.pose)}")
+
+
+def _print_evidence(proof: Proof) -> None:
+    rows = [("", "how", "", "worst")]
+    for item in proof.evidence:
+        name = _NAMES.get(item.name, item.name)
+        if item.requirement is not None:
+            name = requirement_text(item.requirement)
+        rows.append((name, item.method.value, item.verdict.value, _worst(item)))
+    print_table(rows)
+
+
+def _worst(item: Evidence) -> str:
+    """Return the worst value that is known of, ``<=`` where it is a bound that is proven."""
+    unit = "m" if item.requirement is None else item.requirement.entry.unit
+    bound = item.requirement
+    if not math.isfinite(item.margin):
+        return ""
+    if bound is None:
+        return format_ascii(item.margin, unit)
+    if math.isnan(item.bound):
+        return f"margin {format_ascii(item.margin, unit)}"
+    sign = ""
+    if item.method is not Method.SAMPLED and item.verdict is Verdict.PROVEN:
+        sign = "<= " if bound.low is None else ">= "
+    return sign + format_ascii(item.bound, unit)
+
+
+def _size(region: Region) -> str:
+    x, y, z = (f"{2 * MM * half:.5g}" for half in region.half)
+    round_ = region.shape is WorkspaceShape.CYLINDER
+    return f"cylinder d {x} x {z} mm" if round_ else f"box {x} x {y} x {z} mm"
+
+
+def _place(region: Region) -> str:
+    center = ", ".join(f"{MM * place + 0.0:.4g}" for place in region.center)
+    low, high = (DEGREES * angle for angle in region.theta)
+    return f"{_size(region)} about ({center}) mm, theta {low:.4g} to {high:.4g} deg"
+
+
+def _pose(pose: Pose) -> str:
+    x, y, theta, z = pose
+    return (
+        f"x {MM * x:.1f}, y {MM * y:.1f}, z {MM * z:.1f} mm, theta {DEGREES * theta + 0.0:.2f} deg"
+    )
+
+
+def _made_by() -> str:
+    return f"paminsa_viz {__version__}"
+
+
+def _proof_data(proof: Proof) -> dict[str, Any]:
+    """Return a proof for other programs, in SI units."""
+    region = proof.region
+    return {
+        "verdict": proof.verdict.name.lower(),
+        "shape": region.shape.value,
+        "center_m": list(region.center),
+        "size_m": [2 * half for half in region.half],
+        "theta_rad": list(region.theta),
+        "evidence": [
+            {
+                "requirement": _text(item),
+                "method": item.method.name.lower(),
+                "verdict": item.verdict.name.lower(),
+                "margin": item.margin,
+                "pose": None if item.pose is None else list(item.pose),
+                "boxes": item.boxes,
+            }
+            for item in proof.evidence
+        ],
+        "path_from_home": proof.path.tolist(),
+        "open_boxes": len(proof.remaining),
+        "boxes": proof.boxes,
+        "seconds": proof.seconds,
+    }
+
+
+def _text(item: Evidence) -> str:
+    return item.name if item.requirement is None else requirement_text(item.requirement)
+
+
+def _largest_data(design: Design, found: LargestWorkspace) -> dict[str, Any]:
+    return {
+        "made_by": _made_by(),
+        "design": design.name,
+        "found": found.workspace is not None,
+        "gap_m": found.gap,
+        "limit_m": list(found.limit),
+        "cause": found.cause,
+        "broken": None if found.requirement is None else requirement_text(found.requirement),
+        "pose_outside": None if found.pose is None else list(found.pose),
+        **_proof_data(replace(found.proof, boxes=found.boxes, seconds=found.seconds)),
+    }

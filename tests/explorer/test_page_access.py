@@ -1,0 +1,171 @@
+"""The page for everyone: contrast and names in both themes, keys alone, tooltips, docks."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer.state import Appearance
+from tests.support.chromium import Tab, until
+
+pytestmark = pytest.mark.browser
+
+RULES = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa"]
+
+CANVAS = """() => {
+  const box = window.__viserMutable.canvas.getBoundingClientRect();
+  return [box.left, box.right];
+}"""
+
+CONTROLS = """() => {
+  // What can be used: the tab of a group that is not selected is reached by its own key.
+  const wanted = 'button, input:not([type=hidden]):not([type=file]), textarea, a[href], '
+    + '[role=slider], [role=tab]';
+  window.__controls = [...document.querySelectorAll(wanted)].filter(e =>
+    e.getClientRects().length && !e.disabled && e.getAttribute('aria-hidden') !== 'true'
+    && e.getAttribute('aria-disabled') !== 'true' && !e.closest('[data-disabled]')
+    && getComputedStyle(e).visibility !== 'hidden');
+  return window.__controls.length;
+}"""
+
+FOCUSED = """() => {
+  const e = document.activeElement;
+  if (!e || e === document.body) return null;
+  const style = getComputedStyle(e);
+  const ringed = style.outlineStyle !== 'none' && parseFloat(style.outlineWidth) > 0;
+  const seen = ringed || style.boxShadow !== 'none';
+  return [window.__controls.indexOf(e), seen, e.outerHTML.slice(0, 200)];
+}"""
+
+
+def tabs(tab: Tab) -> list[str]:
+    """Return the names of all tabs."""
+    return [each.inner_text() for each in tab.page.get_by_role("tab").all()]
+
+
+def wait_theme(tab: Tab, scheme: str) -> None:
+    """Wait until the page has a theme, and its maps too."""
+    tab.page.wait_for_selector(f'html[data-mantine-color-scheme="{scheme}"]', state="attached")
+
+
+def test_theme_follows_the_browser_until_one_is_chosen(open_tab: Callable[..., Tab]) -> None:
+    tab = open_tab()
+    wait_theme(tab, "light")
+    tab.page.emulate_media(color_scheme="dark")
+    wait_theme(tab, "dark")
+    assert tab.state.theme.dark
+    body = "getComputedStyle(document.querySelector('.pv-strip')).color"
+    red, green, blue = (
+        int(v) for v in tab.page.evaluate(body)[4:-1].split(",")
+    )  # fmt: skip
+    assert min(red, green, blue) > 150  # light letters
+    tab.dispatch(lambda s: s.updated("", appearance=Appearance.LIGHT))
+    wait_theme(tab, "light")
+    tab.wait_saved()
+    tab.reload()
+    until(lambda: tab.state.appearance is Appearance.LIGHT, "the choice is kept")
+    wait_theme(tab, "light")
+
+
+@pytest.mark.parametrize("appearance", [Appearance.LIGHT, Appearance.DARK], ids=lambda a: a.value)
+def test_contrast_names_and_roles(open_tab: Callable[..., Tab], appearance: Appearance) -> None:
+    axe = pytest.importorskip("axe_playwright_python.sync_playwright").Axe()
+    tab = open_tab()
+    tab.dispatch(lambda s: s.updated("", appearance=appearance))
+    wait_theme(tab, appearance.value)
+    tab.page.evaluate(axe.axe_script)
+    run = f"axe.run({{runOnly: {RULES}, resultTypes: ['violations']}})"
+    for name in tabs(tab):
+        tab.open_tab(name)
+        tab.wait_frames(800)  # names come a moment later
+        found = [
+            (violation["id"], node["html"][:160], node["failureSummary"][:200])
+            for violation in tab.page.evaluate(run)["violations"]
+            for node in violation["nodes"]
+        ]
+        assert found == [], name
+
+
+@pytest.mark.parametrize("name", ["Pose", "View", "Balance"])
+def test_keys_alone_reach_every_control_and_show_where_they_are(tab: Tab, name: str) -> None:
+    tab.open_tab(name)
+    tab.wait_frames(500)
+    tab.page.evaluate("document.activeElement.blur()")
+    count = tab.page.evaluate(CONTROLS)
+    assert count > 25
+    reached: set[int] = set()
+    for _ in range(count + 20):
+        tab.page.keyboard.press("Tab")
+        focused = tab.page.evaluate(FOCUSED)
+        if focused is None:
+            continue
+        index, visible, html = focused
+        assert visible, html
+        reached.add(index)
+    missed = set(range(count)) - reached
+    described = tab.page.evaluate(
+        "places => places.map(i => window.__controls[i].outerHTML.slice(0, 160))", sorted(missed)
+    )
+    assert described == []
+
+
+def test_keys_open_a_tab_and_move_a_slider(tab: Tab) -> None:
+    tab.page.get_by_role("tab", name="View", exact=True).focus()
+    tab.page.keyboard.press("Enter")
+    tab.page.get_by_text("Map opacity").wait_for()
+    tab.page.get_by_role("tab", name="Pose", exact=True).focus()
+    tab.page.keyboard.press("Enter")
+    named = tab.page.get_by_role("slider", name="x [mm]")
+    until(lambda: named.count() == 1, "the slider has its label's name")
+    named.focus()
+    tab.page.keyboard.press("ArrowRight")
+    until(lambda: tab.state.document.pose[0] > 0, "the slider moves the robot")
+
+
+def tooltip(tab: Tab, target: Any) -> dict[str, float]:
+    """Return where the tooltip of something is, once it is there."""
+    tab.page.mouse.move(640, 5)
+    until(lambda: tab.page.get_by_role("tooltip").count() == 0, "no tooltip")
+    target.hover()
+    found = tab.page.get_by_role("tooltip")
+    found.wait_for()
+    return tab.steady_box(found)
+
+
+def test_tooltips_open_in_the_view_and_not_over_the_panel(tab: Tab) -> None:
+    left, right = tab.page.evaluate(CANVAS)
+    for target in (tab.slider("x  [mm]"), tab.element("Knee branch")):
+        box = tooltip(tab, target)
+        at = target.bounding_box()
+        assert left < box["x"]
+        assert box["x"] + box["width"] <= right
+        assert box["y"] - 1 <= at["y"] + at["height"] / 2 <= box["y"] + box["height"] + 1
+    assert tooltip(tab, tab.element("shared"))["x"] >= left
+
+
+def test_reload_keeps_the_docks(open_tab: Callable[..., Tab]) -> None:
+    tab = open_tab(1400, 900)
+    left, right = tab.page.evaluate(CANVAS)
+    page = tab.page
+    for start, change in ((left - 2, -70), (right + 2, -50)):
+        page.mouse.move(start, 450)
+        page.mouse.down()
+        page.mouse.move(start + change, 450, steps=6)
+        page.mouse.up()
+    tab.wait_frames(300)
+    dragged = page.evaluate(CANVAS)
+    np.testing.assert_allclose(dragged, [left - 70, right - 50], atol=4)
+    until(lambda: tab.state.docks.right.width is not None, "the docks are known")
+    until(lambda: tab.state.docks.left.width is not None, "both are")
+    tab.wait_saved()
+    tab.reload()
+    until(lambda: np.allclose(page.evaluate(CANVAS), dragged, atol=3), "both docks as wide")
+    page.get_by_role("button", name="Collapse panel area").first.click()
+    until(lambda: tab.state.docks.left.folded, "the fold is known")
+    tab.wait_saved()
+    tab.reload()
+    until(lambda: page.evaluate(CANVAS)[0] < 60, "the maps stay folded")
+    assert page.evaluate(CANVAS)[1] == pytest.approx(dragged[1], abs=3)

@@ -1,0 +1,158 @@
+"""Masses and springs within the search: a trial has the best ones for its lengths."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.balancing import CounterweightRange, SpringPlace, at_joint, on_slider
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.model import static_torques
+from paminsa_viz.quantities.requirements import Requirement
+from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.evaluation import Evaluator
+from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
+from paminsa_viz.trajectory import analyze
+from tests.synthesis.arch_case import arch_case
+from tests.synthesis.search_cases import CYLINDER
+
+NUMBERS = np.array([[0.31, 0.0801, 3.34, 0.37, 0.29, -0.235]])
+
+
+def looser() -> SynthesisCase:
+    """Return the arch with more force of M4, so that the masses have room."""
+    case = arch_case()
+    return replace(case, inner=replace(case.inner, motion_force=340.0))
+
+
+def evaluated(case: SynthesisCase):
+    """Evaluate the lengths of `NUMBERS`."""
+    return Evaluator(case, Regime.SMALLER).evaluate(NUMBERS)[0]
+
+
+def test_a_trial_has_the_best_masses_for_its_lengths():
+    case = looser()
+    found = evaluated(case)
+    assert found.feasible
+    trial = found.trial
+    assert trial.inner.gap <= 1e-6 * found.objective
+    # independent of the program: the motion at the workspace's center, analyzed with the design
+    shift = np.array([0.0, 0.0, 0.0, -0.235])
+    motion = replace(case.inner.motions[0], pose=case.inner.motions[0].pose + shift)
+    torque = analyze(trial.design, motion).torque
+    assert found.objective == pytest.approx(np.abs(torque[:, :3]).max(), rel=1e-6)
+    assert np.abs(torque[:, 3]).max() <= 340.0 + 1e-6
+    pose = trial.grid(case.requirements.theta, trial.heights())
+    held = static_torques(trial.design, pose)[:, 3].max()
+    assert found.worst[1] == pytest.approx(held, rel=1e-9)
+    assert held <= 300.0
+    # a mass that the program removed would not have helped
+    assert trial.design.geometry == trial.geometry
+    fixed = replace(case, inner=replace(case.inner, counterweights=()))
+    assert evaluated(fixed).objective >= found.objective - 1e-9
+
+
+def test_bounds_at_rest_are_those_of_the_requirements_and_can_be_tightened():
+    case = looser()
+    bounds = (Requirement("condition", high=10.0), Requirement("max_torque", high=1.5))
+    case = replace(case, requirements=replace(case.requirements, bounds=bounds))
+    found = evaluated(case)
+    assert found.feasible
+    assert found.worst[1] == pytest.approx(1.5, rel=1e-6)
+    assert sum(w.mass for w in found.trial.design.counterweights) > 0.1
+    tighter = Evaluator(case, Regime.SMALLER, tighter=(0.0, 0.5)).evaluate(NUMBERS)[0]
+    assert tighter.worst[1] == pytest.approx(1.0, rel=1e-6)
+    assert tighter.objective > found.objective
+    tight = replace(case.requirements, bounds=(Requirement("f_4", high=100.0),))
+    broken = evaluated(replace(case, requirements=tight))
+    assert not broken.feasible
+    assert 0.1 < broken.violation < 3.0
+
+
+def test_limits_on_other_goals_are_kept_by_the_masses():
+    case = looser()
+    bounds = (Requirement("max_torque", high=1.5),)
+    # far out less mass does, near the joint it has less inertia
+    weights = tuple(CounterweightRange("b8", 8, at, at, 9.0) for at in (0.1, 0.5))
+    inner = replace(case.inner, counterweights=weights, motion_force=500.0)
+    case = replace(case, requirements=replace(case.requirements, bounds=bounds), inner=inner)
+    quick, light = evaluated(case), evaluated(replace(case, objective="moving_mass"))
+    most = quick.trial.inner.value("moving_mass")
+    assert most > light.objective + 0.1
+    level = 0.5 * (most + light.objective)
+    found = evaluated(
+        replace(case, limits=(ObjectiveLimit("moving_mass", level), ObjectiveLimit("energy", 1e3)))
+    )
+    assert found.feasible
+    assert quick.objective < found.objective < light.trial.inner.value("peak_torque")
+    assert found.limits[0] == pytest.approx(level, rel=1e-6)
+    assert found.limits[1] == pytest.approx(found.trial.inner.value("energy"))
+
+
+def test_a_bound_that_is_relaxed_is_minimized_by_the_masses():
+    case = looser()
+    inner = replace(case.inner, motion_force=None)
+
+    def least_force(*others: Requirement) -> float:
+        asked = (*others, Requirement("f_4", high=1.0))
+        trial = replace(case, inner=inner, requirements=replace(case.requirements, bounds=asked))
+        found = Evaluator(trial, Regime.SMALLER, relaxed=len(others)).evaluate(NUMBERS)[0]
+        return 1.0 + found.objective
+
+    torque = Requirement("max_torque", high=0.5)
+    between = 0.5 * (least_force() + least_force(torque))
+    bounds = (torque, Requirement("f_4", high=between))
+    case = replace(case, inner=inner, requirements=replace(case.requirements, bounds=bounds))
+    assert not evaluated(case).feasible
+    for index, quantity in enumerate(("max_torque", "f_4")):
+        found = Evaluator(case, Regime.SMALLER, relaxed=index).evaluate(NUMBERS)[0]
+        assert found.feasible
+        nearest = bounds[index].high + found.objective
+        assert nearest == pytest.approx(found.worst[index])
+        moved = tuple(
+            replace(b, high=nearest * (1 + 1e-6)) if b.quantity == quantity else b for b in bounds
+        )
+        assert evaluated(
+            replace(case, requirements=replace(case.requirements, bounds=moved))
+        ).feasible
+    limited = replace(case, requirements=replace(case.requirements, bounds=bounds[:1]))
+    least = evaluated(limited).objective
+    limited = replace(
+        limited, objective="moving_mass", limits=(ObjectiveLimit("peak_torque", 0.1),)
+    )
+    found = Evaluator(limited, Regime.SMALLER, relaxed=1).evaluate(NUMBERS)[0]
+    assert 0.1 + found.objective == pytest.approx(least, rel=1e-6)
+
+
+def test_springs_count_in_bounds_at_rest():
+    spring = SpringPlace(on_slider(0.2), at_joint(9), 2000.0, 0.0, 0.2)
+    inner = InnerCase("moving_mass", (), springs=(spring,))
+    bounds = (Requirement("max_torque", high=0.4), Requirement("f_4", high=400.0))
+    case = replace(
+        arch_case(), objective="footprint", inner=inner,
+        requirements=replace(arch_case().requirements, bounds=bounds),
+    )  # fmt: skip
+    found = evaluated(case)
+    assert found.feasible
+    assert found.trial.inner.springs[0].stiffness > 1.0
+    pose = found.trial.grid(case.requirements.theta, found.trial.heights())
+    held = found.trial.inner.held(pose)
+    assert found.worst[0] == pytest.approx(np.abs(held[:, :3]).max())
+    assert found.worst[0] <= 0.4 + 1e-8
+    assert np.abs(static_torques(found.trial.design, pose)[:, :3]).max() > 1.0
+    assert found.objective == pytest.approx(found.trial.footprint)
+
+
+def test_objectives_that_make_no_sense_are_refused():
+    masses = (MassFactor("links.b8", 0.5, 2.0),)
+    with pytest.raises(InvalidInput, match="M_p2 = 0"):
+        replace(CYLINDER, objective="static_torque", inner=InnerCase("moving_mass", (), masses))
+    with pytest.raises(InvalidInput, match="motion"):
+        replace(CYLINDER, objective="peak_torque")
+    with pytest.raises(InvalidInput, match="motion"):
+        replace(CYLINDER, limits=(ObjectiveLimit("energy", 1.0),))
+    bounded = InnerCase("moving_mass", (), masses, bounds=(Requirement("f_4", high=1.0),))
+    with pytest.raises(InvalidInput, match="requirements"):
+        replace(CYLINDER, inner=bounded)
