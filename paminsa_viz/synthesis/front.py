@@ -99,12 +99,12 @@ def design_front(
     Args:
         case: The case; its own objective does not count, its limits do.
         objectives: Keys of at least two objectives.
-        points: Levels of each objective but the first: so many searches for two objectives, the
-            ends included.
+        points: Levels of each objective but the first, the ends included: so many points for two
+            objectives, by one search more.
         workers: Where trials are computed; the result is the same.
         progress: Called after each generation with the number of searches done, of all, and how
             far the current one is; true ends it with the points found so far.
-        found: Called with each robot as it is found, dominated or not.
+        found: Called with each robot as it is found; a later one may dominate it.
 
     Raises:
         InvalidInput: If there are fewer than two different objectives or points, or too many.
@@ -113,24 +113,24 @@ def design_front(
     entries = [find_objective(name) for name in names]
     if len(names) < 2 or len(set(names)) < len(names):
         raise InvalidInput("objectives", "at least two different ones are needed")
-    total = points if len(names) == 2 else len(names) + max(0, points) ** (len(names) - 1)
+    grid = max(0, points) ** (len(names) - 1)
+    total = points + 1 if len(names) == 2 else len(names) + grid
     if points < 2 or total > MOST_POINTS:
         problem = f"2 or more, for up to {MOST_POINTS} searches in all, are possible, not {points}"
         raise InvalidInput("points", problem)
     signs = np.array([entry.sign for entry in entries])
     run = _Front(case, names, signs, workers, progress, found, total)
+    # What is best in another objective alone may be bad in the first for nothing: such an answer
+    # is no point of the front, it only says how far the front reaches.
     for name in names:
         run.search(name, {})
-        if run.canceled:
+        if run.canceled or not run.answers:
             return run.front()
-    if len(run.points) < len(names):
-        return run.front()
-    table = signs * np.array([point.values for point in run.points])
+    table = signs * np.array([point.values for point in run.answers])
     best, worst = table.min(axis=0), table.max(axis=0)
     levels = [np.linspace(low, high, points) for low, high in zip(best[1:], worst[1:], strict=True)]
     for chosen in product(*levels):
-        # the ends are there already
-        if len(names) == 2 and chosen[0] in (best[1], worst[1]):
+        if len(names) == 2 and chosen[0] == worst[1]:  # the answer of the first search
             continue
         room = SLACK * np.maximum(worst - best, 1e-12)[1:]
         limits = dict(zip(names[1:], (np.array(chosen) + room).tolist(), strict=True))
@@ -155,6 +155,7 @@ class _Front:
     ) -> None:
         self.case, self.names, self.signs = case, names, signs
         self.workers, self.progress, self.found, self.total = workers, progress, found, total
+        self.answers: list[FrontPoint] = []
         self.points: list[FrontPoint] = []
         self.done = self.failed = 0
         self.canceled = False
@@ -190,14 +191,16 @@ class _Front:
             if isinstance(item.bound, ObjectiveLimit)
         } | {objective: result.objective}
         point = FrontPoint(tuple(float(values[name]) for name in self.names), result)
-        self.points.append(point)
-        if self.found is not None:
-            self.found(point)
+        self.answers.append(point)
+        if objective == self.names[0]:
+            self.points.append(point)
+            if self.found is not None:
+                self.found(point)
 
     def _start(self, case: SynthesisCase) -> tuple[RegimeState, ...]:
         """Return states of a search that starts near the answers so far."""
         known: dict[object, list[tuple[float, ...]]] = {}
-        for point in self.points:
+        for point in self.answers:
             result = point.result
             known.setdefault(result.regime, []).append(
                 numbers_of(result.case, result.design, result.workspace)
