@@ -185,6 +185,8 @@ register(
     Layer("proven_workspace", "Proven workspace",
           "Outline of the largest one, see the tab Requirements", _WORKSPACES, default=True,
           animated=False),
+    Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesize, as lines",
+          "best_robot:BestRobot", default=True),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer("points", "Points of the motion",
           "The poses that a motion is built from: click one, then drag it",
