@@ -14,6 +14,8 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
+from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
@@ -162,6 +164,22 @@ def export_entries(
             hint="All masses, loops and actuators for MuJoCo: one XML file, or a ZIP with the "
             "real shapes",
         ),
+        Html("export.volume_heading", content=_volume_heading),
+        ButtonGroup(
+            "export.volume", "volume",
+            choices=lambda state: (
+                {
+                    kind.upper(): export(
+                        f"the volume as {kind.upper()}", partial(volume_file, kind=kind)
+                    )
+                    for kind in VOLUME_KINDS
+                }
+                if asked(state.document.requirements)
+                else {}
+            ),
+            hint="Its surface in mm (STL) or in m with colors (GLB), or all nodes with their "
+            "causes and margins",
+        ),
         Html("export.motion_heading", content=_motion_heading),
         ButtonGroup(
             "export.curves", "figure", choices=choices("a figure", figures, exports.motion_figure),
@@ -183,6 +201,13 @@ def _maps_heading(frame: Frame) -> str:
     minus = ", minus the reference" if shows_difference(state) else ""
     text = f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
     return render("heading.j2", kind="pv-export", title="Maps", text=text)
+
+
+def _volume_heading(frame: Frame) -> str:
+    if not asked(frame.state.document.requirements):
+        return ""
+    text = "where all requirements hold; the surface, or a table"
+    return render("heading.j2", kind="", title="Volume", text=text)
 
 
 def _motion_heading(frame: Frame) -> str:

@@ -194,6 +194,12 @@ register(
     Layer("wanted_pose", "Wanted pose",
           "Translucent: where the robot should be, while its simulation is played",
           "ghost:WantedPose", default=True),
+    Layer("pinned_design", "Pinned design",
+          "Translucent: the reference at the same pose, where its shape differs",
+          "ghost:PinnedDesign", default=True),
+    Layer("joint_limits", "Joint limits",
+          "Sectors: from where to where each θ turns over the poses that count; lines: the travel "
+          "of joint 8 on its guide", "joint_limits:JointLimits"),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",
