@@ -109,12 +109,13 @@ class Synthesize(JsonFlags):
     def _case(self) -> SynthesisCase:
         known = self.case in EXAMPLES and not Path(self.case).exists()
         case = load_case(EXAMPLES[self.case] if known else self.case)
-        changes = {
-            "objective": self.objective,
-            "seed": self.seed,
-            "effort": self.generations and replace(case.effort, generations=self.generations),
-        }
-        return replace(case, **{k: v for k, v in changes.items() if v is not None})  # type: ignore[arg-type]
+        if self.objective is not None:
+            case = replace(case, objective=self.objective)
+        if self.seed is not None:
+            case = replace(case, seed=self.seed)
+        if self.generations is not None:
+            case = replace(case, effort=replace(case.effort, generations=self.generations))
+        return case
 
     def _executor(self) -> AbstractContextManager[Workers]:
         return processes(self.workers) if self.dask is None else cluster(self.dask)

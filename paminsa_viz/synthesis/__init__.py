@@ -4,6 +4,7 @@ A `SynthesisCase` says what is required over which workspace, what may be change
 least; `synthesize` looks for the robot.
 """
 
+from paminsa_viz.synthesis.answer import BoundOutcome, RelaxedBound, SynthesisResult
 from paminsa_viz.synthesis.case import (
     DIMENSIONS,
     Effort,
@@ -18,7 +19,7 @@ from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objecti
 from paminsa_viz.synthesis.outer import RegimeState, SearchProgress
 from paminsa_viz.synthesis.refusals import refusal
 from paminsa_viz.synthesis.samples import Density
-from paminsa_viz.synthesis.search import BoundOutcome, RelaxedBound, SynthesisResult, synthesize
+from paminsa_viz.synthesis.search import relaxations, synthesize
 from paminsa_viz.synthesis.trial import Trial
 
 __all__ = [
@@ -42,5 +43,6 @@ __all__ = [
     "Trial",
     "find_objective",
     "refusal",
+    "relaxations",
     "synthesize",
 ]

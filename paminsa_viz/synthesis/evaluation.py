@@ -136,7 +136,8 @@ class Evaluator:
         """Return by how much limits of reach are exceeded (p,), as a share of the bars."""
         needed = self.case.margin
         for index, bound in enumerate(self.case.requirements.bounds):
-            if bound.quantity == REACH and bound.low is not None:
+            counts = bound.quantity == REACH and index != self.relaxed
+            if counts and bound.low is not None:
                 needed = max(needed, bound.low + self._tightened(index))
         # The bars can be stretched and joints 5 on their axes at a singular pose only.
         short = np.maximum(needed - robots.margins, 0.0).sum(axis=-1)

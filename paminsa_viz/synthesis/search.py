@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from paminsa_viz.model.design import Design
-from paminsa_viz.quantities.requirements import Requirement, Workspace
+from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.synthesis.answer import RelaxedBound, SynthesisResult, limit_of, outcomes_of
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
-from paminsa_viz.synthesis.inner import InnerSolution
 from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.outer import ROUND, RegimeState, SearchProgress, search_round
@@ -21,9 +20,6 @@ from paminsa_viz.synthesis.samples import TRIAL
 
 FINER = 4
 """How many times closer the poses of the verification lie."""
-
-ACTIVE = 0.005
-"""Margin below which a bound is active, as a share of the bound."""
 
 REPAIRS = 8
 """Times that the search goes on with tighter bounds until its answer holds on the finer poses."""
@@ -36,80 +32,6 @@ CLOUD = 0.01
 
 SLACK = 1.05
 """By how much more than what the finer poses exceed a bound is tightened."""
-
-
-@dataclass(frozen=True)
-class BoundOutcome:
-    """A bound or a limit, and how the answer meets it.
-
-    Attributes:
-        bound: What is bounded.
-        value: The value closest to the bound over the workspace [SI]; NaN if it is not known.
-        margin: How far it is inside the bound, negative outside [SI].
-        active: Whether the bound decides: the margin is below 0.5 % of it.
-    """
-
-    bound: Requirement | ObjectiveLimit
-    value: float
-    margin: float
-    active: bool
-
-
-@dataclass(frozen=True)
-class RelaxedBound:
-    """What a bound or a limit would have to be for the others to be met.
-
-    Attributes:
-        bound: What is bounded.
-        nearest: The nearest value that was found [SI]; NaN if the others contradict as well.
-        change: By how much that is farther, as a share of the bound.
-    """
-
-    bound: Requirement | ObjectiveLimit
-    nearest: float
-    change: float
-
-
-@dataclass(frozen=True, eq=False)
-class SynthesisResult:
-    """Answer of a synthesis.
-
-    Attributes:
-        case: The question.
-        design: The best robot; the reference where there is none at all.
-        workspace: Its workspace, with its height.
-        regime: Which of base and platform is larger.
-        feasible: Whether it meets all requirements, on the finer poses.
-        objective: What was minimized [SI]; NaN if it is not feasible.
-        outcomes: How it meets each bound, and each limit.
-        states: Where the search of each regime ended, for another one to go on from.
-        refused: Regimes that were excluded before the search, and why.
-        relaxed: For each bound and limit, if nothing meets all of them, what its nearest value is
-            that the others leave possible.
-        canceled: Whether it was ended by the progress function.
-        poses: Over how many poses the answer was verified.
-        inner: The best masses and springs for its lengths, with their certificate; None if none
-            are free.
-    """
-
-    case: SynthesisCase
-    design: Design
-    workspace: Workspace
-    regime: Regime | None
-    feasible: bool
-    objective: float
-    outcomes: tuple[BoundOutcome, ...]
-    states: tuple[RegimeState, ...]
-    refused: dict[Regime, str]
-    relaxed: tuple[RelaxedBound, ...]
-    canceled: bool
-    poses: int
-    inner: InnerSolution | None = None
-
-    @property
-    def trials(self) -> int:
-        """Robots tried."""
-        return sum(state.trials for state in self.states)
 
 
 @dataclass(frozen=True, eq=False)
@@ -260,22 +182,13 @@ def relaxations(
                 return tuple(found)
             if answer.found.feasible:
                 least = min(least, answer.found.objective)
-        limit = _limit(bound)
+        limit = limit_of(bound)
         low = isinstance(bound, Requirement) and bound.high is None
         maximized = isinstance(bound, ObjectiveLimit) and find_objective(bound.objective).largest
         nearest = limit + (-least if low or maximized else least)
         nearest = nearest if np.isfinite(nearest) else float("nan")
         found.append(RelaxedBound(bound, float(nearest), float(least / (abs(limit) or 1.0))))
     return tuple(sorted(found, key=lambda item: item.change))
-
-
-def _limit(bound: Requirement | ObjectiveLimit) -> float:
-    """Return the bound that counts: the largest value, else the least one [SI]."""
-    if isinstance(bound, ObjectiveLimit):
-        return bound.most
-    limit = bound.low if bound.high is None else bound.high
-    assert limit is not None  # a requirement has one of them
-    return limit
 
 
 def _result(
@@ -296,7 +209,7 @@ def _result(
         regime=best and best.state.regime,
         feasible=best is not None and best.found.feasible,
         objective=best.found.objective if best else float("nan"),
-        outcomes=_outcomes(case, best.found) if best else (),
+        outcomes=outcomes_of(case, best.found) if best else (),
         states=states,
         refused=refused,
         relaxed=relaxed,
@@ -304,13 +217,3 @@ def _result(
         poses=0 if trial is None else trial.poses.over(case.requirements.theta).poses,
         inner=trial and trial.inner,
     )
-
-
-def _outcomes(case: SynthesisCase, found: Evaluation) -> tuple[BoundOutcome, ...]:
-    bounds = (*case.requirements.bounds, *case.limits)
-    values = (*found.worst.tolist(), *found.limits.tolist())
-    rows = []
-    for bound, value in zip(bounds, values, strict=True):
-        margin = float(bound.margin(value))
-        rows.append(BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(_limit(bound))))
-    return tuple(rows)

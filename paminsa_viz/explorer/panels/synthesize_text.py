@@ -15,9 +15,9 @@ from paminsa_viz.model import PARAMETER, Design, InvalidInput, PaminsaError
 from paminsa_viz.model.parameters import Parameter
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Workspace
+from paminsa_viz.synthesis.answer import BoundOutcome, SynthesisResult
 from paminsa_viz.synthesis.case import ObjectiveLimit
 from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.search import BoundOutcome, SynthesisResult
 from paminsa_viz.units import format_value, number, percent_change
 
 

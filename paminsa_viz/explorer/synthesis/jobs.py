@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 from paminsa_viz.model import Design
 
 if TYPE_CHECKING:
+    from paminsa_viz.synthesis.answer import SynthesisResult
     from paminsa_viz.synthesis.case import SynthesisCase
     from paminsa_viz.synthesis.robustness import BuildYield
-    from paminsa_viz.synthesis.search import SynthesisResult
 
 Range = tuple[float, float]
 

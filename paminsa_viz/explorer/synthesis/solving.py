@@ -19,12 +19,13 @@ from paminsa_viz.explorer.synthesis.jobs import (
 from paminsa_viz.model import Design, PaminsaError
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.studies.executors import Workers, here, processes
+from paminsa_viz.synthesis.answer import SynthesisResult
 from paminsa_viz.synthesis.check import check_requirements
 from paminsa_viz.synthesis.evaluation import Evaluator
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.outer import SearchProgress
 from paminsa_viz.synthesis.robustness import BuildYield, build_yield
-from paminsa_viz.synthesis.search import SynthesisResult, synthesize
+from paminsa_viz.synthesis.search import synthesize
 
 PERIOD = 0.5
 """Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
