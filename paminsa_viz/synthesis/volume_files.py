@@ -76,11 +76,9 @@ def volume_table(volume: Volume) -> DataTable:
     outside), and the least margin of each requirement over its headings, NaN out of reach. A binary
     file holds the axes and arrays (x, y, z) of all nodes instead, and ``cause_words`` by code.
     """
-    near = ndimage.binary_dilation(volume.reachable)
-    index = np.nonzero(near)
-    x, y, z = (
-        np.round(axis[i], 9) for axis, i in zip((volume.x, volume.y, volume.z), index, strict=True)
-    )
+    near: NDArray[np.bool_] = np.asarray(ndimage.binary_dilation(volume.reachable), np.bool_)
+    places = zip((volume.x, volume.y, volume.z), np.nonzero(near), strict=True)
+    x, y, z = (np.round(axis[i], 9) for axis, i in places)
     words = np.array([cause.word for cause in volume.causes])
     margins: dict[str, Array] = {}
     for index, bound in enumerate(volume.requirements.bounds):
