@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from paminsa_viz.dimensions import layers as at
+from paminsa_viz.dimensions.fixed_parts import PAYLOAD_RATIO
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
 from paminsa_viz.model.leg_points import bar_length
@@ -15,8 +16,8 @@ from paminsa_viz.model.parameters import BAR_ENDS, Counterweight
 LOAD_DENSITY: Final = 3500.0
 """Density that turns the payload's mass into the size it is drawn at [kg/m^3]."""
 
-PAYLOAD_HEIGHT: Final = 1.25 * (1.0 / LOAD_DENSITY / (1.25 * np.pi)) ** (1 / 3)
-"""Height of a payload of 1 kg: a drum 1.25 times as high as its radius [m]."""
+PAYLOAD_HEIGHT: Final = PAYLOAD_RATIO * (1.0 / LOAD_DENSITY / (PAYLOAD_RATIO * np.pi)) ** (1 / 3)
+"""Height of a payload of 1 kg: a drum `PAYLOAD_RATIO` times as high as its radius [m]."""
 
 
 def payload_scale(mass: float) -> float:

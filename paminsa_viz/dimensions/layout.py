@@ -15,9 +15,11 @@ from typing import Final
 
 import numpy as np
 
+from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry, KneeBranch
+from paminsa_viz.model.kinematics import AXIS_ANGLES
 from paminsa_viz.model.reach import workspace_radius
 
 MAST_ANGLE: Final = float(np.radians(150.0))
@@ -182,3 +184,16 @@ def lift_motor_base(geometry: Geometry) -> float:
 def lift_motor_height(geometry: Geometry) -> float:
     """Return the height of the top of M4's motor [m]."""
     return lift_motor_base(geometry) + at.LIFT_MOTOR_HEIGHT
+
+
+def column_heights(place: FrameLayout) -> tuple[float, float]:
+    """Return the ends of M4's screw and rods with the lower knee [m]."""
+    start, into = size.COLUMN_INTO
+    return at.MOUNT + at.PLATE + start, place.column_top + into
+
+
+def ring_arcs(radius: float) -> list[tuple[float, float]]:
+    """Return the arcs of the base plate's ring between the motors (start, end) [rad]."""
+    gap = 2 * np.arcsin(min(size.RING_GAP / (2 * radius), 1.0))
+    arcs = [(angle + gap, angle + 2 * np.pi / 3 - gap) for angle in AXIS_ANGLES]
+    return [(float(start), float(end)) for start, end in arcs if end > start]

@@ -22,6 +22,7 @@ from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.requirements_panel import RequirementsPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
+from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.scene.legend import SceneLegend
@@ -61,6 +62,8 @@ def build_tabs(
         identify = Panel(session, identify_entries())
     with places["Requirements"]:
         requirements = RequirementsPanel(session, bridge)
+    with places["Synthesize"]:
+        synthesize = Panel(session, SYNTHESIZE)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
@@ -69,7 +72,7 @@ def build_tabs(
         files = Panel(session, FILE)
         bridge.on(EXAMPLE, partial(receive_example, session))
     session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
-    session.fast.append(requirements)
+    session.fast += [requirements, synthesize]
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
     register_commands(session)

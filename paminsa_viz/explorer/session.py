@@ -12,7 +12,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import viser
 
@@ -21,7 +21,9 @@ from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.motion.actions import advance_time
 from paminsa_viz.explorer.state import Document, State
+from paminsa_viz.explorer.synthesis.actions import previewed
 from paminsa_viz.model import PaminsaError
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 
 log = logging.getLogger(__name__)
 
@@ -32,18 +34,30 @@ DEPTH = 200
 """Steps that are kept."""
 
 
+class Snapshot(NamedTuple):
+    """What undo brings back: the document, and which poses count, which everything is judged by."""
+
+    document: Document
+    condition_limit: float = CONDITION_LIMIT
+
+    @classmethod
+    def of(cls, state: State) -> Snapshot:
+        """Return that of a state."""
+        return cls(state.document, state.condition_limit)
+
+
 @dataclass
 class History:
-    """Past and undone documents of one session."""
+    """Past and undone snapshots of one session."""
 
-    past: list[Document] = field(default_factory=list)
-    future: list[Document] = field(default_factory=list)
+    past: list[Snapshot] = field(default_factory=list)
+    future: list[Snapshot] = field(default_factory=list)
     _source: str = ""
     _time: float = -1e9
 
-    def record(self, before: Document, after: Document, source: str, now: float) -> None:
+    def record(self, before: Snapshot, after: Snapshot, source: str, now: float) -> None:
         """Remember a change from ``before`` to ``after``, made by ``source`` at ``now`` [s]."""
-        if before == after and before.design.name == after.design.name:
+        if before == after and before.document.design.name == after.document.design.name:
             return
         same_drag = source == self._source and now - self._time < PAUSE and bool(self.past)
         self._source, self._time = source, now
@@ -52,8 +66,8 @@ class History:
             self.past.append(before)
             del self.past[:-DEPTH]
 
-    def travel(self, current: Document, *, back: bool) -> Document | None:
-        """Return the document before the last step, or the one that the last undo left, or None."""
+    def travel(self, current: Snapshot, *, back: bool) -> Snapshot | None:
+        """Return the snapshot before the last step, or the one that the last undo left, or None."""
         self._source = ""
         source, target = (self.past, self.future) if back else (self.future, self.past)
         if not source:
@@ -175,9 +189,10 @@ class Session:
         )
 
     def _travel(self, *, back: bool) -> None:
-        document = self._history.travel(self._state.document, back=back)
-        if document is not None:
-            self._state = actions.restore(self._state, document)
+        found = self._history.travel(Snapshot.of(self._state), back=back)
+        if found is not None:
+            restored = actions.restore(self._state, found.document)
+            self._state = replace(restored, condition_limit=found.condition_limit)
 
     def _run(self) -> None:
         idle_due: float | None = None
@@ -220,7 +235,8 @@ class Session:
         self._state = replace(before)
         self._state = action(before)
         if step:
-            self._history.record(before.document, self._state.document, source, time.monotonic())
+            after = Snapshot.of(self._state)
+            self._history.record(Snapshot.of(before), after, source, time.monotonic())
 
     def _play_on(self) -> None:
         """Let a motion that is played move on by the time that has passed.
@@ -249,7 +265,7 @@ class Session:
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
-        frame = compute(state)
+        frame = compute(previewed(state))
         self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         self._draw_together(self.fast, frame, dragging)

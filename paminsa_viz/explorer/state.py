@@ -18,6 +18,7 @@ from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
+from paminsa_viz.explorer.synthesis.jobs import Synthesizing
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -147,7 +148,7 @@ class State:
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
         simulating, balancing, springing, driving, manufacture, loads, elastic_view, identifying,
-            requiring, engine_answer: Jobs of the session and what came of them.
+            requiring, synthesizing, engine_answer: Jobs of the session and what came of them.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
@@ -174,6 +175,7 @@ class State:
     elastic_view: ElasticView = field(default_factory=ElasticView)
     identifying: Identifying = field(default_factory=Identifying)
     requiring: Requiring = field(default_factory=Requiring)
+    synthesizing: Synthesizing = field(default_factory=Synthesizing)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)

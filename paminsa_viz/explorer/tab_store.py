@@ -94,7 +94,8 @@ class TabStore:
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Save what has changed."""
-        if dragging:
+        # A search may show a robot that is not the document's.
+        if dragging or frame.state.synthesizing.running is not None:
             return
         text = dump(frame.state)
         if text != self._kept:

@@ -15,6 +15,7 @@ import numpy as np
 import trimesh
 
 from paminsa_viz import palette
+from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import layout, plinth_radius, polar
 from paminsa_viz.dimensions.placement import BODIES
@@ -120,7 +121,7 @@ def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Mes
     for side, end, headed in ((-1.0, low, heads[0]), (1.0, high, heads[1])):
         if headed:
             head = end + side * at.PIN_HEAD
-            outer = rod(0.0105, end - side * 0.0002, head, 0.0, 10)
+            outer = rod(size.COLLAR_RADIUS, end - side * 0.0002, head, 0.0, 10)
             socket = rod(0.0048, head - side * 0.001, head + side * 0.0002, 0.0, 4)
             part.add("steel", moved(outer, rotation=ACROSS))
             part.add("dark", moved(socket, rotation=ACROSS))
@@ -129,7 +130,7 @@ def pin(low: float, high: float, heads: tuple[bool, bool] = (True, True)) -> Mes
 
 def collar(low: float, high: float) -> trimesh.Trimesh:
     """Return a spacer on a pin across the leg plane."""
-    return moved(rod(0.0105, low, high, 0.0, 10), rotation=ACROSS)
+    return moved(rod(size.COLLAR_RADIUS, low, high, 0.0, 10), rotation=ACROSS)
 
 
 def bar(layer: str, length: float, middle: float | None = None) -> MeshPart:
@@ -146,9 +147,9 @@ def bar(layer: str, length: float, middle: float | None = None) -> MeshPart:
         part.join(fixed_part("barrel").moved((stop, 0.0, 0.0)))
     gaps = [high - low for low, high in pairwise(stops)]
     for i, stop in enumerate(stops):
-        if i < len(gaps) and gaps[i] > 0.062:
+        if i < len(gaps) and gaps[i] > size.SOCKETS_FROM:
             part.join(fixed_part("bar_end").moved((stop, 0.0, 0.0)))
-        if i > 0 and gaps[i - 1] > 0.062:
+        if i > 0 and gaps[i - 1] > size.SOCKETS_FROM:
             part.join(fixed_part("bar_end").moved((stop, 0.0, 0.0), turn("z", np.pi)))
     return part.moved((0.0, at.LAYER[layer], 0.0))
 
@@ -176,7 +177,7 @@ def shaft(length: float) -> MeshPart:
     """Return shaft B2 with the pin of joint 3; origin at 3, +z up to joint 2."""
     top = length + at.ARM_BEARING_HALF + 0.004
     part = fixed_part("shaft_end")
-    part.add("steel", splined(at.SHAFT_RADIUS, 0.02, top))
+    part.add("steel", splined(at.SHAFT_RADIUS, size.SHAFT_LOW, top))
     return part.join(fixed_part("shaft_nut").moved((0.0, 0.0, length)))
 
 
@@ -199,12 +200,12 @@ def guide(length: float, knee: KneeBranch) -> MeshPart:
     part = fixed_part("quill")
     if knee is KneeBranch.UPPER:
         part = part.moved(rotation=turn("x", np.pi))
-    rail = beam(0.02, length - 0.001, (0.022, 0.021), (0.022, 0.021), 0.002, 0.0005)
+    rail = beam(size.RAIL_START, length - 0.001, (0.022, 0.021), (0.022, 0.021), 0.002, 0.0005)
     part.add("body", moved(rail, rotation=turn("z", np.pi)))
     for side in (-1.0, 1.0):
         strip = box((max(length - 0.045, 0.01), 0.003, 0.007), chamfer=0.0)
         part.add("steel", moved(strip, (-(length + 0.015) / 2, side * 0.0112, 0.0)))
-    part.add("accent", box((0.010, 0.034, 0.032), (-length - 0.005, 0.0, 0.0), 0.002))
+    part.add("accent", box(size.STOP, (-length - size.STOP[0] / 2, 0.0, 0.0), 0.002))
     return part
 
 
@@ -215,19 +216,26 @@ def carriage(base_radius: float, arm_length: float, ram: float) -> MeshPart:
     root = tip - arm_length
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
-        start = min(max(root, 0.0), tip) - 0.006
-        if root > 0.042:
+        start = min(max(root, 0.0), tip) - size.ARM_OVERLAP
+        if root > size.CARRIAGE_RADIUS:
             # The arm begins further out than the carriage is wide: a neck bridges the rest.
-            part.add("body", moved(beam(0.03, root, (0.024, 0.026), (0.024, 0.026)), rotation=spin))
-        if tip - 0.02 > start:
-            arm = beam(start, tip - 0.02, (0.034, 0.048), (0.021, 0.026), 0.006, 0.002)
+            part.add(
+                "body",
+                moved(beam(size.NECK_START, root, size.ARM_NECK, size.ARM_NECK), rotation=spin),
+            )
+        if tip - size.ARM_END > start:
+            arm = beam(
+                start, tip - size.ARM_END, size.ARM_ROOT, size.ARM_TIP, 0.006, size.ARM_CHAMFER
+            )
             part.add("accent", moved(arm, rotation=spin))
         part.join(fixed_part("arm_bearing").moved(polar(tip, angle)))
     if ram:
-        top = at.CARRIAGE_HALF + ram + 0.02
+        top = at.CARRIAGE_HALF + ram + size.RAM_BEYOND
         part.add("steel", rod(at.RAM_RADIUS, at.CARRIAGE_HALF, top, 0.001, 22))
-        part.add("body", rod(0.026, at.CARRIAGE_HALF - 0.001, at.CARRIAGE_HALF + 0.012, 0.002, 24))
-        part.add("body", rod(0.026, -at.CARRIAGE_HALF - 0.004, 0.001 - at.CARRIAGE_HALF, 0.002, 24))
+        radius, (below, above) = size.RAM_COLLAR_RADIUS, size.RAM_COLLAR
+        half = at.CARRIAGE_HALF
+        part.add("body", rod(radius, half - 0.001, half + above, 0.002, 24))
+        part.add("body", rod(radius, -half - below, 0.001 - half, 0.002, 24))
     return part
 
 
@@ -235,12 +243,14 @@ def platform(radius: float, joint_height: float) -> MeshPart:
     """Return the platform without its swivels; origin at the paper's point P of the platform."""
     top = joint_height - at.PLATE_BELOW_5
     corners = np.array([polar(radius, a)[:2] for a in sorted(AXIS_ANGLES)])
-    outline = rounded_polygon(corners, 0.025, 0.0, 3 if is_plain() else 8)
+    outline = rounded_polygon(corners, size.PLATE_CORNER, 0.0, 3 if is_plain() else 8)
     part = MeshPart()
-    plate = prism(outline, top - 0.010, top, 0.0016)
+    plate = prism(outline, top - size.PLATE_THICKNESS, top, 0.0016)
     part.add("platform", plate)
-    part.add("body", tube(0.016, 0.030, top - 0.001, top + 0.0025, 0.0, 28))
-    return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - 0.010)))
+    part.add(
+        "body", tube(0.016, size.PLATE_RING_RADIUS, top - 0.001, top + size.PLATE_RING, 0.0, 28)
+    )
+    return part.join(fixed_part("tool_flange").moved((0.0, 0.0, top - size.PLATE_THICKNESS)))
 
 
 def slider() -> MeshPart:

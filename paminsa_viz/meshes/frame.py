@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import numpy as np
 
+from paminsa_viz.dimensions import fixed_parts as size
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import (
     MAST,
     MAST_ANGLE,
     FrameLayout,
+    column_heights,
     cylinder_length,
     layout,
     plinth_outline,
     plinth_radius,
     polar,
+    ring_arcs,
 )
 from paminsa_viz.meshes.library import fixed_part
 from paminsa_viz.meshes.part import MeshPart
@@ -44,7 +47,8 @@ def ground(geometry: Geometry) -> MeshPart:
     radius, outline = plinth_radius(geometry), plinth_outline(geometry)
     top = layout(geometry).ground
     low, high = (
-        np.column_stack([outline, np.full(len(outline), h)]) for h in (top - 0.020, top - 0.0015)
+        np.column_stack([outline, np.full(len(outline), h)])
+        for h in (top - size.PLINTH_HEIGHT, top - 0.0015)
     )
     part = MeshPart().add("floor", fan(outline * (1 - 0.002 / radius), top))
     part.add("rim", loft([low, high]))
@@ -59,10 +63,10 @@ def base(geometry: Geometry) -> MeshPart:
     place = layout(geometry)
     plate = _base_plate(geometry)
     if geometry.knee is KneeBranch.LOWER:
-        arm = _cantilever(place, 0.045, at.MOUNT + 0.0012, (0.036, 0.020), (0.054, 0.092))
+        arm = _cantilever(place, at.MOUNT + size.CANTILEVER_RISE, *size.CANTILEVER)
         return plate.join(_mast(place), arm, _column(place))
-    top = -at.MOUNT - 0.0012
-    arm = _cantilever(place, 0.045, top, (0.036, 0.020), (0.054, 0.092))
+    top = -at.MOUNT - size.CANTILEVER_RISE
+    arm = _cantilever(place, top, *size.CANTILEVER)
     # Mirrored in the plane of its straight edge: deep side down.
     arm = arm.moved((0.0, 0.0, 2 * top), FLIP @ turn("z", np.pi - 2 * MAST_ANGLE))
     return plate.moved(rotation=FLIP).join(_mast(place), arm, _bridge(place))
@@ -94,20 +98,20 @@ def lift(geometry: Geometry) -> MeshPart:
 def _base_plate(geometry: Geometry) -> MeshPart:
     """The plate above the guides: hub, spokes to the motors, ring."""
     low, high = at.MOUNT, at.MOUNT + at.PLATE
-    part = MeshPart().add("frame", rod(0.064, low, high, 0.002, 32))
+    part = MeshPart().add("frame", rod(size.HUB_RADIUS, low, high, 0.002, 32))
     radius = geometry.base_radius
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
         # Spokes stand on edge above the plate's lower face, clear of the bars below.
-        spoke = beam(0.05, radius - 0.05, (0.050, 0.016), (0.034, 0.016), 0.003, 0.0015)
-        part.add("frame", moved(spoke, (0.0, 0.0, low + 0.0085), spin))
-        seat = tube(at.QUILL_RADIUS + 0.001, 0.073, low + 0.0003, high, 0.0015, 28)
+        sections = [(width, size.SPOKE_HEIGHT) for width in size.SPOKE_WIDTHS]
+        ends = size.SPOKE_END, radius - size.SPOKE_END
+        spoke = beam(*ends, *sections, 0.003, size.SPOKE_CHAMFER)
+        part.add("frame", moved(spoke, (0.0, 0.0, low + size.SPOKE_MIDDLE), spin))
+        seat = tube(at.QUILL_RADIUS + 0.001, size.SEAT_RADIUS, low + 0.0003, high, 0.0015, 28)
         part.add("frame", moved(seat, polar(radius, angle)))
-    gap = 2 * np.arcsin(min(0.060 / (2 * radius), 1.0))
-    for angle in AXIS_ANGLES:
-        start, end = angle + gap, angle + 2 * np.pi / 3 - gap
-        if end > start:
-            part.add("frame", arc_beam(radius, 0.026, low + 0.0008, low + 0.0152, start, end))
+    bottom, top = (low + height for height in size.RING)
+    for start, end in ring_arcs(radius):
+        part.add("frame", arc_beam(radius, size.RING_WIDTH, bottom, top, start, end))
     return part
 
 
@@ -117,7 +121,7 @@ def _mast(place: FrameLayout) -> MeshPart:
     where = polar(place.mast_radius, MAST_ANGLE)
     low, top = place.ground, place.mast_top
     part = fixed_part("mast_foot").moved(where + polar(0.0, 0.0, low), spin)
-    profile = prism(rounded_rectangle(*MAST, 0.010, steps=3), low + 0.008, top, 0.001)
+    profile = prism(rounded_rectangle(*MAST, 0.010, steps=3), low + size.MAST_START, top, 0.001)
     part.add("frame", moved(profile, where, spin))
     for side in (-1.0, 1.0):
         # Dark inlays in the profile's grooves; they protrude by less than can be seen.
@@ -125,16 +129,15 @@ def _mast(place: FrameLayout) -> MeshPart:
             groove = box((0.008, 0.002, top - low - 0.07), chamfer=0.0)
             across = np.array([offset, side * (MAST[1] / 2 - 0.0006), (top + low) / 2])
             part.add("body", moved(moved(groove, across), where, spin))
-    cap = prism(
-        rounded_rectangle(MAST[0] + 0.003, MAST[1] + 0.003, 0.011), top - 0.001, top + 0.010
-    )
+    more, above = size.MAST_CAP
+    cap = prism(rounded_rectangle(MAST[0] + more, MAST[1] + more, 0.011), top - 0.001, top + above)
     return part.add("dark", moved(cap, where, spin))
 
 
 def _cantilever(
     place: FrameLayout,
-    start: float,
     low: float,
+    start: float,
     inner: tuple[float, float],
     outer: tuple[float, float],
 ) -> MeshPart:
@@ -142,7 +145,7 @@ def _cantilever(
 
     ``inner`` and ``outer`` are its (width, height) at the axis and at the mast.
     """
-    end = place.mast_radius - MAST[0] / 2 + 0.004
+    end = place.mast_radius - MAST[0] / 2 + size.CANTILEVER_INTO_MAST
     spin = turn("z", MAST_ANGLE)
 
     def loop(x: float, size: tuple[float, float]) -> Array:
@@ -152,18 +155,20 @@ def _cantilever(
 
     arm = loft([loop(start, inner), loop(end, outer)])
     part = MeshPart().add("frame", moved(arm, rotation=spin))
-    flange = rounded_rectangle(0.014, outer[0] + 0.012, 0.003)
-    plate = prism(flange, low - 0.006, low + outer[1] + 0.006)
+    thick, wide, high = size.FLANGE_PLATE
+    flange = rounded_rectangle(thick, outer[0] + wide, 0.003)
+    plate = prism(flange, low - high, low + outer[1] + high)
     return part.add("body", moved(plate, polar(end - 0.006, MAST_ANGLE), spin))
 
 
 def _column(place: FrameLayout) -> MeshPart:
     """M4's column with the lower knee: foot, three guide rods and the screw."""
     bottom = at.MOUNT + at.PLATE
+    low, high = column_heights(place)
     part = fixed_part("lift_foot").moved((0.0, 0.0, bottom))
-    part.add("steel", rod(at.SCREW_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 10))
+    part.add("steel", rod(at.SCREW_RADIUS, low, high, 0.0, 10))
     for angle in at.ROD_ANGLES:
-        guide = rod(at.ROD_RADIUS, bottom + 0.01, place.column_top + 0.005, 0.0, 8)
+        guide = rod(at.ROD_RADIUS, low, high, 0.0, 8)
         part.add("steel", moved(guide, polar(at.ROD_CIRCLE, angle)))
     return part
 
@@ -171,5 +176,7 @@ def _column(place: FrameLayout) -> MeshPart:
 def _bridge(place: FrameLayout) -> MeshPart:
     """The arm over the robot with the upper knee, which carries M4."""
     low, high = place.column_top, place.column_top + at.PLATE_OF_BRIDGE
-    part = MeshPart().add("frame", tube(at.RAM_RADIUS + 0.002, 0.070, low, high, 0.002, 40))
-    return part.join(_cantilever(place, 0.052, low + 0.0012, (0.044, 0.020), (0.056, 0.078)))
+    part = MeshPart().add(
+        "frame", tube(at.RAM_RADIUS + 0.002, size.BRIDGE_RADIUS, low, high, 0.002, 40)
+    )
+    return part.join(_cantilever(place, low + size.CANTILEVER_RISE, *size.BRIDGE_CANTILEVER))

@@ -69,6 +69,24 @@ def least_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[
     return _lesser(worst, which, d.axis, 11.0)
 
 
+def serial_margin(m: Mechanism, x: Any, y: Any, c: Any, s: Any, z: Any) -> tuple[Any]:
+    """Return the smallest margin of all legs to a pantograph stretched, folded or on its axis [m].
+
+    It is `least_margin` without the ends of the guides, which are no singularity.
+    """
+    worst = _serial_margin(leg_margins(m, AXIS_X[0], AXIS_Y[0], x, y, c, s, z))
+    other = _serial_margin(leg_margins(m, AXIS_X[1], AXIS_Y[1], x, y, c, s, z))
+    worst = where(other < worst, other, worst)
+    other = _serial_margin(leg_margins(m, AXIS_X[2], AXIS_Y[2], x, y, c, s, z))
+    return (where(other < worst, other, worst),)
+
+
+def _serial_margin(leg: LegMargins) -> Any:
+    """Return the smallest margin of a leg to a singularity [m]; NaN stays."""
+    worst = where(leg.fold < leg.stretch, leg.fold, leg.stretch)
+    return where(leg.axis < worst, leg.axis, worst)
+
+
 def _lesser(value: Any, tag: Any, other: Any, other_tag: Any) -> tuple[Any, Any]:
     """Return the lesser of two values and its tag; a first value that is NaN stays."""
     second = other < value

@@ -14,8 +14,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.grids import Field
-from paminsa_viz.model.reach import LEAST_MARGIN, MARGINS, Limit, Reach
+from paminsa_viz.model.measures import serial_margin
+from paminsa_viz.model.reach import MARGINS, Limit, Reach
 
 CONDITION_LIMIT: Final = 10.0
 """Largest condition number of a pose that counts, unless another is set: a local conditioning index
@@ -25,36 +28,40 @@ SERIAL_CLEARANCE: Final = 0.01
 """Least distance to a stretched or folded pantograph, and to the leg axis, of a pose that counts
 [m]."""
 
-_GUIDE: Final = MARGINS.index(Limit.GUIDE)
+SERIAL_MARGIN: Final = Formula(serial_margin, 1)
+
+_SERIAL: Final = [index for index, limit in enumerate(MARGINS) if limit is not Limit.GUIDE]
 
 
 def near_singularity(
-    condition: ArrayLike, margin: ArrayLike, which: ArrayLike, limit: float = CONDITION_LIMIT
+    condition: ArrayLike, margin: ArrayLike, limit: float = CONDITION_LIMIT
 ) -> NDArray[np.bool_]:
     """Return which poses are too close to a singularity, True where a number is missing.
 
     Args:
         condition: (...) condition numbers as in `Singularity`.
-        margin: (...) least margins to a limit of reach [m].
-        which: (...) which margin that is, see `measures.least_margin`; the end of a guide is no
-            singularity.
+        margin: (...) least margins to a limit of reach that is a singularity [m], see
+            `measures.serial_margin`; the end of a guide is none.
         limit: Largest condition number that counts.
     """
-    clear = (np.asarray(margin) >= SERIAL_CLEARANCE) | (np.asarray(which) % len(MARGINS) == _GUIDE)
     with np.errstate(invalid="ignore"):
+        clear = np.asarray(margin) >= SERIAL_CLEARANCE
         return ~((np.asarray(condition) <= limit) & clear)
+
+
+def serial_margins(reach: Reach) -> Array:
+    """Return the least margins to a limit of reach that is a singularity (...) [m]."""
+    return reach.margins[..., _SERIAL].min(axis=(-1, -2))
 
 
 def near_by_reach(
     condition: ArrayLike, reach: Reach, limit: float = CONDITION_LIMIT
 ) -> NDArray[np.bool_]:
     """Return the same for poses with their condition numbers and their reach, (...)."""
-    margins = reach.margins.reshape(*reach.margins.shape[:-2], -1)
-    return near_singularity(condition, margins.min(axis=-1), margins.argmin(axis=-1), limit)
+    return near_singularity(condition, serial_margins(reach), limit)
 
 
 def counting(field: Field, limit: float = CONDITION_LIMIT) -> NDArray[np.bool_]:
     """Return which poses of a field can be taken and are not too close to a singularity, (...)."""
-    margin, which = field.solve(LEAST_MARGIN)
-    near = near_singularity(field.condition, margin, which, limit)
+    near = near_singularity(field.condition, field.solve(SERIAL_MARGIN)[0], limit)
     return (field.status == Limit.OK) & ~near

@@ -121,7 +121,7 @@ class Effort:
     """
 
     generations: int = 200
-    population: int = 12
+    population: int = 8
 
     def __post_init__(self) -> None:
         for name, least in (("generations", 1), ("population", 4)):
@@ -139,7 +139,8 @@ class SynthesisCase:
     Attributes:
         requirements: What has to hold, with the workspace over which it holds.
         ranges: What is searched. The height of the workspace is, too, where the workspace leaves
-            it free; its range follows from the bars unless it is given as ``workspace.z``.
+            it free; its range follows from the bars unless it is given as ``workspace.z``. A free
+            x or y is taken as zero.
         reference: Where all other numbers come from.
         objective: Key of what is minimized.
         limits: Largest values of other objectives.
@@ -178,8 +179,11 @@ class SynthesisCase:
         workspace = self.requirements.workspace
         if workspace is None:
             raise InvalidInput("workspace", "a workspace is needed, over which requirements hold")
-        if workspace.center[0] is None or workspace.center[1] is None:
-            raise InvalidInput("workspace.center", "x and y of the center are needed")
+        x, y, z = workspace.center
+        if x is None or y is None:  # the robot is alike about its axis
+            workspace = replace(workspace, center=(x or 0.0, y or 0.0, z))
+            required = replace(self.requirements, workspace=workspace)
+            object.__setattr__(self, "requirements", required)
         check_inner(self.inner, (self.objective, *(limit.objective for limit in self.limits)))
         find_objective(self.objective)
         paths = [item.path for item in self.ranges]
@@ -266,7 +270,7 @@ class SynthesisCase:
         held = self.workspace
         x, y, z = held.center
         width = places.get("workspace.width")
-        wide = held.size[:2] if width is None else (width, width * held.size[1] / held.size[0])
+        wide = held.size[:2] if width is None else (width, width * (held.size[1] / held.size[0]))
         height = places.get("workspace.height", held.size[2])
         return replace(held, size=(*wide, height), center=(x, y, places.get("workspace.z", z)))
 

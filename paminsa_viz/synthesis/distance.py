@@ -80,13 +80,14 @@ def enclosed_volume(depth: Array, step: float) -> float:
         return 0.0
     vertices, faces = zero_surface(depth)
     a, b, c = (vertices[faces[:, i]] for i in range(3))
-    return float(abs(np.einsum("ij,ij->", a, np.cross(b, c))) / 6.0) * step**3
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0) * step**3
 
 
 def zero_surface(depth: Array) -> tuple[Array, Array]:
     """Return the closed surface where a depth is zero: vertices [nodes] and faces.
 
-    By marching cubes (Lorensen and Cline 1987). Beyond the last nodes is outside.
+    By marching cubes (Lorensen and Cline 1987). Beyond the last nodes is outside, and the faces'
+    normals point there.
     """
     # Late: needed only where there is a volume.
     import mcubes

@@ -37,7 +37,7 @@ ACCEPTED = 1e-6
 
 
 @dataclass(frozen=True)
-class EngineRow:
+class MujocoRow:
     """One requirement, by the formulas and by the engine.
 
     Attributes:
@@ -57,7 +57,7 @@ class EngineRow:
 
 
 @dataclass(frozen=True, eq=False)
-class RequirementCheck:
+class MujocoCheck:
     """What MuJoCo says of a design's requirements.
 
     Attributes:
@@ -68,7 +68,7 @@ class RequirementCheck:
     """
 
     version: str
-    rows: tuple[EngineRow, ...]
+    rows: tuple[MujocoRow, ...]
     left_out: tuple[str, ...]
     difference: float
 
@@ -78,7 +78,7 @@ class RequirementCheck:
         return self.difference <= TOLERANCE and all(row.met for row in self.rows)
 
 
-def check_requirements(
+def check_by_mujoco(
     design: Design,
     bounds: Sequence[Requirement],
     pose: Array,
@@ -89,7 +89,7 @@ def check_requirements(
     motion_force: float | None = None,
     count: int = POSES,
     seed: int = 0,
-) -> RequirementCheck:
+) -> MujocoCheck:
     """Compare a design's torques with MuJoCo's, and check the bounds on them by MuJoCo's.
 
     Args:
@@ -117,7 +117,7 @@ def check_requirements(
     chosen = {int(i) for i in rng.permutation(len(pose))[:count]}
     for bound in checked:
         inside = within(bound, pose)
-        order = inside[np.argsort(_margins(bound, held[inside]))]
+        order = inside[np.argsort(bound_margins(bound, held[inside]))]
         chosen |= set(order[:WORST].tolist())
     index = np.array(sorted(chosen), np.intp)
     robot = SprungMujocoRobot(design, springs)
@@ -127,7 +127,7 @@ def check_requirements(
     for bound in checked:
         at = within(bound, pose[index])
         if len(at):
-            pair = (_margins(bound, t[at]).min() for t in (held[index], found))
+            pair = (bound_margins(bound, t[at]).min() for t in (held[index], found))
             limit = bound.high if bound.high is not None else bound.low
             rows.append(_row(bound.entry.title, bound.entry.unit, len(at), *pair, limit or 0.0))
     for motion in motions:
@@ -144,7 +144,7 @@ def check_requirements(
             if most is not None:
                 pair = (most - float(np.abs(t[:, part]).max()) for t in (computed, reference))
                 rows.append(_row(f"{label} {motion.name}", unit, motion.size, *pair, most))
-    return RequirementCheck(
+    return MujocoCheck(
         load_mujoco().__version__,
         tuple(rows),
         tuple(dict.fromkeys(b.quantity for b in bounds if b.quantity not in ACTUATORS_OF)),
@@ -152,7 +152,7 @@ def check_requirements(
     )
 
 
-def _margins(bound: Requirement, torque: Array) -> Array:
+def bound_margins(bound: Requirement, torque: Array) -> Array:
     """Return margins to a bound of torques (n, 4), the least of its actuators (n,)."""
     part = torque[:, list(ACTUATORS_OF[bound.quantity])]
     return bound.margin(np.abs(part) if bound.quantity == "max_torque" else part).min(axis=1)
@@ -160,6 +160,6 @@ def _margins(bound: Requirement, torque: Array) -> Array:
 
 def _row(
     label: str, unit: str, poses: int, computed: float, engine: float, limit: float
-) -> EngineRow:
+) -> MujocoRow:
     met = engine >= -ACCEPTED * max(1.0, abs(limit))
-    return EngineRow(label, unit, poses, float(computed), float(engine), bool(met))
+    return MujocoRow(label, unit, poses, float(computed), float(engine), bool(met))

@@ -12,6 +12,7 @@ from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.inner import InnerSolution
 from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.outer import ROUND, RegimeState, SearchProgress, search_round
@@ -87,6 +88,8 @@ class SynthesisResult:
             that the others leave possible.
         canceled: Whether it was ended by the progress function.
         poses: Over how many poses the answer was verified.
+        inner: The best masses and springs for its lengths, with their certificate; None if none
+            are free.
     """
 
     case: SynthesisCase
@@ -101,6 +104,7 @@ class SynthesisResult:
     relaxed: tuple[RelaxedBound, ...]
     canceled: bool
     poses: int
+    inner: InnerSolution | None = None
 
     @property
     def trials(self) -> int:
@@ -298,6 +302,7 @@ def _result(
         relaxed=relaxed,
         canceled=canceled,
         poses=0 if trial is None else trial.poses.over(case.requirements.theta).poses,
+        inner=trial and trial.inner,
     )
 
 

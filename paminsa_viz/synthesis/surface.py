@@ -97,10 +97,7 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
         )[:2]
         cause = cause[cKDTree(vertices).query(fewer)[1]]
         vertices, triangles = np.asarray(fewer, float), np.asarray(triangles, np.int64)
-    a, b, c = (vertices[triangles[:, i]] for i in range(3))
-    if np.einsum("ij,ij->", a, np.cross(b, c)) < 0.0:
-        triangles = triangles[:, ::-1]
-    return VolumeSurface(vertices, np.ascontiguousarray(triangles), cause, volume.causes)
+    return VolumeSurface(vertices, triangles, cause, volume.causes)
 
 
 def _cause_at(volume: Volume, nodes: Array) -> NDArray[np.uint8]:

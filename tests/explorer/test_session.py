@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -212,6 +213,16 @@ def test_undo_and_redo_go_step_by_step(bench: Bench) -> None:
         bench.session.redo()
         eventually(lambda x=x: bench.x == x)
     assert not bench.session._history.future
+
+
+def test_undo_takes_back_which_poses_count(bench: Bench) -> None:
+    before = bench.session.state.condition_limit
+    bench.session.dispatch("limit", lambda state: replace(state, condition_limit=4.0))
+    eventually(lambda: bench.session.state.condition_limit == 4.0)
+    bench.session.undo()
+    eventually(lambda: bench.session.state.condition_limit == before)
+    bench.session.redo()
+    eventually(lambda: bench.session.state.condition_limit == 4.0)
 
 
 def test_closed_session_does_nothing_more(bench: Bench) -> None:

@@ -14,7 +14,7 @@ from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
 from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
 from paminsa_viz.explorer.panels.file_panel import uploaded_design
-from paminsa_viz.explorer.session import DEPTH, PAUSE, History
+from paminsa_viz.explorer.session import DEPTH, PAUSE, History, Snapshot
 from paminsa_viz.explorer.state import Document, initial_state
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.files.design_writer import NAME_CHARACTERS
@@ -182,10 +182,11 @@ def test_impossible_geometry_keeps_the_last_possible_one_and_takes_the_masses() 
 
 @given(steps=st.lists(documents(), min_size=2, max_size=8, unique_by=lambda d: d.pose))
 def test_undo_and_redo_go_through_every_step(steps: list[Document]) -> None:
-    history, current = History(), steps[-1]
-    for number, (before, after) in enumerate(pairwise(steps)):
+    taken = [Snapshot(step, 5.0 + number) for number, step in enumerate(steps)]
+    history, current = History(), taken[-1]
+    for number, (before, after) in enumerate(pairwise(taken)):
         history.record(before, after, f"control {number}", float(number))
-    for back, others in ((True, steps[-2::-1]), (False, steps[1:])):
+    for back, others in ((True, taken[-2::-1]), (False, taken[1:])):
         for expected in others:
             found = history.travel(current, back=back)
             assert found is expected
@@ -194,8 +195,8 @@ def test_undo_and_redo_go_through_every_step(steps: list[Document]) -> None:
 
 
 def test_drag_is_one_step_and_a_pause_or_another_control_starts_a_new_one() -> None:
-    history, start = History(), Document()
-    at = [replace(start, pose=(0.0, 0.0, 0.0, float(i))) for i in range(6)]
+    history, start = History(), Snapshot(Document())
+    at = [Snapshot(Document(pose=(0.0, 0.0, 0.0, float(i)))) for i in range(6)]
     history.record(start, at[0], "z", 0.0)
     history.record(at[0], at[1], "z", 0.9 * PAUSE)
     history.record(at[1], at[2], "z", 1.8 * PAUSE)
@@ -211,16 +212,16 @@ def test_drag_is_one_step_and_a_pause_or_another_control_starts_a_new_one() -> N
 
 def test_history_is_bounded_and_has_no_step_without_a_change() -> None:
     history = History()
-    history.record(Document(), Document(), "nothing", 0.0)
+    history.record(Snapshot(Document()), Snapshot(Document()), "nothing", 0.0)
     assert history.past == []
     renamed = replace(Document(), design=replace(APPENDIX_4, name="mine"))
-    history.record(Document(), renamed, "name", 0.0)
+    history.record(Snapshot(Document()), Snapshot(renamed), "name", 0.0)
     assert len(history.past) == 1  # a name is a change, though equality leaves it out
     for i in range(DEPTH + 10):
-        a, b = (Document(pose=(float(i + j), 0.0, 0.0, 0.0)) for j in (0, 1))
+        a, b = (Snapshot(Document(pose=(float(i + j), 0.0, 0.0, 0.0))) for j in (0, 1))
         history.record(a, b, str(i), 0.0)
     assert len(history.past) == DEPTH
-    assert history.past[-1].pose[0] == DEPTH + 9
+    assert history.past[-1].document.pose[0] == DEPTH + 9
 
 
 def test_changed_design_and_its_reference_have_different_names() -> None:

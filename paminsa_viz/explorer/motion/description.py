@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field, fields, replace
 from enum import Enum
-from typing import Any
+from typing import Any, Literal
 
 import msgspec
 
@@ -278,6 +278,7 @@ class PlotView:
         actuator: Index 0 to 3 of the actuator whose parts are plotted.
         published: Whether the formulas as published are plotted next to the corrected ones.
         engine: Whether an engine's torques are plotted on the formulas'.
+        checker: Which engine's.
         color: Index 0 to 3 of the actuator by whose torque the path is colored.
     """
 
@@ -285,6 +286,7 @@ class PlotView:
     actuator: int = 0
     published: bool = False
     engine: bool = False
+    checker: Literal["MuJoCo", "Pinocchio"] = "MuJoCo"
     color: int = 0
 
     @property

@@ -180,45 +180,55 @@ class EngineAnswer:
 
 
 @dataclass(frozen=True, eq=False)
+class EngineRequest:
+    """What an engine is asked: its torques along an analyzed motion."""
+
+    analysis: TrajectoryAnalysis
+    engine: str = "MuJoCo"
+
+
+@dataclass(frozen=True, eq=False)
 class Answer:
-    """What came of asking the engine.
+    """What came of asking an engine.
 
     Attributes:
-        analysis: The design on the motion that it was asked about.
+        request: What it was asked.
         found: Its torques, or None.
         problem: Why there are none.
         missing: Whether that is because there is no engine here, whatever the design.
     """
 
-    analysis: TrajectoryAnalysis
+    request: EngineRequest
     found: EngineAnswer | None
     problem: str = ""
     missing: bool = False
 
-    def serves(self, analysis: TrajectoryAnalysis) -> bool:
-        """Whether it holds for a design on a motion, and is not another's."""
-        own = self.analysis
-        return self.missing or (
-            own.trajectory is analysis.trajectory and own.design == analysis.design
+    def serves(self, analysis: TrajectoryAnalysis, engine: str = "MuJoCo") -> bool:
+        """Whether it holds for a design on a motion, of this engine, and is not another's."""
+        own = self.request.analysis
+        return self.request.engine == engine and (
+            self.missing
+            or (own.trajectory is analysis.trajectory and own.design == analysis.design)
         )
 
 
-def ask_engine(analysis: TrajectoryAnalysis) -> Answer:
-    """Ask the engine for the torques of a design on a motion."""
+def ask_engine(request: EngineRequest) -> Answer:
+    """Ask an engine for the torques of a design on a motion."""
     # Late: what engines need takes half a second to load.
     from paminsa_viz.engines.verification import TOLERANCE
     from paminsa_viz.plots.verified import engine_torques
 
+    analysis = request.analysis
     try:
         trajectory = analysis.trajectory
         count = min(trajectory.size, MOST_SAMPLES)
         kept = np.linspace(0, trajectory.size - 1, count).round().astype(np.intp)
         thinned = analyze(analysis.design, trajectory.take(kept))
         if not thinned.check.good.any():
-            return Answer(analysis, None, "the robot cannot run any of the motion")
-        engine = replace(engine_torques(thinned), samples=kept)
-        return Answer(analysis, EngineAnswer(thinned, engine, TOLERANCE))
+            return Answer(request, None, "the robot cannot run any of the motion")
+        engine = replace(engine_torques(thinned, request.engine), samples=kept)
+        return Answer(request, EngineAnswer(thinned, engine, TOLERANCE))
     except EngineMissing as error:
-        return Answer(analysis, None, str(error), missing=True)
+        return Answer(request, None, str(error), missing=True)
     except PaminsaError as error:
-        return Answer(analysis, None, str(error))
+        return Answer(request, None, str(error))

@@ -68,7 +68,7 @@ class MotionStore:
             published = self._analysis("published", document.design, motion, Misprint.ALL)
         outcome, answer = state.simulating.outcome, state.engine_answer
         simulation = outcome.simulation if outcome else None
-        if answer is not None and not answer.serves(current):
+        if answer is not None and not answer.serves(current, state.plots.checker):
             answer = None
         return self._collect(
             current, reference, published, simulation, answer, state.plots.needs_engine

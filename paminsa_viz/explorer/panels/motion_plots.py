@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, attribute
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import COMPARED, PLOTS, SIMULATED
-from paminsa_viz.explorer.motion.jobs import Answer, ask_engine
+from paminsa_viz.explorer.motion.jobs import Answer, EngineRequest, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import render
 from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCursor
@@ -26,8 +26,31 @@ from paminsa_viz.explorer.state import State
 from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
-from paminsa_viz.trajectory import TrajectoryAnalysis
 from paminsa_viz.units import NONE, number
+
+Engine = Literal["MuJoCo", "Pinocchio"]
+
+
+def _engine_switch(key: str, engine: Engine, order: float) -> Checkbox:
+    """Return the switch of an engine; at most one is compared with, and one for differences."""
+
+    def apply(state: State, on: bool) -> State:
+        if on:
+            return state.updated("plots", engine=True, checker=engine)
+        return state.updated("plots", engine=False)
+
+    def read(state: State) -> bool:
+        return state.plots.needs_engine and state.plots.checker == engine
+
+    return Checkbox(
+        key, engine, order=order,
+        hint=lambda _: why_missing(engine)
+        or f"Compare with {engine}, an independent physics engine; its torques are marks",
+        disabled=lambda _: bool(why_missing(engine)),
+        visible=lambda state: state.plots.plot in ("torques", "differences"),
+        read=read, apply=apply,
+    )  # fmt: skip
+
 
 INPUTS = (
     Dropdown(
@@ -40,14 +63,8 @@ INPUTS = (
         visible=lambda state: state.plots.plot == "breakdown",
         **attribute("plots.actuator"),
     ),
-    Checkbox(
-        "plots.engine", "MuJoCo", order=6.5,
-        hint=lambda _: why_missing("MuJoCo")
-        or "Marks: the torques of an independent physics engine",
-        disabled=lambda _: bool(why_missing("MuJoCo")),
-        visible=lambda state: state.plots.plot == "torques",
-        **attribute("plots.engine"),
-    ),
+    _engine_switch("plots.engine", "MuJoCo", 6.5),
+    _engine_switch("plots.pinocchio", "Pinocchio", 6.6),
     Checkbox(
         "plots.published", "as published", order=7,
         hint="Dotted: what the paper's formulas give with all their misprints",
@@ -90,7 +107,8 @@ class MotionPlots:
         if not self._slots.width(PLACE):
             return
         found = self.store.all(state)
-        self._checker.draw(found if state.plots.needs_engine else None, dragging)
+        wanted = found if state.plots.needs_engine else None
+        self._checker.draw(wanted, state.plots.checker, dragging)
         self._draw_curves(state, found)
         time = state.playback.time
         self._cursor.show(time)
@@ -223,29 +241,30 @@ def _value(value: float) -> str:
 
 
 class EngineChecker:
-    """Asks the engine as soon as a design and motion have not changed for a while."""
+    """Asks an engine as soon as a design and motion have not changed for a while."""
 
     def __init__(self, session: Session) -> None:
-        self._job: BackgroundJob[TrajectoryAnalysis, Answer] = BackgroundJob(
-            session, "plots.engine_answer", lambda analysis, _: ask_engine(analysis),
+        self._job: BackgroundJob[EngineRequest, Answer] = BackgroundJob(
+            session, "plots.engine_answer", lambda request, _: ask_engine(request),
             motions.receive_engine_answer,
-            failed=lambda analysis, problem: Answer(analysis, None, problem), undo=False,
+            failed=lambda request, problem: Answer(request, None, problem), undo=False,
         )  # fmt: skip
-        self._seen: TrajectoryAnalysis | None = None
+        self._seen: EngineRequest | None = None
         self._since = 0.0
 
-    def draw(self, found: MotionResults | None, dragging: bool) -> None:
+    def draw(self, found: MotionResults | None, engine: str, dragging: bool) -> None:
         """Ask about what is shown, unless it still changes or the answer is known.
 
         Args:
             found: The motion that an engine's torques are wanted for, or None.
+            engine: Which engine's.
             dragging: Whether the state changes; perhaps something else, or the motion plays.
         """
-        now = time.monotonic()
-        wanted = None if found is None else found.analysis
-        if wanted is not self._seen:
-            self._seen, self._since = wanted, now
-        if found is None or found.answer is not None:
+        now, seen = time.monotonic(), self._seen
+        if found is None:
+            self._seen = None
             return
-        if not dragging or now - self._since >= IDLE_DELAY:
-            self._job.request(wanted)
+        if seen is None or seen.analysis is not found.analysis or seen.engine != engine:
+            self._seen, self._since = EngineRequest(found.analysis, engine), now
+        if found.answer is None and (not dragging or now - self._since >= IDLE_DELAY):
+            self._job.request(self._seen)

@@ -185,6 +185,8 @@ register(
     Layer("proven_workspace", "Proven workspace",
           "Outline of the largest one, see the tab Requirements", _WORKSPACES, default=True,
           animated=False),
+    Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesize, as lines",
+          "best_robot:BestRobot", default=True),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer("points", "Points of the motion",
           "The poses that a motion is built from: click one, then drag it",
@@ -192,6 +194,12 @@ register(
     Layer("wanted_pose", "Wanted pose",
           "Translucent: where the robot should be, while its simulation is played",
           "ghost:WantedPose", default=True),
+    Layer("pinned_design", "Pinned design",
+          "Translucent: the reference at the same pose, where its shape differs",
+          "ghost:PinnedDesign", default=True),
+    Layer("joint_limits", "Joint limits",
+          "Sectors: from where to where each θ turns over the poses that count; lines: the travel "
+          "of joint 8 on its guide", "joint_limits:JointLimits"),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",

@@ -15,9 +15,10 @@ from paminsa_viz.engines import EngineMissing, why_missing
 from paminsa_viz.engines.verification import TOLERANCE, verify
 from paminsa_viz.explorer import actions, exports
 from paminsa_viz.explorer.entries import given
+from paminsa_viz.explorer.inputs import Checkbox
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import Kind
-from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, Answer, ask_engine
+from paminsa_viz.explorer.motion.jobs import MOST_SAMPLES, Answer, EngineRequest, ask_engine
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
 from paminsa_viz.explorer.panels import motion_plots
 from paminsa_viz.explorer.panels.motion_plots import (
@@ -56,7 +57,9 @@ def caption(found: MotionResults, state: State) -> str:
 
 def answered(state: State) -> State:
     """Return a state after the engine has computed its motion."""
-    return motions.receive_engine_answer(state, ask_engine(analyzed(state).analysis))
+    return motions.receive_engine_answer(
+        state, ask_engine(EngineRequest(analyzed(state).analysis, state.plots.checker))
+    )
 
 
 def engine_torques(found: MotionResults) -> Any:
@@ -205,6 +208,34 @@ def test_plain_installation_has_mujoco_and_a_missing_engine_is_disabled(
     why_missing.cache_clear()
 
 
+def test_pinocchio_is_compared_with_and_disabled_with_the_reason_where_it_is_missing(
+    state: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    switches = {e.label: e for e in INPUTS if isinstance(e, Checkbox)}
+    mujoco, pinocchio = switches["MuJoCo"], switches["Pinocchio"]
+    chosen = pinocchio.apply(state, True)
+    assert (mujoco.read(chosen), pinocchio.read(chosen)) == (False, True)
+    assert not pinocchio.read(pinocchio.apply(chosen, False))
+    shown = chosen.updated("plots", plot="differences", engine=False)
+    assert pinocchio.read(shown)
+    with monkeypatch.context() as patch:
+        patch.setitem(sys.modules, "pinocchio", None)
+        why_missing.cache_clear()
+        assert pinocchio.disabled is not None
+        assert pinocchio.disabled(state)
+        assert "paminsa-viz[verify]" in given(pinocchio.hint, state)
+    why_missing.cache_clear()
+    pytest.importorskip("pinocchio")
+    assert not pinocchio.disabled(state)
+    known = answered(chosen)
+    found = engine_torques(analyzed(known))
+    assert found.engine.name.startswith("Pinocchio")
+    assert found.comparison(analyzed(known).analysis).relative.max() < 1e-11
+    assert "Pinocchio" in caption(analyzed(known), known)
+    # One engine's answer is not the other's.
+    assert analyzed(mujoco.apply(known, True)).answer is None
+
+
 def test_missing_engine_is_reported_once_for_all_designs(
     state: State, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -234,11 +265,11 @@ class Bench:
         self.checker = EngineChecker(session)
         monkeypatch.setattr(motion_plots, "ask_engine", self._answer)
 
-    def _answer(self, analysis: Any) -> Answer:
-        self.designs.append(analysis.design.links.b3)
+    def _answer(self, request: EngineRequest) -> Answer:
+        self.designs.append(request.analysis.design.links.b3)
         self.came.release()
         assert self.may.acquire(timeout=TIMEOUT)
-        return Answer(analysis, None, "no matter")
+        return Answer(request, None, "no matter")
 
     def dispatch(self, source: str, action: Any, *, step: bool) -> None:
         assert not step
@@ -256,7 +287,7 @@ class Bench:
 
     def draw(self, b3: float, dragging: bool = False) -> None:
         self.state = actions.vary(self.state, {"links.b3": b3})
-        self.checker.draw(self.store.all(self.state), dragging)
+        self.checker.draw(self.store.all(self.state), "MuJoCo", dragging)
 
 
 def test_newest_design_is_computed_once_nothing_is_dragged(

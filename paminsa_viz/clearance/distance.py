@@ -1,0 +1,349 @@
+"""Least distance of two solids: exact for all pairs of capsules, boxes, cylinders and prisms.
+
+Two convex solids that are apart are nearest at an edge of one of them (a segment, or a circle for
+a cylinder), or between the round sides of two cylinders, on the common perpendicular of their axes:
+two flat faces that are nearest to each other are parallel, and the border of where they face each
+other belongs to an edge. So the least distance is that of all edges of each to the other solid
+(see `nearest`). Solids overlap where an edge of one, or the axis of a cylinder, meets the other, or
+the sides of two cylinders cross.
+
+Where cores overlap the distance is minus the least shift that parts them: over all normals of
+faces and all products of edges, which holds all that can be least between capsules, boxes and
+prisms. For cylinders it is the least among some directions: never less than the true one, and never
+of the wrong sign.
+
+A frame is twelve numbers: a rotation row by row, and the origin [m].
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.clearance.nearest import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    PRISM,
+    nearest_on_circle,
+    nearest_on_segment,
+    nearest_point,
+)
+
+TOUCH = 1e-24
+"""Squared distance of cores below which they count as overlapping [m^2]."""
+
+
+def relative_frame(frame: Any, other: Any, out: Any) -> None:
+    """Write a frame as seen from another one."""
+    for row in range(3):
+        for column in range(3):
+            out[3 * row + column] = (
+                other[row] * frame[column]
+                + other[3 + row] * frame[3 + column]
+                + other[6 + row] * frame[6 + column]
+            )
+        out[9 + row] = (
+            other[row] * (frame[9] - other[9])
+            + other[3 + row] * (frame[10] - other[10])
+            + other[6 + row] * (frame[11] - other[11])
+        )
+
+
+def _keep_nearest(
+    kind: int, size: Any, polygons: Any, first: int, last: int,
+    x: Any, y: Any, z: Any, frame: Any, swapped: bool, best: Any,
+) -> None:  # fmt: skip
+    """Keep a point and the solid's point nearest to it, in the world, if they are the nearest."""
+    qx, qy, qz = nearest_point(kind, size[0], size[1], size[2], polygons, first, last, x, y, z)
+    d2 = (x - qx) ** 2 + (y - qy) ** 2 + (z - qz) ** 2
+    if not d2 < best[0]:
+        return
+    best[0] = d2
+    here, there = (4, 1) if swapped else (1, 4)
+    for row in range(3):
+        f0, f1, f2, f3 = frame[3 * row], frame[3 * row + 1], frame[3 * row + 2], frame[9 + row]
+        best[here + row] = f0 * x + f1 * y + f2 * z + f3
+        best[there + row] = f0 * qx + f1 * qy + f2 * qz + f3
+
+
+def _try_segment(
+    kind: int, size: Any, polygons: Any, first: int, last: int, r: Any,
+    x: Any, y: Any, z: Any, dx: Any, dy: Any, dz: Any, frame: Any, swapped: bool, best: Any,
+) -> None:  # fmt: skip
+    """Try the segment from (x, y, z) along (dx, dy, dz), given in the frame ``r`` of its solid."""
+    px = r[0] * x + r[1] * y + r[2] * z + r[9]
+    py = r[3] * x + r[4] * y + r[5] * z + r[10]
+    pz = r[6] * x + r[7] * y + r[8] * z + r[11]
+    ex = r[0] * dx + r[1] * dy + r[2] * dz
+    ey = r[3] * dx + r[4] * dy + r[5] * dz
+    ez = r[6] * dx + r[7] * dy + r[8] * dz
+    t = nearest_on_segment(
+        kind, size[0], size[1], size[2], polygons, first, last, px, py, pz, ex, ey, ez
+    )
+    _keep_nearest(
+        kind, size, polygons, first, last,
+        px + t * ex, py + t * ey, pz + t * ez, frame, swapped, best,
+    )  # fmt: skip
+
+
+def _try_edges(
+    kind: int, size: Any, first: int, last: int, other: int, other_size: Any,
+    other_first: int, other_last: int, polygons: Any, r: Any, frame: Any, swapped: bool, best: Any,
+) -> None:  # fmt: skip
+    """Try all edges of a solid in the frame ``r``, as seen from another solid's ``frame``."""
+    a, b, c = size[0], size[1], size[2]
+    if kind in (CAPSULE, CYLINDER):
+        _try_segment(
+            other, other_size, polygons, other_first, other_last, r,
+            0.0, 0.0, -c, 0.0, 0.0, 2.0 * c, frame, swapped, best,
+        )  # fmt: skip
+    if kind == CYLINDER:
+        for side in range(2):
+            h = c if side else -c
+            x, y, z = r[2] * h + r[9], r[5] * h + r[10], r[8] * h + r[11]
+            cosine, sine = nearest_on_circle(
+                other, other_size[0], other_size[1], other_size[2], polygons,
+                other_first, other_last, x, y, z,
+                a * r[0], a * r[3], a * r[6], a * r[1], a * r[4], a * r[7],
+            )  # fmt: skip
+            _keep_nearest(
+                other, other_size, polygons, other_first, other_last,
+                x + a * (cosine * r[0] + sine * r[1]),
+                y + a * (cosine * r[3] + sine * r[4]),
+                z + a * (cosine * r[6] + sine * r[7]),
+                frame, swapped, best,
+            )  # fmt: skip
+    elif kind == BOX:
+        for edge in range(12):
+            u = a if edge & 1 else -a
+            v = b if edge & 1 else -b
+            w = b if edge & 2 else -b
+            h = c if edge & 2 else -c
+            if edge < 4:
+                x, y, z, dx, dy, dz = -a, v, h, 2.0 * a, 0.0, 0.0
+            elif edge < 8:
+                x, y, z, dx, dy, dz = u, -b, h, 0.0, 2.0 * b, 0.0
+            else:
+                x, y, z, dx, dy, dz = u, w, -c, 0.0, 0.0, 2.0 * c
+            _try_segment(
+                other, other_size, polygons, other_first, other_last, r,
+                x, y, z, dx, dy, dz, frame, swapped, best,
+            )  # fmt: skip
+    elif kind == PRISM:
+        px, py = polygons[last - 1, 0], polygons[last - 1, 1]
+        for i in range(first, last):
+            qx, qy = polygons[i, 0], polygons[i, 1]
+            for edge in range(3):
+                if edge == 0:
+                    z, dx, dy, dz = -c, qx - px, qy - py, 0.0
+                elif edge == 1:
+                    z, dx, dy, dz = c, qx - px, qy - py, 0.0
+                else:
+                    z, dx, dy, dz = -c, 0.0, 0.0, 2.0 * c
+                _try_segment(
+                    other, other_size, polygons, other_first, other_last, r,
+                    px, py, z, dx, dy, dz, frame, swapped, best,
+                )  # fmt: skip
+            px, py = qx, qy
+
+
+def _try_sides(size: Any, other_size: Any, r: Any, frame: Any, best: Any) -> None:
+    """Try the round sides of two cylinders on the common perpendicular of their axes."""
+    # axis of the first as seen from the second, whose axis is z
+    ax, ay, az = r[2], r[5], r[8]
+    across = ax * ax + ay * ay
+    if across < 1e-18:
+        return  # parallel: their rims are as near
+    s = -(r[9] * ax + r[10] * ay) / across
+    x, y, z = r[9] + s * ax, r[10] + s * ay, r[11] + s * az
+    if abs(s) > size[2] or abs(z) > other_size[2]:
+        return
+    gap = np.sqrt(x * x + y * y)
+    if gap <= size[0] + other_size[0]:
+        near, left = min(other_size[0], gap), 0.0
+        far = near
+    else:
+        near, far = other_size[0], gap - size[0]
+        left = (far - near) ** 2
+    if not left < best[0]:
+        return
+    best[0] = left
+    scale = 1.0 / gap if gap > 0.0 else 0.0
+    for row in range(3):
+        f0, f1, f2, f3 = frame[3 * row], frame[3 * row + 1], frame[3 * row + 2], frame[9 + row]
+        best[1 + row] = (f0 * x + f1 * y) * far * scale + f2 * z + f3
+        best[4 + row] = (f0 * x + f1 * y) * near * scale + f2 * z + f3
+
+
+def _extent(
+    kind: int, size: Any, polygons: Any, first: int, last: int, frame: Any, n: Any, sign: Any
+) -> Any:
+    """Return how far a solid reaches along ``sign`` times a world direction [m]."""
+    x = sign * (frame[0] * n[0] + frame[3] * n[1] + frame[6] * n[2])
+    y = sign * (frame[1] * n[0] + frame[4] * n[1] + frame[7] * n[2])
+    z = sign * (frame[2] * n[0] + frame[5] * n[1] + frame[8] * n[2])
+    at = sign * (frame[9] * n[0] + frame[10] * n[1] + frame[11] * n[2])
+    reach = at + size[2] * abs(z)
+    if kind == CYLINDER:
+        return reach + size[0] * np.sqrt(x * x + y * y)
+    if kind == PRISM:
+        most = -np.inf
+        for i in range(first, last):
+            most = max(most, polygons[i, 0] * x + polygons[i, 1] * y)
+        return reach + most
+    return reach + size[0] * abs(x) + size[1] * abs(y)
+
+
+def _direction(
+    kind: int, polygons: Any, first: int, last: int, frame: Any, index: int, edge: bool, out: Any
+) -> None:
+    """Write the ``index``-th edge direction, or face normal, of a solid in the world."""
+    x, y, z = 0.0, 0.0, 0.0
+    if kind == BOX:
+        if index == 0:
+            x = 1.0
+        elif index == 1:
+            y = 1.0
+        else:
+            z = 1.0
+    elif index == 0:
+        z = 1.0
+    else:
+        i = first + index - 1
+        before = last - 1 if index == 1 else i - 1
+        x, y = polygons[i, 0] - polygons[before, 0], polygons[i, 1] - polygons[before, 1]
+        length = np.sqrt(x * x + y * y)
+        x, y = x / length, y / length
+        if not edge:
+            x, y = y, -x
+    for row in range(3):
+        out[row] = frame[3 * row] * x + frame[3 * row + 1] * y + frame[3 * row + 2] * z
+
+
+def _directions(kind: int, first: int, last: int) -> int:
+    if kind == BOX:
+        return 3
+    return 1 + last - first if kind == PRISM else 1
+
+
+def least_shift(
+    kind: int, size: Any, first: int, last: int, frame: Any,
+    other: int, other_size: Any, other_first: int, other_last: int, other_frame: Any,
+    polygons: Any, normal: Any,
+) -> Any:  # fmt: skip
+    """Return the least shift that parts overlapping cores [m], and write its direction."""
+    least = np.inf
+    n, u, v = np.zeros(3), np.zeros(3), np.zeros(3)
+    mine, theirs = _directions(kind, first, last), _directions(other, other_first, other_last)
+    # normals of each, products of edges, and directions from a cylinder's axis to the other solid
+    for index in range(mine + theirs + mine * theirs + 2):
+        if index < mine:
+            _direction(kind, polygons, first, last, frame, index, False, n)
+        elif index < mine + theirs:
+            _direction(
+                other, polygons, other_first, other_last, other_frame, index - mine, False, n
+            )
+        elif index < mine + theirs + mine * theirs:
+            i, j = (index - mine - theirs) // theirs, (index - mine - theirs) % theirs
+            _direction(kind, polygons, first, last, frame, i, True, u)
+            _direction(other, polygons, other_first, other_last, other_frame, j, True, v)
+            n[0] = u[1] * v[2] - u[2] * v[1]
+            n[1] = u[2] * v[0] - u[0] * v[2]
+            n[2] = u[0] * v[1] - u[1] * v[0]
+        else:
+            own = index == mine + theirs + mine * theirs
+            if (kind if own else other) != CYLINDER:
+                continue
+            _direction(CYLINDER, polygons, 0, 0, frame if own else other_frame, 0, True, u)
+            for row in range(3):
+                n[row] = other_frame[9 + row] - frame[9 + row]
+            along = n[0] * u[0] + n[1] * u[1] + n[2] * u[2]
+            for row in range(3):
+                n[row] -= along * u[row]
+        length = np.sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2])
+        if length < 1e-9:
+            continue
+        for row in range(3):
+            n[row] /= length
+        for side in range(2):
+            sign = 1.0 if side else -1.0
+            shift = _extent(kind, size, polygons, first, last, frame, n, sign) + _extent(
+                other, other_size, polygons, other_first, other_last, other_frame, n, -sign
+            )
+            if shift < least:
+                least = shift
+                for row in range(3):
+                    normal[row] = sign * n[row]
+    if kind == CAPSULE and other == CAPSULE:
+        return 0.0
+    return max(least, 0.0)
+
+
+def rod_distance(
+    rods: Any, i: int, kind: int, size: Any, radius: Any, first: int, last: int, frame: Any,
+    polygons: Any,
+) -> Any:  # fmt: skip
+    """Return the distance of a capsule to a solid, minus infinity where its core is inside.
+
+    ``rods`` (..., 7) holds the ends of the core, and the radius, in the world [m].
+    """
+    x, y, z = rods[i, 0] - frame[9], rods[i, 1] - frame[10], rods[i, 2] - frame[11]
+    dx, dy, dz = rods[i, 3] - rods[i, 0], rods[i, 4] - rods[i, 1], rods[i, 5] - rods[i, 2]
+    px = frame[0] * x + frame[3] * y + frame[6] * z
+    py = frame[1] * x + frame[4] * y + frame[7] * z
+    pz = frame[2] * x + frame[5] * y + frame[8] * z
+    ex = frame[0] * dx + frame[3] * dy + frame[6] * dz
+    ey = frame[1] * dx + frame[4] * dy + frame[7] * dz
+    ez = frame[2] * dx + frame[5] * dy + frame[8] * dz
+    a, b, c = size[0], size[1], size[2]
+    t = nearest_on_segment(kind, a, b, c, polygons, first, last, px, py, pz, ex, ey, ez)
+    px, py, pz = px + t * ex, py + t * ey, pz + t * ez
+    qx, qy, qz = nearest_point(kind, a, b, c, polygons, first, last, px, py, pz)
+    gap = np.sqrt((px - qx) ** 2 + (py - qy) ** 2 + (pz - qz) ** 2)
+    return gap - radius - rods[i, 6] if gap > 0.0 else -np.inf
+
+
+def solid_distance(
+    kind: int, size: Any, radius: Any, first: int, last: int, frame: Any,
+    other: int, other_size: Any, other_radius: Any, other_first: int, other_last: int,
+    other_frame: Any, polygons: Any, work: Any, best: Any,
+) -> Any:  # fmt: skip
+    """Return the least distance of two solids, negative where they overlap [m].
+
+    Writes the nearest points into ``best`` (7,) from index 1 and 4 on; ``work`` is of shape (12,).
+    """
+    best[0] = np.inf
+    if other != CAPSULE or kind == CAPSULE:
+        relative_frame(frame, other_frame, work)
+        _try_edges(
+            kind, size, first, last, other, other_size, other_first, other_last,
+            polygons, work, other_frame, False, best,
+        )  # fmt: skip
+        if kind == CYLINDER and other == CYLINDER:
+            _try_sides(size, other_size, work, other_frame, best)
+    if kind != CAPSULE:
+        relative_frame(other_frame, frame, work)
+        _try_edges(
+            other, other_size, other_first, other_last, kind, size, first, last,
+            polygons, work, frame, True, best,
+        )  # fmt: skip
+    if best[0] > TOUCH:
+        gap = np.sqrt(best[0])
+        for row in range(3):
+            n = (best[4 + row] - best[1 + row]) / gap
+            best[1 + row] += radius * n
+            best[4 + row] -= other_radius * n
+        return gap - radius - other_radius
+    normal = work[:3]
+    shift = least_shift(
+        kind, size, first, last, frame, other, other_size, other_first, other_last, other_frame,
+        polygons, normal,
+    )  # fmt: skip
+    depth = shift + radius + other_radius
+    for row in range(3):
+        middle = 0.5 * (best[1 + row] + best[4 + row])
+        best[1 + row] = middle + 0.5 * depth * normal[row]
+        best[4 + row] = middle - 0.5 * depth * normal[row]
+    return -depth

@@ -1,0 +1,211 @@
+"""Least distances of many pairs of bodies in a list of poses; compiled by `kernels`.
+
+Enclosing boxes and capsules tell which pairs cannot be the nearest: first of whole bodies, then of
+their solids. The pair that was nearest in the pose before is looked at first, since neighbors in a
+list are mostly alike.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from paminsa_viz.clearance.distance import rod_distance, solid_distance
+from paminsa_viz.clearance.nearest import CAPSULE
+
+
+def rod_gap(a: Any, i: int, b: Any, j: int) -> Any:
+    """Return the distance of two capsules, rows of (..., 7): two ends and the radius [m]."""
+    ux, uy, uz = a[i, 3] - a[i, 0], a[i, 4] - a[i, 1], a[i, 5] - a[i, 2]
+    vx, vy, vz = b[j, 3] - b[j, 0], b[j, 4] - b[j, 1], b[j, 5] - b[j, 2]
+    wx, wy, wz = a[i, 0] - b[j, 0], a[i, 1] - b[j, 1], a[i, 2] - b[j, 2]
+    uu, vv = ux * ux + uy * uy + uz * uz, vx * vx + vy * vy + vz * vz
+    uv = ux * vx + uy * vy + uz * vz
+    uw, vw = ux * wx + uy * wy + uz * wz, vx * wx + vy * wy + vz * wz
+    across = uu * vv - uv * uv
+    s = 0.0
+    if across > 1e-12 * uu * vv:
+        s = min(max((uv * vw - vv * uw) / across, 0.0), 1.0)
+    t = (uv * s + vw) / vv if vv > 0.0 else 0.0
+    if t < 0.0 or t > 1.0:
+        t = min(max(t, 0.0), 1.0)
+    if uu > 0.0:
+        s = min(max((uv * t - uw) / uu, 0.0), 1.0)
+    dx, dy, dz = wx + s * ux - t * vx, wy + s * uy - t * vy, wz + s * uz - t * vz
+    return np.sqrt(dx * dx + dy * dy + dz * dz) - a[i, 6] - b[j, 6]
+
+
+def box_gap(a: Any, i: int, b: Any, j: int) -> Any:
+    """Return a bound of the distance of two upright boxes, rows of (..., 6) [m]."""
+    gap = max(a[i, 0] - b[j, 3], b[j, 0] - a[i, 3])
+    gap = max(gap, max(a[i, 1] - b[j, 4], b[j, 1] - a[i, 4]))
+    return max(gap, max(a[i, 2] - b[j, 5], b[j, 2] - a[i, 5]))
+
+
+def place_rod(rods: Any, i: int, frame: Any, out: Any) -> None:
+    """Write a capsule of a body's frame in the world."""
+    for row in range(3):
+        f0, f1, f2, f3 = frame[3 * row], frame[3 * row + 1], frame[3 * row + 2], frame[9 + row]
+        out[i, row] = f0 * rods[i, 0] + f1 * rods[i, 1] + f2 * rods[i, 2] + f3
+        out[i, 3 + row] = f0 * rods[i, 3] + f1 * rods[i, 4] + f2 * rods[i, 5] + f3
+    out[i, 6] = rods[i, 6]
+
+
+def place_box(center: Any, half: Any, i: int, frame: Any, boxes: Any) -> None:
+    """Write the upright box about a box of a frame, given by its center and half extents."""
+    for row in range(3):
+        f0, f1, f2 = frame[3 * row], frame[3 * row + 1], frame[3 * row + 2]
+        middle = f0 * center[i, 0] + f1 * center[i, 1] + f2 * center[i, 2] + frame[9 + row]
+        extent = abs(f0) * half[i, 0] + abs(f1) * half[i, 1] + abs(f2) * half[i, 2]
+        boxes[i, row], boxes[i, 3 + row] = middle - extent, middle + extent
+
+
+def place_solid(local: Any, frame: Any, out: Any) -> None:
+    """Write a solid's frame in the world."""
+    for row in range(3):
+        f0, f1, f2 = frame[3 * row], frame[3 * row + 1], frame[3 * row + 2]
+        for column in range(3):
+            out[3 * row + column] = (
+                f0 * local[column] + f1 * local[3 + column] + f2 * local[6 + column]
+            )
+        out[9 + row] = f0 * local[9] + f1 * local[10] + f2 * local[11] + frame[9 + row]
+
+
+def place_frames(position: Any, quaternion: Any, out: Any) -> bool:
+    """Write frames (n, 12) from positions (n, 3) and quaternions (n, 4); say if all are finite."""
+    finite = True
+    for i in range(position.shape[0]):
+        w, x, y, z = quaternion[i, 0], quaternion[i, 1], quaternion[i, 2], quaternion[i, 3]
+        out[i, 0], out[i, 4], out[i, 8] = (
+            1.0 - 2.0 * (y * y + z * z), 1.0 - 2.0 * (x * x + z * z), 1.0 - 2.0 * (x * x + y * y)
+        )  # fmt: skip
+        out[i, 1], out[i, 3] = 2.0 * (x * y - w * z), 2.0 * (x * y + w * z)
+        out[i, 2], out[i, 6] = 2.0 * (x * z + w * y), 2.0 * (x * z - w * y)
+        out[i, 5], out[i, 7] = 2.0 * (y * z - w * x), 2.0 * (y * z + w * x)
+        total = w + x + y + z
+        for row in range(3):
+            out[i, 9 + row] = position[i, row]
+            total += position[i, row]
+        finite = finite and np.isfinite(total)
+    return finite
+
+
+def body_distance(
+    s: Any, i: int, j: int, least: Any, world: Any, rods: Any, boxes: Any, work: Any, best: Any,
+    points: Any,
+) -> Any:  # fmt: skip
+    """Return the distance of two bodies, or ``least`` if it is not less [m].
+
+    ``world`` (solids, 12), ``rods`` and ``boxes`` hold their solids. Writes the nearest points.
+    """
+    in_plane = s.leg[i] > 0 and s.leg[i] == s.leg[j]
+    # only pins of its own leg may go through what is mounted around a joint
+    around = in_plane or s.leg[i] == 0 or s.leg[j] == 0
+    for a in range(s.start[i], s.start[i + 1]):
+        for b in range(s.start[j], s.start[j + 1]):
+            if around and (s.joints[i] & s.joint[b] or s.joints[j] & s.joint[a]):
+                continue
+            if in_plane and (s.low[a] >= s.high[b] or s.low[b] >= s.high[a]):
+                continue
+            bound = box_gap(boxes, a, boxes, b)
+            if bound > 0.0 and bound >= least:
+                continue
+            bound = rod_gap(rods, a, rods, b)
+            if bound >= least:
+                continue
+            # Two solids with many edges: first with a capsule in place of one of them.
+            if s.kind[a] != CAPSULE and s.kind[b] != CAPSULE:
+                gap = rod_distance(
+                    rods, a, s.kind[b], s.size[b], s.radius[b], s.first[b], s.last[b],
+                    world[b], s.corners,
+                )  # fmt: skip
+                bound = max(bound, gap)
+                if bound >= least:
+                    continue
+                gap = rod_distance(
+                    rods, b, s.kind[a], s.size[a], s.radius[a], s.first[a], s.last[a],
+                    world[a], s.corners,
+                )  # fmt: skip
+                bound = max(bound, gap)
+                if bound >= least:
+                    continue
+            distance = solid_distance(
+                s.kind[a], s.size[a], s.radius[a], s.first[a], s.last[a], world[a],
+                s.kind[b], s.size[b], s.radius[b], s.first[b], s.last[b], world[b],
+                s.corners, work, best,
+            )  # fmt: skip
+            # What parts the capsules parts the solids: a shift that is found there may be less.
+            distance = max(distance, bound)
+            if distance < least:
+                least = distance
+                for row in range(6):
+                    points[row] = best[1 + row]
+    return least
+
+
+def least_distances(
+    s: Any, position: Any, quaternion: Any, first: Any, second: Any, slot: Any,
+    distance: Any, nearest: Any, points: Any,
+) -> None:  # fmt: skip
+    """Find the least distance of the pairs of each slot in each pose.
+
+    Args:
+        s: `ShapeArrays`.
+        position, quaternion: (n, frames, 3) and (n, frames, 4) placements.
+        first, second: (pairs,) bodies of the pairs.
+        slot: (pairs,) which of the least distances a pair counts for.
+        distance: (n, slots) is filled with distances [m]; NaN where a placement is not finite.
+        nearest: (n, slots) is filled with indices of pairs, -1 for none.
+        points: (n, slots, 6) is filled with the nearest points of the two bodies [m].
+    """
+    bodies, solids, slots = s.frame.size, s.kind.size, distance.shape[1]
+    frames = np.empty((position.shape[1], 12))
+    body_rods, body_boxes = np.empty((bodies, 7)), np.empty((bodies, 6))
+    world, rods, boxes = np.empty((solids, 12)), np.empty((solids, 7)), np.empty((solids, 6))
+    placed = np.empty(bodies, np.bool_)
+    work, best, found = np.empty(12), np.empty(7), np.empty(6)
+    before = np.full(slots, -1, np.int64)
+    for n in range(position.shape[0]):
+        for k in range(slots):
+            distance[n, k], nearest[n, k] = np.nan, -1
+            for row in range(6):
+                points[n, k, row] = np.nan
+        if not place_frames(position[n], quaternion[n], frames):
+            continue
+        for i in range(bodies):
+            place_rod(s.body_rod, i, frames[s.frame[i]], body_rods)
+            place_box(s.body_center, s.body_half, i, frames[s.frame[i]], body_boxes)
+            placed[i] = False
+        for k in range(slots):
+            distance[n, k] = np.inf
+        for turn in range(slots + first.size):
+            pair = before[turn] if turn < slots else turn - slots
+            if pair < 0:
+                continue
+            k = slot[pair]
+            if turn >= slots and pair == before[k]:
+                continue
+            i, j, least = first[pair], second[pair], distance[n, k]
+            gap = box_gap(body_boxes, i, body_boxes, j)
+            if gap > 0.0 and gap >= least:
+                continue
+            if rod_gap(body_rods, i, body_rods, j) >= least:
+                continue
+            for side in range(2):
+                body = j if side else i
+                if not placed[body]:
+                    placed[body] = True
+                    for a in range(s.start[body], s.start[body + 1]):
+                        place_solid(s.local[a], frames[s.frame[body]], world[a])
+                        place_rod(s.rod, a, frames[s.frame[body]], rods)
+                        place_box(s.center, s.half, a, frames[s.frame[body]], boxes)
+            gap = body_distance(s, i, j, least, world, rods, boxes, work, best, found)
+            if gap < least:
+                distance[n, k], nearest[n, k] = gap, pair
+                for row in range(6):
+                    points[n, k, row] = found[row]
+        for k in range(slots):
+            before[k] = nearest[n, k]
+            if nearest[n, k] < 0:
+                distance[n, k] = np.nan

@@ -1,0 +1,186 @@
+"""The bodies of a design as solids, and the pairs that are checked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import combinations, pairwise
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from paminsa_viz.clearance.frame_shapes import frame_bodies, moving_bodies
+from paminsa_viz.clearance.leg_shapes import leg_bodies
+from paminsa_viz.clearance.nearest import CAPSULE, CYLINDER
+from paminsa_viz.clearance.pairs import (
+    Exclusion,
+    PairGroup,
+    exclusion,
+    group_of,
+    in_one_plane,
+)
+from paminsa_viz.clearance.solids import WORLD, Body, Solid
+from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Design, Geometry
+from paminsa_viz.model.parameters import Counterweight
+
+Integers = NDArray[np.int64]
+
+FRAMES: Final = (*BODIES, WORLD)
+"""Frames in the order of the kernels' arrays."""
+
+
+class ShapeArrays(NamedTuple):
+    """Bodies and their solids as the kernels take them; solids of a body follow each other."""
+
+    kind: Integers  # (solids,)
+    size: Array  # (solids, 3)
+    radius: Array  # (solids,)
+    first: Integers  # (solids,) rows of corners
+    last: Integers
+    corners: Array  # (all corners, 2)
+    local: Array  # (solids, 12) rotation and center in the body's frame
+    rod: Array  # (solids, 7) enclosing capsule in the body's frame: two ends, radius
+    low: Array  # (solids,) range across the leg plane
+    high: Array
+    joint: Integers  # (solids,) the joint as a bit
+    start: Integers  # (bodies + 1,) where its solids start
+    frame: Integers  # (bodies,)
+    center: Array  # (solids, 3) of the enclosing box in the body's frame
+    half: Array  # (solids, 3) its half extents
+    body_rod: Array  # (bodies, 7)
+    body_center: Array  # (bodies, 3)
+    body_half: Array  # (bodies, 3)
+    leg: Integers  # (bodies,) its leg where it stays in the leg plane, else 0
+    joints: Integers  # (bodies,) joints that it is mounted around, as bits
+
+
+@dataclass(frozen=True, eq=False)
+class Shapes:
+    """The bodies of a design and the pairs that are checked.
+
+    Attributes:
+        bodies: All bodies.
+        pairs: Indices of the bodies of every pair that is checked.
+        groups: Group of each pair.
+        excluded: Indices of the bodies of every other pair, and why it is not checked.
+        arrays: The same for the kernels.
+    """
+
+    bodies: tuple[Body, ...]
+    pairs: tuple[tuple[int, int], ...]
+    groups: tuple[PairGroup, ...]
+    excluded: tuple[tuple[int, int, Exclusion], ...]
+    arrays: ShapeArrays
+
+    @cached_property
+    def names(self) -> tuple[tuple[str, str], ...]:
+        """Names of the bodies of every pair that is checked."""
+        return tuple((self.bodies[i].name, self.bodies[j].name) for i, j in self.pairs)
+
+    def of_groups(self, groups: Iterable[PairGroup]) -> Integers:
+        """Return the indices of the pairs of some groups (n,)."""
+        chosen = frozenset(groups)
+        return np.array([i for i, g in enumerate(self.groups) if g in chosen], dtype=np.int64)
+
+
+def shapes_of(design: Design) -> Shapes:
+    """Return the bodies of a design and the pairs that are checked; the last ones are kept.
+
+    They follow from the geometry, the payload's mass and the counterweights.
+    """
+    return _shapes(design.geometry, design.payload.mass, design.counterweights)
+
+
+@lru_cache(maxsize=32)
+def _shapes(
+    geometry: Geometry, payload: float, counterweights: tuple[Counterweight, ...]
+) -> Shapes:
+    design = Design(geometry=geometry, counterweights=counterweights).vary(
+        {"payload.mass": payload}
+    )
+    bodies = (*leg_bodies(design), *moving_bodies(design), *frame_bodies(design))
+    pairs, groups, excluded = [], [], []
+    for i, j in combinations(range(len(bodies)), 2):
+        reason = exclusion(bodies[i], bodies[j], geometry.knee)
+        if reason is None:
+            pairs.append((i, j))
+            groups.append(group_of(bodies[i], bodies[j]))
+        else:
+            excluded.append((i, j, reason))
+    return Shapes(bodies, tuple(pairs), tuple(groups), tuple(excluded), arrays_of(bodies))
+
+
+def arrays_of(bodies: tuple[Body, ...]) -> ShapeArrays:
+    solids = [solid for body in bodies for solid in body.solids]
+    counts = np.array([len(solid.corners) for solid in solids])
+    last = np.cumsum(counts)
+    rods = np.array([_enclosing_rod(solid) for solid in solids])
+    start = np.cumsum([0, *(len(body.solids) for body in bodies)])
+    extents = np.array([solid.extent for solid in solids])
+    pieces = [slice(a, b) for a, b in pairwise(start)]
+    common = np.array([(extents[a, 0].min(axis=0), extents[a, 1].max(axis=0)) for a in pieces])
+    return ShapeArrays(
+        kind=np.array([solid.kind for solid in solids]),
+        size=np.array([solid.size for solid in solids]),
+        radius=np.array([solid.radius for solid in solids]),
+        first=last - counts,
+        last=last,
+        corners=np.vstack([solid.corners for solid in solids]),
+        local=np.array([[*solid.rotation.ravel(), *solid.center] for solid in solids]),
+        rod=rods,
+        low=extents[:, 0, 1].copy(),
+        high=extents[:, 1, 1].copy(),
+        joint=np.array([_bits([solid.joint]) for solid in solids]),
+        start=start,
+        frame=np.array([FRAMES.index(body.frame) for body in bodies]),
+        center=extents.mean(axis=1),
+        half=np.diff(extents, axis=1)[:, 0] / 2,
+        body_rod=np.array([_common_rod(rods[a]) for a in pieces]),
+        body_center=common.mean(axis=1),
+        body_half=np.diff(common, axis=1)[:, 0] / 2,
+        leg=np.array([body.leg if in_one_plane(body, body) else 0 for body in bodies]),
+        joints=np.array([_bits(body.joints) for body in bodies]),
+    )
+
+
+def _bits(joints: Iterable[int]) -> int:
+    return sum(1 << joint for joint in joints if joint)
+
+
+def _enclosing_rod(solid: Solid) -> Array:
+    """Return a capsule about a solid: its ends in the body's frame, and its radius (7,) [m]."""
+    half = solid.size.copy()
+    axis = int(np.argmax(half))
+    rest = np.delete(half, axis)
+    along = half[axis] * solid.rotation[:, axis]
+    radius = float(np.hypot(*rest))
+    if solid.kind == CAPSULE:
+        radius = solid.radius
+    elif solid.kind == CYLINDER:
+        if axis == 2:
+            radius = float(half[0])
+        else:
+            along, radius = np.zeros(3), float(np.hypot(half[0], half[2]))
+    return np.array([*(solid.center - along), *(solid.center + along), radius])
+
+
+def _common_rod(rods: Array) -> Array:
+    """Return a capsule about several, along the longest of them (7,) [m]."""
+    ends = rods[:, :6].reshape(-1, 2, 3)
+    lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+    longest = int(np.argmax(lengths))
+    if lengths[longest] > 0:
+        axis = (ends[longest, 1] - ends[longest, 0]) / lengths[longest]
+    else:
+        axis = np.array([0.0, 0.0, 1.0])
+    origin = ends[longest].mean(axis=0)
+    points, radii = ends.reshape(-1, 3), np.repeat(rods[:, 6], 2)
+    along = (points - origin) @ axis
+    low, high = along.min(), along.max()
+    nearest = origin + np.outer(along, axis)
+    radius = float((np.linalg.norm(points - nearest, axis=1) + radii).max())
+    return np.array([*(origin + low * axis), *(origin + high * axis), radius])

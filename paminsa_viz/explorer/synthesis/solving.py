@@ -1,0 +1,142 @@
+"""Runs the search of a session, and tells of the best robot so far."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import numpy as np
+
+from paminsa_viz.explorer.background import Report
+from paminsa_viz.explorer.synthesis.jobs import (
+    BestSoFar,
+    EffortChoice,
+    SynthesisJob,
+    SynthesisOutcome,
+)
+from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.studies.executors import Workers, here, processes
+from paminsa_viz.synthesis.check import check_requirements
+from paminsa_viz.synthesis.evaluation import Evaluator
+from paminsa_viz.synthesis.objectives import find_objective
+from paminsa_viz.synthesis.outer import SearchProgress
+from paminsa_viz.synthesis.robustness import BuildYield, build_yield
+from paminsa_viz.synthesis.search import SynthesisResult, synthesize
+
+PERIOD = 0.5
+"""Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
+
+BUILT = 200
+"""Robots built within tolerances that are measured."""
+
+SEARCH_SHARE = 0.9
+"""Part of a job that the search takes; the tolerances take the rest."""
+
+Tell = Callable[[BestSoFar], None]
+
+
+@contextmanager
+def workers_for(effort: EffortChoice) -> Iterator[Workers]:
+    """Work in other processes, so that the page keeps responding; a quick search ends before."""
+    if effort is EffortChoice.QUICK:
+        yield here
+        return
+    with processes() as found:
+        yield found
+
+
+class ProgressReport:
+    """Turns the progress of a search into what the page shows."""
+
+    def __init__(self, job: SynthesisJob, report: Report, tell: Tell) -> None:
+        self._job, self._report, self._tell = job, report, tell
+        self._due = 0.0
+        self._trials: dict[object, int] = {}
+        self._best = (math.inf, BestSoFar())
+
+    def __call__(self, progress: SearchProgress) -> bool:
+        """Take over how far a search is; return whether to stop."""
+        case = self._job.case
+        self._trials[progress.regime] = progress.trials
+        turn = case.regimes.index(progress.regime) if progress.regime in case.regimes else 0
+        part = min(progress.generation / case.effort.generations, 1.0)
+        done = SEARCH_SHARE * (turn + part) / len(case.regimes)
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + PERIOD
+            self._tell(self._shown(progress, done))
+        return self._report(done)
+
+    def _shown(self, progress: SearchProgress, done: float) -> BestSoFar:
+        cost, known = self._best
+        if progress.cost < cost:
+            cost, known = progress.cost, best_robot(self._job, progress)
+            self._best = cost, known
+        sign = find_objective(self._job.case.objective).sign
+        return BestSoFar(
+            done, sum(self._trials.values()), sign * cost if known.feasible else math.nan,
+            known.feasible, known.design, known.center,
+        )  # fmt: skip
+
+
+def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
+    """Return the best robot of a search so far; none if it does not reach its workspace."""
+    case = job.case
+    found = Evaluator(case, progress.regime).evaluate(np.array([progress.best]))[0]
+    if found.trial is None:
+        return BestSoFar(feasible=False)
+    try:
+        design = found.trial.design
+    except PaminsaError:
+        return BestSoFar(feasible=False)
+    x, y, z = (float(place or 0.0) for place in found.trial.workspace.center)
+    return BestSoFar(feasible=progress.feasible, design=design, center=(x, y, z))
+
+
+def search(job: SynthesisJob, report: Report, tell: Tell) -> SynthesisOutcome:
+    """Run a search, then measure robots built within tolerances."""
+    start = time.monotonic()
+    try:
+        with workers_for(job.effort) as workers:
+            result = synthesize(
+                job.case, workers=workers, progress=ProgressReport(job, report, tell)
+            )
+            built = None
+            if result.feasible and not report(SEARCH_SHARE):
+                built = tolerances(result, workers, report)
+    except PaminsaError as error:
+        return SynthesisOutcome(job, problem=str(error), seconds=time.monotonic() - start)
+    return SynthesisOutcome(job, result, built, time.monotonic() - start)
+
+
+class RequirementMargins:
+    """Margins of a robot to requirements by their names; can be sent to other processes."""
+
+    def __init__(self, requirements: Requirements) -> None:
+        self.requirements = requirements
+
+    def __call__(self, design: Design) -> dict[str, float]:
+        """Return the margins [SI]."""
+        items = check_requirements(design, self.requirements).items
+        return {item.label: item.margin for item in items}
+
+
+def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:
+    """Return which part of the robots built within tolerances meets the requirements."""
+    requirements = placed_requirements(result)
+
+    def progress(done: int, count: int) -> bool:
+        return report(SEARCH_SHARE + (1 - SEARCH_SHARE) * done / count)
+
+    return build_yield(
+        result.design, RequirementMargins(requirements), samples=BUILT, workers=workers,
+        seed=result.case.seed, progress=progress,
+    )  # fmt: skip
+
+
+def placed_requirements(result: SynthesisResult) -> Requirements:
+    """Return the requirements of a search with the workspace where it was found."""
+    held = result.case.requirements
+    return Requirements(held.bounds, held.theta, result.workspace)

@@ -1,0 +1,65 @@
+"""Two solids in many places: our distances, and what any two convex solids must satisfy."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from paminsa_viz.clearance import kernels
+from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER, PRISM
+from paminsa_viz.clearance.shapes import arrays_of
+from paminsa_viz.clearance.solids import NO_CORNERS, Body, Part, Solid
+from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.model.arrays import Array
+
+KINDS = {"capsule": CAPSULE, "box": BOX, "cylinder": CYLINDER, "prism": PRISM}
+
+
+class Found(NamedTuple):
+    distance: Array  # (n,)
+    points: Array  # (n, 2, 3)
+
+
+def random_solid(kind: str, rng: np.random.Generator) -> Solid:
+    """Return a solid about its own origin, of some centimeters to half a meter."""
+    half = 10 ** rng.uniform(-2, -0.4, 3)
+    radius, corners = 0.0, NO_CORNERS
+    if kind == "capsule":
+        radius, half = float(half[0]), np.array([0.0, 0.0, half[2]])
+    elif kind == "cylinder":
+        half[1] = half[0]
+    elif kind == "prism":
+        angle = np.sort(rng.uniform(0, 2 * np.pi / 9, 7)) + 2 * np.pi * np.arange(7) / 7
+        corners = half[0] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        half[:2] = np.abs(corners).max(axis=0)
+    return Solid(KINDS[kind], half, radius, corners, np.eye(3), np.zeros(3))
+
+
+def distances(one: Solid, other: Solid, place: Array, wxyz: Array) -> Found:
+    """Return distances of two solids; places (n, 2, 3) and unit quaternions (n, 2, 4)."""
+    frames = BODIES[:2]
+    bodies = tuple(
+        Body(name, name, frame, Part.FRAME, 0, (solid,))
+        for name, frame, solid in zip("ab", frames, (one, other), strict=True)
+    )
+    n, pair = len(place), np.zeros(1, np.int64)
+    distance, nearest = np.empty((n, 1)), np.empty((n, 1), np.int64)
+    points = np.empty((n, 1, 6))
+    kernels.compiled()(
+        arrays_of(bodies), np.ascontiguousarray(place, float), np.ascontiguousarray(wxyz, float),
+        pair, pair + 1, pair, distance, nearest, points,
+    )  # fmt: skip
+    return Found(distance[:, 0], points.reshape(n, 2, 3))
+
+
+def extent(solid: Solid, rotation: Array, place: Array, direction: Array) -> Array:
+    """Return how far a placed solid reaches along directions; all batched, (n,)."""
+    local = np.einsum("nij,ni->nj", rotation, direction)
+    reach = np.einsum("ni,ni->n", place, direction) + solid.size[2] * np.abs(local[:, 2])
+    if solid.kind == CYLINDER:
+        return reach + solid.size[0] * np.hypot(local[:, 0], local[:, 1])
+    if solid.kind == PRISM:
+        return reach + (local[:, :2] @ solid.corners.T).max(axis=1)
+    norm = np.linalg.norm(direction, axis=1)
+    return reach + np.abs(local[:, :2]) @ solid.size[:2] + solid.radius * norm

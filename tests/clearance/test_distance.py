@@ -1,0 +1,184 @@
+"""Distances of solids: proven by their supports, and equal to coal's."""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from paminsa_viz.clearance.nearest import BOX, CAPSULE, CYLINDER
+from paminsa_viz.clearance.solids import NO_CORNERS, Solid
+from paminsa_viz.model.arrays import Array
+from tests.clearance.pairs_of_solids import KINDS, Found, distances, extent, random_solid
+
+PAIRS = list(combinations_with_replacement(KINDS, 2))
+POSES = 1000
+"""Places of each pair; with ten pairs 10^4 in all."""
+
+
+def placed(rng: np.random.Generator, poses: int = POSES) -> tuple[Array, Array, Array]:
+    """Draw places of two solids: (n, 2, 3), quaternions (n, 2, 4), rotations (n, 2, 3, 3)."""
+    turn = Rotation.random(2 * poses, random_state=np.random.RandomState(rng.integers(2**31)))
+    wxyz = turn.as_quat(scalar_first=True).reshape(poses, 2, 4)
+    place = rng.uniform(-0.5, 0.5, (poses, 2, 3))
+    return place, wxyz, turn.as_matrix().reshape(poses, 2, 3, 3)
+
+
+def certified_gap(one: Solid, other: Solid, place: Array, rotation: Array, found: Found) -> Array:
+    """Return by how much distances exceed what a plane between the solids proves, (n,) [m].
+
+    No two convex solids are nearer than the gap between two parallel planes that part them.
+    """
+    along = found.points[:, 1] - found.points[:, 0]
+    along /= np.linalg.norm(along, axis=1, keepdims=True)
+    far = extent(one, rotation[:, 0], place[:, 0], along)
+    near = -extent(other, rotation[:, 1], place[:, 1], -along)
+    return found.distance - (near - far)
+
+
+def in_frame(points: Array, rotation: Array, place: Array) -> Array:
+    return np.einsum("nij,ni->nj", rotation, points - place)
+
+
+def outside_of_both(
+    solids: tuple[Solid, Solid], found: Found, place: Array, rotation: Array
+) -> Array:
+    """Return how far the best of the points found is from being common to both solids, (n,)."""
+    candidates = (found.points[:, 0], found.points[:, 1], found.points.mean(axis=1))
+    outside = [
+        [
+            solid.outside(in_frame(points, rotation[:, i], place[:, i]))
+            for i, solid in enumerate(solids)
+        ]
+        for points in candidates
+    ]
+    return np.max(outside, axis=1).min(axis=0)
+
+
+@pytest.mark.parametrize("kinds", PAIRS)
+def test_distances_are_proven_by_parallel_planes(kinds: tuple[str, str]) -> None:
+    rng = np.random.default_rng(PAIRS.index(kinds))
+    one, other = (random_solid(kind, rng) for kind in kinds)
+    place, wxyz, rotation = placed(rng)
+    found = distances(one, other, place, wxyz)
+    apart = found.distance > 0
+    assert apart.sum() > POSES / 2
+    spread = np.linalg.norm(found.points[:, 1] - found.points[:, 0], axis=1)
+    assert spread[apart] == pytest.approx(found.distance[apart], abs=1e-12)
+    assert (spread > -found.distance - 1e-12).all()
+    proven = np.abs(certified_gap(one, other, place, rotation, found))
+    # the direction between points that are close is known to fewer digits
+    assert (proven < 1e-12 + 1e-15 / np.abs(found.distance))[apart].all()
+    for i, solid in enumerate((one, other)):
+        local = in_frame(found.points[:, i], rotation[:, i], place[:, i])
+        assert solid.outside(local)[apart].max() < 1e-12
+
+
+@pytest.mark.parametrize("kinds", PAIRS)
+def test_an_overlap_is_one_and_its_depth_parts_the_solids(kinds: tuple[str, str]) -> None:
+    rng = np.random.default_rng(PAIRS.index(kinds))
+    one, other = (random_solid(kind, rng) for kind in kinds)
+    place, wxyz, rotation = placed(rng)
+    found = distances(one, other, 0.5 * place, wxyz)
+    over = found.distance < 0
+    assert over.sum() > 20
+    assert outside_of_both((one, other), found, 0.5 * place, rotation)[over].max() < 1e-9
+    shifted = 0.5 * place
+    shifted[:, 0] -= found.points[:, 0] - found.points[:, 1]
+    assert distances(one, other, shifted, wxyz).distance[over].min() > -1e-9
+
+
+@pytest.mark.parametrize("kinds", PAIRS)
+def test_distances_are_those_of_coal(kinds: tuple[str, str]) -> None:
+    """Coal's iteration ends early, or fails, for some places of cylinders; most agree."""
+    coal: Any = pytest.importorskip("coal")
+    rng = np.random.default_rng(PAIRS.index(kinds))
+    one, other = (random_solid(kind, rng) for kind in kinds)
+    place, wxyz, rotation = placed(rng)
+    found = distances(one, other, place, wxyz)
+    request = coal.DistanceRequest()
+    request.gjk_tolerance, request.gjk_max_iterations = 1e-13, 1000
+    request.epa_tolerance, request.epa_max_iterations = 1e-12, 500
+    request.enable_signed_distance = True
+    shapes = [_coal_shape(coal, solid) for solid in (one, other)]
+    theirs = []
+    for i in range(POSES):
+        places = [coal.Transform3s(rotation[i, k], place[i, k]) for k in range(2)]
+        result = coal.DistanceResult()
+        theirs.append(coal.distance(shapes[0], places[0], shapes[1], places[1], request, result))
+    error = np.abs(found.distance - np.array(theirs))
+    if "cylinder" not in kinds:
+        assert error.max() < 1e-9
+    else:
+        assert np.mean(error[found.distance > 0] < 1e-9) > 0.97
+
+
+def _coal_shape(coal: Any, solid: Solid) -> Any:
+    if solid.kind == CAPSULE:
+        return coal.Capsule(solid.radius, 2 * solid.size[2])
+    if solid.kind == BOX:
+        return coal.Box(*(2 * solid.size))
+    if solid.kind == CYLINDER:
+        return coal.Cylinder(solid.size[0], 2 * solid.size[2])
+    points = coal.StdVec_Vec3s()
+    for height in (-solid.size[2], solid.size[2]):
+        for corner in solid.corners:
+            points.append(np.array([*corner, height]))
+    return coal.ConvexBase.convexHull(points, False, "")
+
+
+QUARTERS = st.integers(0, 3).map(lambda n: n * np.pi / 2)
+STEPS = st.sampled_from([-0.3, -0.1, -0.05, 0.0, 0.05, 0.1, 0.3])
+
+
+@given(
+    st.sampled_from(PAIRS), st.integers(0, 3), st.tuples(STEPS, STEPS, STEPS),
+    st.tuples(QUARTERS, QUARTERS, QUARTERS), st.sampled_from([0.0, 1e-12, 1e-9, 1e-6, 1e-3]),
+)  # fmt: skip
+def test_parallel_crossing_and_touching_solids(
+    kinds: tuple[str, str], seed: int, place: tuple[float, ...], turns: tuple[float, ...],
+    tilt: float,
+) -> None:  # fmt: skip
+    """Faces, edges and axes that are parallel or in one line, and nearly so."""
+    rng = np.random.default_rng(seed)
+    one, other = (_round_sizes(random_solid(kind, rng)) for kind in kinds)
+    turn = Rotation.from_euler("xyz", np.array(turns) + tilt * np.array([1.0, 0.7, 0.3]))
+    where = np.array([[(0.0, 0.0, 0.0), place]])
+    wxyz = np.array([[(1.0, 0.0, 0.0, 0.0), turn.as_quat(scalar_first=True)]])
+    rotation = np.array([[np.eye(3), turn.as_matrix()]])
+    found = distances(one, other, where, wxyz)
+    swapped = distances(other, one, where[:, ::-1], wxyz[:, ::-1])
+    assert found.distance == pytest.approx(swapped.distance, abs=1e-9)
+    if found.distance[0] > 1e-9:
+        assert abs(certified_gap(one, other, where, rotation, found)[0]) < 1e-9
+    else:
+        assert outside_of_both((one, other), found, where, rotation)[0] < 1e-9
+
+
+def _round_sizes(solid: Solid) -> Solid:
+    """Return a solid whose sizes are multiples of 50 mm, so that faces and edges coincide."""
+    size = np.maximum(np.round(solid.size / 0.05), 1.0) * 0.05
+    radius = 0.05 if solid.kind == CAPSULE else 0.0
+    if solid.kind == CAPSULE:
+        size[:2] = 0.0
+    if solid.kind == CYLINDER:
+        size[1] = size[0]
+    corners = solid.corners
+    if len(corners):
+        size[:2] = 0.1
+        corners = np.array([(-0.1, -0.1), (0.1, -0.1), (0.1, 0.05), (0.05, 0.1), (-0.1, 0.1)])
+    else:
+        corners = NO_CORNERS
+    return Solid(solid.kind, size, radius, corners, np.eye(3), np.zeros(3))
+
+
+def test_a_ball_and_a_bar_of_no_length() -> None:
+    ball = Solid(CAPSULE, np.zeros(3), 0.1, NO_CORNERS, np.eye(3), np.zeros(3))
+    where = np.array([[(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)], [(0.0, 0.0, 0.0), (0.0, 0.0, 0.0)]])
+    upright = np.tile([1.0, 0.0, 0.0, 0.0], (2, 2, 1))
+    assert distances(ball, ball, where, upright).distance == pytest.approx([0.3, -0.2])

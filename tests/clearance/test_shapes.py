@@ -1,0 +1,89 @@
+"""Solids enclose what is drawn, by little."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.clearance.shapes import shapes_of
+from paminsa_viz.clearance.solids import WORLD, Body, Part
+from paminsa_viz.dimensions.placement import BODIES
+from paminsa_viz.meshes import bodies as drawn
+from paminsa_viz.meshes import loads
+from paminsa_viz.meshes.library import fixed_part
+from paminsa_viz.meshes.part import MeshPart
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import APPENDIX_4, Counterweight, Design, KneeBranch, Payload
+from tests.support.samples import random_design, with_knee
+
+LEFT_OUT = {"ground": 0.0007, "base": 0.0005, "slider": 0.00015}
+"""What thin details protrude by: lines on the ground, inlays of the mast, wipers [m]."""
+
+LOOSE = 0.0019
+"""Most that the solids' boxes extend beyond those of what is drawn, frame aside [m]."""
+
+
+def vertices(part: MeshPart) -> Array:
+    return np.vstack([solid.mesh.vertices for solid in part.solids])
+
+
+def loaded(geometry_seed: int | None, knee: KneeBranch) -> Design:
+    weights = (Counterweight("b8", 8, 0.2, 2.0), Counterweight("b4", 9, -0.1, 1.0))
+    if geometry_seed is None:
+        design = replace(APPENDIX_4, geometry=with_knee(APPENDIX_4.geometry, knee))
+    else:
+        design = with_knee(random_design(np.random.default_rng(geometry_seed)), knee)
+    return replace(design, payload=Payload(mass=3.0), counterweights=weights)
+
+
+def of_frame(design: Design, frame: str) -> list[Body]:
+    hung = (Part.PAYLOAD, Part.COUNTERWEIGHT)
+    return [b for b in shapes_of(design).bodies if b.frame == frame and b.part not in hung]
+
+
+@pytest.mark.parametrize("seed", [None, 1, 2, 3])
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_solids_enclose_every_vertex_that_is_drawn(knee: KneeBranch, seed: int | None) -> None:
+    design = loaded(seed, knee)
+    for name in (*drawn.STANDING, *BODIES):
+        bodies = of_frame(design, WORLD if name in drawn.STANDING else name)
+        points = vertices(drawn.make_body(name, design.geometry))
+        outside = np.min([body.outside(points) for body in bodies], axis=0)
+        allowed = LEFT_OUT.get(name.rpartition("/")[2], 1e-6)
+        assert outside.max() < allowed, name
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_payload_and_counterweights_are_enclosed(knee: KneeBranch) -> None:
+    design = loaded(None, knee)
+    matrix = loads.payload_transform(design.geometry, design.payload.mass)
+    drum = vertices(fixed_part("payload").moved(matrix[:3, 3], matrix[:3, :3]))
+    bodies = shapes_of(design).bodies
+    payload = next(body for body in bodies if body.part is Part.PAYLOAD)
+    assert payload.outside(drum).max() < 1e-6
+    for number, weight in enumerate(design.counterweights, 1):
+        points = vertices(loads.counterweight(design.geometry, weight))
+        body = next(b for b in bodies if b.name == f"counterweight {number} of leg 2")
+        assert body.frame == f"leg2/{weight.bar}"
+        assert body.outside(points).max() < 1e-6
+
+
+@pytest.mark.parametrize("knee", list(KneeBranch))
+def test_solids_of_moving_bodies_are_hardly_larger_than_drawn(knee: KneeBranch) -> None:
+    design = loaded(None, knee)
+    for name in BODIES:
+        points = vertices(drawn.make_body(name, design.geometry))
+        extents = np.array([s.extent for body in of_frame(design, name) for s in body.solids])
+        loose = np.stack(
+            [points.min(axis=0) - extents[:, 0].min(axis=0),
+             extents[:, 1].max(axis=0) - points.max(axis=0)]
+        )  # fmt: skip
+        assert loose.max() < LOOSE, name
+
+
+def test_shapes_follow_from_geometry_payload_and_counterweights_alone() -> None:
+    shapes = shapes_of(APPENDIX_4)
+    assert shapes_of(APPENDIX_4.vary({"links.b3": 3.0, "gravity": 1.0})) is shapes
+    assert shapes_of(APPENDIX_4.vary({"payload.mass": 1.0})) is not shapes
