@@ -5,6 +5,7 @@ least; `synthesize` looks for the robot. `prove` proves requirements over a whol
 `largest_workspace` finds the largest for which that is possible.
 """
 
+from paminsa_viz.synthesis.answer import BoundOutcome, RelaxedBound, SynthesisResult
 from paminsa_viz.synthesis.case import (
     DIMENSIONS,
     Effort,
@@ -22,7 +23,7 @@ from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objecti
 from paminsa_viz.synthesis.outer import RegimeState, SearchProgress
 from paminsa_viz.synthesis.refusals import refusal
 from paminsa_viz.synthesis.samples import Density
-from paminsa_viz.synthesis.search import BoundOutcome, RelaxedBound, SynthesisResult, synthesize
+from paminsa_viz.synthesis.search import relaxations, synthesize
 from paminsa_viz.synthesis.trial import Trial
 
 __all__ = [
@@ -53,5 +54,6 @@ __all__ = [
     "largest_workspace",
     "prove",
     "refusal",
+    "relaxations",
     "synthesize",
 ]
