@@ -1,7 +1,8 @@
 """From requirements to a robot.
 
 A `SynthesisCase` says what is required over which workspace, what may be changed and what is to be
-least; `synthesize` looks for the robot.
+least; `synthesize` looks for the robot. `prove` proves requirements over a whole workspace, and
+`largest_workspace` finds the largest for which that is possible.
 """
 
 from paminsa_viz.synthesis.answer import BoundOutcome, RelaxedBound, SynthesisResult
@@ -14,7 +15,10 @@ from paminsa_viz.synthesis.case import (
     SearchRange,
     SynthesisCase,
 )
+from paminsa_viz.synthesis.certificate import prove
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.evidence import Evidence, Proof, Verdict
+from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objective
 from paminsa_viz.synthesis.outer import RegimeState, SearchProgress
 from paminsa_viz.synthesis.refusals import refusal
@@ -30,9 +34,13 @@ __all__ = [
     "Effort",
     "Evaluation",
     "Evaluator",
+    "Evidence",
+    "Growth",
     "Guide",
+    "LargestWorkspace",
     "Objective",
     "ObjectiveLimit",
+    "Proof",
     "Regime",
     "RegimeState",
     "RelaxedBound",
@@ -41,7 +49,10 @@ __all__ = [
     "SynthesisCase",
     "SynthesisResult",
     "Trial",
+    "Verdict",
     "find_objective",
+    "largest_workspace",
+    "prove",
     "refusal",
     "relaxations",
     "synthesize",
