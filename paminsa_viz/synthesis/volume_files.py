@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from paminsa_viz import palette
 from paminsa_viz.errors import InvalidInput
@@ -76,6 +75,9 @@ def volume_table(volume: Volume) -> DataTable:
     outside), and the least margin of each requirement over its headings, NaN out of reach. A binary
     file holds the axes and arrays (x, y, z) of all nodes instead, and ``cause_words`` by code.
     """
+    # Late: it takes a third of a second to load.
+    from scipy import ndimage
+
     near = ndimage.binary_dilation(volume.reachable)
     index = np.nonzero(near)
     x, y, z = (
