@@ -23,7 +23,7 @@ from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.requirements_panel import RequirementsPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
-from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
+from paminsa_viz.explorer.panels.synthesize_panel import SynthesizePanel
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.scene.legend import SceneLegend
@@ -64,7 +64,7 @@ def build_tabs(
     with places["Requirements"]:
         requirements = RequirementsPanel(session, bridge)
     with places["Synthesize"]:
-        synthesize = Panel(session, SYNTHESIZE)
+        synthesize = SynthesizePanel(session, bridge)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:

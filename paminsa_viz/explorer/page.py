@@ -103,7 +103,7 @@ def build(
         pose = Panel(session, POSE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
-    context = SceneContext(client.scene, session.dispatch, MotionStore())
+    context = SceneContext(client.scene, session.dispatch, MotionStore(), client.camera)
 
     def build_robot() -> None:
         if session.immediate:

@@ -1,9 +1,11 @@
 """From requirements to a robot.
 
 A `SynthesisCase` says what is required over which workspace, what may be changed and what is to be
-least; `synthesize` looks for the robot.
+least; `synthesize` looks for the robot. `prove` proves requirements over a whole workspace, and
+`largest_workspace` finds the largest for which that is possible.
 """
 
+from paminsa_viz.synthesis.answer import BoundOutcome, RelaxedBound, SynthesisResult
 from paminsa_viz.synthesis.case import (
     DIMENSIONS,
     Effort,
@@ -13,12 +15,15 @@ from paminsa_viz.synthesis.case import (
     SearchRange,
     SynthesisCase,
 )
+from paminsa_viz.synthesis.certificate import prove
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.evidence import Evidence, Proof, Verdict
+from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
 from paminsa_viz.synthesis.objectives import OBJECTIVES, Objective, find_objective
 from paminsa_viz.synthesis.outer import RegimeState, SearchProgress
 from paminsa_viz.synthesis.refusals import refusal
 from paminsa_viz.synthesis.samples import Density
-from paminsa_viz.synthesis.search import BoundOutcome, RelaxedBound, SynthesisResult, synthesize
+from paminsa_viz.synthesis.search import relaxations, synthesize
 from paminsa_viz.synthesis.trial import Trial
 
 __all__ = [
@@ -29,9 +34,13 @@ __all__ = [
     "Effort",
     "Evaluation",
     "Evaluator",
+    "Evidence",
+    "Growth",
     "Guide",
+    "LargestWorkspace",
     "Objective",
     "ObjectiveLimit",
+    "Proof",
     "Regime",
     "RegimeState",
     "RelaxedBound",
@@ -40,7 +49,11 @@ __all__ = [
     "SynthesisCase",
     "SynthesisResult",
     "Trial",
+    "Verdict",
     "find_objective",
+    "largest_workspace",
+    "prove",
     "refusal",
+    "relaxations",
     "synthesize",
 ]

@@ -14,6 +14,7 @@ from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.synthesis.answer import SynthesisResult
 from paminsa_viz.synthesis.check import check_requirements
 from paminsa_viz.synthesis.engine_check import MujocoCheck, bound_margins, check_by_mujoco
 from paminsa_viz.synthesis.inner_case import ACTUATORS_OF
@@ -21,7 +22,6 @@ from paminsa_viz.synthesis.inner_limits import within
 from paminsa_viz.synthesis.inner_space import sampled_solution
 from paminsa_viz.synthesis.margins import headings
 from paminsa_viz.synthesis.robustness import BuildYield, build_yield
-from paminsa_viz.synthesis.search import SynthesisResult
 from paminsa_viz.synthesis.workspace_samples import sample_workspace
 from paminsa_viz.trajectory.sampled import Trajectory
 

@@ -11,6 +11,7 @@ from typing import Any
 
 from paminsa_viz.files.atomic import as_file_error, open_atomically
 from paminsa_viz.files.errors import FileError
+from paminsa_viz.studies.metrics import samples_hash
 from paminsa_viz.synthesis.case import Effort, Regime, SynthesisCase
 from paminsa_viz.synthesis.outer import RegimeState
 
@@ -23,7 +24,9 @@ LARGEST_FILE = 50_000_000
 def fingerprint(case: SynthesisCase) -> str:
     """Return a hash of all that a search follows from but how long it may look."""
     alike = replace(case, effort=replace(case.effort, generations=Effort().generations))
-    return hashlib.sha256(repr(alike).encode()).hexdigest()[:32]
+    motions = () if case.inner is None else case.inner.motions
+    facts = [repr(alike), *map(samples_hash, motions)]
+    return hashlib.sha256("\n".join(facts).encode()).hexdigest()[:32]
 
 
 def save_checkpoint(

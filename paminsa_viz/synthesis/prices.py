@@ -15,10 +15,10 @@ import numpy as np
 
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.synthesis.answer import SynthesisResult
 from paminsa_viz.synthesis.case import SynthesisCase
 from paminsa_viz.synthesis.local_search import numbers_of, refined
 from paminsa_viz.synthesis.objectives import find_objective
-from paminsa_viz.synthesis.search import SynthesisResult
 
 STEP = 0.02
 """Step of a requirement, as a share of its bound."""

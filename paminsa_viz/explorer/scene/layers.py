@@ -34,6 +34,7 @@ class SceneContext:
         scene: Where its nodes go.
         dispatch: `Session.dispatch`, for layers that a person can click or drag.
         motions: What the session has computed along its motion.
+        camera: The tab's camera, for what depends on how the scene is seen.
         maps: The session's maps; only for layers that are not animated.
         legend: Says what the colors of the floor map mean; only for layers that are not animated.
     """
@@ -41,6 +42,7 @@ class SceneContext:
     scene: SceneApi
     dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
     motions: MotionStore | None = None
+    camera: Any = None
     maps: MapStore | None = None
     legend: SceneLegend | None = None
 
