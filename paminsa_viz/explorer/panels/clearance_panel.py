@@ -36,8 +36,9 @@ def _switch(group: PairGroup) -> Checkbox:
     def apply(state: State, checked: bool) -> State:
         return clearing.set_pairs(state, group, checked)
 
+    label = group.value[0].upper() + group.value[1:]
     return Checkbox(
-        f"clearance.{group.name.lower()}", group.value[0].upper() + group.value[1:], read=read, apply=apply,
+        f"clearance.{group.name.lower()}", label, read=read, apply=apply,
         hint=f"Check the pairs of bodies of this group: {group.value}",
     )  # fmt: skip
 
