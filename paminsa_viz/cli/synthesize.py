@@ -22,9 +22,7 @@ from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
 from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
-from paminsa_viz.synthesis.certificate import prove
 from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
-from paminsa_viz.synthesis.evidence import Proof
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -88,15 +86,14 @@ class Synthesize(JsonFlags):
             self._executor() as workers,
         ):
             result = synthesize(
-                case, workers=workers, progress=show, states=states,
+                case, workers=workers, progress=show, states=states, prove=self.prove,
                 checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
             )  # fmt: skip
         seconds = time.monotonic() - started
-        proof = self._proof(result)
         if self.json:
-            print_json(result_data(result, seconds, proof))
+            print_json(result_data(result, seconds))
         else:
-            print_result(result, seconds, proof)
+            print_result(result, seconds)
         if self.out is not None and result.feasible:
             saved = save_design(
                 _named(result), self.out, requirements=_requirements(result),
@@ -119,11 +116,6 @@ class Synthesize(JsonFlags):
 
     def _executor(self) -> AbstractContextManager[Workers]:
         return processes(self.workers) if self.dask is None else cluster(self.dask)
-
-    def _proof(self, result: SynthesisResult) -> Proof | None:
-        if self.prove is None or not result.feasible:
-            return None
-        return prove(result.design, _requirements(result), time_limit=self.prove)
 
 
 FLAGS = Synthesize

@@ -21,7 +21,8 @@
     [synthesis.limits]
     footprint_m = 0.58
 
-The design of the file is the reference, Appendix 4 where it says nothing.
+The design of the file is the reference, Appendix 4 where it says nothing. Motions, masses,
+counterweights and springs that are chosen for each set of lengths are described in `inner_file`.
 """
 
 from __future__ import annotations
@@ -47,6 +48,7 @@ from paminsa_viz.synthesis.case import (
     SearchRange,
     SynthesisCase,
 )
+from paminsa_viz.synthesis.inner_file import INNER_KEYS, read_inner
 from paminsa_viz.synthesis.objectives import OBJECTIVES
 from paminsa_viz.units import si_unit
 
@@ -138,6 +140,7 @@ def read_case(content: str | bytes, source: str) -> SynthesisCase:
             design.design,
             limits=tuple(reader.limit(key, value) for key, value in limits.items()),
             effort=Effort(**counts),
+            inner=read_inner(table, design.design, reader.refuse),
             name=name,
             **given,
         )
@@ -168,9 +171,11 @@ class _Reader:
 
     def check(self, table: dict[str, Any]) -> None:
         for key, value in table.items():
+            if key in INNER_KEYS:
+                continue
             kinds = _KINDS.get(key)
             if kinds is None:
-                self.unknown("", key, _KINDS)
+                self.unknown("", key, (*_KINDS, *INNER_KEYS))
             whole = isinstance(value, bool) and bool not in kinds
             if whole or not isinstance(value, kinds):
                 self.refuse(key, value, f"{_NEEDED[kinds[0]]} is needed")

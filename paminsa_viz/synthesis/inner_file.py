@@ -35,7 +35,8 @@ from typing import Any, NoReturn
 
 from paminsa_viz.balancing import Anchor, CounterweightRange, MassRange, SpringPlace
 from paminsa_viz.errors import InvalidInput, PaminsaError
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import PARAMETER, Design
+from paminsa_viz.model.lumped import MASS_PATHS
 from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
 from paminsa_viz.trajectory import Trajectory
 from paminsa_viz.trajectory.planners import arch, point_to_point, round_trip
@@ -153,6 +154,9 @@ def _mass(row: _Table, design: Design) -> MassRange | MassFactor:
         design.value(path)
     except InvalidInput as error:
         row.refuse("mass", path, error.problem)
+    weight = path.startswith("counterweights.") and path.endswith(".mass")
+    if not weight and (path not in MASS_PATHS or PARAMETER[path].unit != "kg"):
+        row.refuse("mass", path, "this is no mass of the design")
     follows = row.take("inertia_follows", bool, True)
     kilograms = row.numbers("range_kg", 2, None)
     if kilograms is not None:

@@ -19,7 +19,7 @@ from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
 from paminsa_viz.synthesis.bisection import Control, Gauge, Grows
 from paminsa_viz.synthesis.families import groups
 from paminsa_viz.synthesis.pose_search import FIRST, SEED, freedom, from_unit
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 from paminsa_viz.synthesis.volume import Resolution, solve_volume
 
 RESOLUTION = Resolution(60_000, 9, 2.0)
@@ -56,7 +56,7 @@ class Place:
     scale: float
 
 
-class Placement:
+class CenterSearch:
     """The search for the place of a region whose center is free.
 
     Args:
@@ -72,7 +72,7 @@ class Placement:
         self,
         design: Design,
         requirements: Requirements,
-        region: Region,
+        region: PoseRegion,
         grows: Grows,
         free: tuple[bool, bool, bool],
         both_sides: bool,

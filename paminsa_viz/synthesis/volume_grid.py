@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -94,6 +93,9 @@ def joined_to_home(
     nodes: NDArray[np.bool_], x: Array, z: Array, geometry: Geometry
 ) -> tuple[NDArray[np.bool_], bool]:
     """Return the nodes that are joined to home, or the largest part if home is not among them."""
+    # Late: it takes a third of a second to load.
+    from scipy import ndimage
+
     labels = np.zeros(nodes.shape, np.int32)
     count = int(np.asarray(ndimage.label(nodes, output=labels)))
     if count == 0:

@@ -10,16 +10,26 @@ import pytest
 from paminsa_viz.explorer import actions as designs
 from paminsa_viz.explorer.frame import compute
 from paminsa_viz.explorer.panels import synthesize_text as text
+from paminsa_viz.explorer.panels.design_front import clicked_point, front_figure, front_key
 from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
 from paminsa_viz.explorer.requirements import actions as requirements
 from paminsa_viz.explorer.requirements.checking import current_check
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.synthesis import actions, cases
-from paminsa_viz.explorer.synthesis.jobs import BestSoFar, EffortChoice, Shown
+from paminsa_viz.explorer.synthesis.jobs import (
+    BestSoFar,
+    EffortChoice,
+    PriceOutcome,
+    Shown,
+    SynthesisOutcome,
+)
 from paminsa_viz.explorer.synthesis.solving import search
 from paminsa_viz.model import APPENDIX_4, InvalidInput
 from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
-from paminsa_viz.synthesis.case import Effort
+from paminsa_viz.synthesis.answer import SynthesisResult
+from paminsa_viz.synthesis.case import Effort, Regime
+from paminsa_viz.synthesis.front import DesignFront, FrontPoint
+from paminsa_viz.synthesis.prices import RequirementPrice
 from tests.support.desk import Desk
 
 PANEL = SYNTHESIZE
@@ -90,6 +100,64 @@ def test_a_short_search_is_adopted_with_the_design_before_as_reference(
     check = current_check(opened)
     assert check is not None
     assert check.holds
+
+
+def answer(state: State, radius: float, objective: float) -> SynthesisResult:
+    """Return an answer of a made-up search."""
+    job = actions.start(state).synthesizing.running
+    assert job is not None
+    return SynthesisResult(
+        case=job.case, design=APPENDIX_4.vary({"geometry.base_radius": radius}),
+        workspace=replace(job.case.workspace, center=(0.0, 0.0, -0.55)), regime=Regime.SMALLER,
+        feasible=True, objective=objective, outcomes=(), states=(), refused={}, relaxed=(),
+        canceled=False, poses=1,
+    )  # fmt: skip
+
+
+def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
+    with pytest.raises(InvalidInput, match="different"):
+        actions.start(actions.change_settings(asked, against="footprint"))
+    started = actions.start(actions.change_settings(asked, against="moving_mass"))
+    job = started.synthesizing.running
+    assert job is not None
+    assert front_key(started) is None
+    points = tuple(
+        FrontPoint((size, mass), answer(asked, radius, size))
+        for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
+    )
+    front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
+    state = actions.receive(started, SynthesisOutcome(job, points[0].result, front=front))
+    figure = front_figure(state)
+    x, y = (figure["data"][0][axis] for axis in "xy")
+    assert np.allclose(x, [400.0, 500.0, 600.0])
+    assert clicked_point({"x": x[1], "y": y[1]}, state) == 1
+    assert clicked_point({"x": 1e9, "y": y[1]}, state) is None
+    assert clicked_point({"x": "no"}, state) is None
+    chosen = actions.choose_point(state, 1)
+    assert front_key(chosen) != front_key(state)
+    assert "moving mass 18 kg" in text.result_html(compute(chosen))
+    assert actions.open_result(chosen).document.design == points[1].result.design
+    assert actions.choose_point(state, 99) is state
+
+
+def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
+    started = actions.start(asked)
+    job = started.synthesizing.running
+    assert job is not None
+    state = actions.receive(started, SynthesisOutcome(job, answer(asked, 0.3, 0.4)))
+    pricing = actions.start_prices(state)
+    price_job = pricing.synthesizing.pricing
+    assert price_job is not None
+    assert actions.report_prices(pricing, price_job, 0.5).synthesizing.priced == 0.5
+    found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
+    priced = actions.receive_prices(pricing, PriceOutcome(price_job, (found,)))
+    shown = text.prices_html(compute(priced))
+    assert "−10 mm" in shown  # relaxed
+    assert "20 mm" in shown  # tightened
+    other = actions.receive(priced, SynthesisOutcome(job, answer(asked, 0.31, 0.41)))
+    assert text.prices_html(compute(other)) == ""
+    with pytest.raises(InvalidInput):
+        actions.start_prices(asked)
 
 
 def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) -> None:

@@ -8,6 +8,8 @@ from typing import Any
 from viser import Icon
 
 from paminsa_viz.explorer.background import BackgroundJob, Report
+from paminsa_viz.explorer.bindings import Panel
+from paminsa_viz.explorer.browser.bridge import Bridge
 from paminsa_viz.explorer.entries import Button, Custom, Folder, Html, Progress
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import (
@@ -17,9 +19,17 @@ from paminsa_viz.explorer.inputs import (
     Dropdown,
     Number,
     Pair,
+    Slider,
     attribute,
 )
 from paminsa_viz.explorer.panels import synthesize_text as text
+from paminsa_viz.explorer.panels.balance_charts import BalanceChart
+from paminsa_viz.explorer.panels.design_front import (
+    DESIGN_FRONT,
+    clicked_point,
+    front_figure,
+    front_key,
+)
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.synthesis import actions
@@ -27,12 +37,14 @@ from paminsa_viz.explorer.synthesis.cases import REGIMES, TALL, WIDTH, ranges_of
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     EffortChoice,
+    PriceJob,
+    PriceOutcome,
     Range,
     Shown,
     SynthesisJob,
     SynthesisOutcome,
 )
-from paminsa_viz.explorer.synthesis.solving import search
+from paminsa_viz.explorer.synthesis.solving import find_prices, search
 from paminsa_viz.model import PARAMETER
 from paminsa_viz.synthesis.case import DEFAULT_PATHS
 from paminsa_viz.synthesis.objectives import OBJECTIVES
@@ -56,6 +68,16 @@ def _idle(state: State) -> bool:
 
 def _sizes(state: State) -> bool:
     return state.synthesizing.settings.objective == "volume"
+
+
+def _pricing(state: State) -> bool:
+    return state.synthesizing.pricing is not None
+
+
+def _points(state: State) -> tuple[float, float]:
+    outcome = state.synthesizing.outcome
+    count = 0 if outcome is None or outcome.front is None else len(outcome.front.points)
+    return 1.0, float(max(count, 2))
 
 
 def _range(path: str, label: str, hint: str, *, size: bool = False) -> Pair:
@@ -106,6 +128,13 @@ SYNTHESIZE = (
         },
         hint="What is minimized, or maximized", **_setting("objective"),
     ),
+    Dropdown(
+        "synthesize.against", "Against",
+        options={"nothing": "", **{one.label: key for key, one in OBJECTIVES.items()}},
+        hint="A second objective, for a Pareto front of robots; takes as many searches as it has "
+        "points",
+        **_setting("against"),
+    ),
     Folder("synthesize.ranges", "Ranges", entries=RANGES),
     Dropdown(
         "synthesize.effort", "Effort", options={one.value: one for one in EffortChoice},
@@ -134,6 +163,21 @@ SYNTHESIZE = (
     Button(
         "synthesize.stop", "Stop", color="gray", effect=actions.stop, visible=_busy, undo=False
     ),
+    Folder(
+        "synthesize.front", visible=lambda state: front_key(state) is not None,
+        entries=(
+            Custom(
+                "synthesize.chart",
+                make=partial(BalanceChart, key=front_key, figure=front_figure, aspect=0.82),
+            ),
+            Slider(
+                "synthesize.point", "Point", range=_points, step=1.0, undo=False,
+                hint="A robot of the front; click one in the chart",
+                read=lambda state: 1.0 + state.synthesizing.point,
+                apply=lambda state, value: actions.choose_point(state, round(value) - 1),
+            ),
+        ),
+    ),
     Html("synthesize.result", content=text.result_html),
     Button(
         "synthesize.open", "Open as current design", icon=Icon.CHECK,
@@ -141,8 +185,40 @@ SYNTHESIZE = (
         effect=actions.open_result,
         hint="The design that the search began with becomes the reference; undo goes back",
     ),
+    Button(
+        "synthesize.prices", "What requirements cost", color="gray", effect=actions.start_prices,
+        visible=lambda state: text.has_robot(state) and state.synthesizing.pricing is None,
+        undo=False, hint="Searches again near the answer with each active requirement relaxed and "
+        "tightened",
+    ),
+    Progress(
+        "synthesize.priced", visible=_pricing, read=lambda state: state.synthesizing.priced
+    ),
+    Button(
+        "synthesize.stop_prices", "Stop", color="gray", effect=actions.stop_prices,
+        visible=_pricing, undo=False,
+    ),
+    Html("synthesize.price_list", content=text.prices_html),
     Custom("synthesize.job", make=lambda session: Searcher(session)),
 )  # fmt: skip
+
+
+class SynthesizePanel(Panel):
+    """The entries above, and clicks on the front."""
+
+    def __init__(self, session: Session, bridge: Bridge) -> None:
+        super().__init__(session, SYNTHESIZE)
+        bridge.on("click", self._click)
+
+    def _click(self, data: Any) -> None:
+        """Show the robot of the front that was clicked; ``data`` comes from the page."""
+
+        def choose(state: State) -> State:
+            index = clicked_point(data, state)
+            return state if index is None else actions.choose_point(state, index)
+
+        if isinstance(data, dict) and data.get("title") == DESIGN_FRONT:
+            self._session.dispatch("synthesize.point", choose, step=False)
 
 
 class Searcher:
@@ -155,9 +231,16 @@ class Searcher:
             failed=lambda job, problem: SynthesisOutcome(job, problem=problem), undo=False,
         )  # fmt: skip
 
+        self._prices: BackgroundJob[PriceJob, PriceOutcome] = BackgroundJob(
+            session, "prices", find_prices, actions.receive_prices,
+            failed=lambda job, problem: PriceOutcome(job, problem=problem),
+            progress=actions.report_prices, undo=False,
+        )  # fmt: skip
+
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Start the search that is wanted."""
         self._job.request(frame.state.synthesizing.running)
+        self._prices.request(frame.state.synthesizing.pricing)
 
     def _search(self, job: SynthesisJob, report: Report) -> SynthesisOutcome:
         def tell(best: BestSoFar) -> None:

@@ -18,6 +18,7 @@ from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.answer import BoundOutcome, SynthesisResult
 from paminsa_viz.synthesis.case import ObjectiveLimit
 from paminsa_viz.synthesis.objectives import find_objective
+from paminsa_viz.synthesis.prices import STEP
 from paminsa_viz.units import format_value, number, percent_change
 
 
@@ -48,6 +49,8 @@ def best_html(frame: Frame) -> str:
         return ""
     objective = find_objective(job.case.objective)
     found = f"{objective.label} {format_value(best.cost, objective.unit)}"
+    if job.against:
+        found = "a robot for another point of the front"
     return render(
         "synthesize_best.j2", trials=best.trials, waiting=best.trials == 0,
         text=found if best.feasible else "no robot yet that meets all requirements",
@@ -56,8 +59,8 @@ def best_html(frame: Frame) -> str:
 
 def has_robot(state: State) -> bool:
     """Whether a robot was found that meets all requirements."""
-    outcome = state.synthesizing.outcome
-    return outcome is not None and outcome.result is not None and outcome.result.feasible
+    result = state.synthesizing.result
+    return result is not None and result.feasible and state.synthesizing.running is None
 
 
 def result_html(frame: Frame) -> str:
@@ -66,7 +69,7 @@ def result_html(frame: Frame) -> str:
     outcome = synthesizing.outcome
     if outcome is None or synthesizing.running is not None:
         return ""
-    result = outcome.result
+    result = synthesizing.result
     if result is None:
         return render("note.j2", testid="synthesis-problem", muted=False, text=outcome.problem)
     objective = find_objective(result.case.objective)
@@ -75,6 +78,7 @@ def result_html(frame: Frame) -> str:
         "synthesize_result.j2", feasible=result.feasible, seconds=number(outcome.seconds, 2),
         trials=result.trials, poses=result.poses, canceled=result.canceled,
         objective=f"{objective.label} {format_value(result.objective, objective.unit)}",
+        against=against_text(frame.state),
         regime="" if result.regime is None else result.regime.value,
         workspace=placed_text(result.workspace), refused=refusals(result), nearest=nearest(result),
         rows=[_row(one) for one in result.outcomes],
@@ -110,6 +114,37 @@ def placed_text(workspace: Workspace) -> str:
 def refusals(result: SynthesisResult) -> list[tuple[str, str]]:
     """Return the regimes that were excluded, and why."""
     return [(regime.value, reason) for regime, reason in result.refused.items()]
+
+
+def against_text(state: State) -> str:
+    """Return the second objective of the chosen point of a front, or nothing."""
+    outcome, point = state.synthesizing.outcome, state.synthesizing.point
+    front = None if outcome is None else outcome.front
+    if front is None or point >= len(front.points):
+        return ""
+    objective = find_objective(front.objectives[1])
+    return f"{objective.label} {format_value(front.points[point].values[1], objective.unit)}"
+
+
+def prices_html(frame: Frame) -> str:
+    """Return what each requirement costs the objective."""
+    synthesizing = frame.state.synthesizing
+    found, result = synthesizing.prices, synthesizing.result
+    if found is None or result is None or found.job.result is not result:
+        return ""
+    if found.problem:
+        return render("note.j2", testid="prices-problem", muted=False, text=found.problem)
+    objective = find_objective(result.case.objective)
+    rows = [
+        (
+            one.label, format_value(one.bound, one.unit or "1"),
+            format_value(one.relaxed - result.objective, objective.unit, 3),
+            format_value(one.tightened - result.objective, objective.unit, 3),
+        )
+        for one in found.prices
+    ]  # fmt: skip
+    steps = f"{100 * STEP:g} %"
+    return render("synthesize_prices.j2", rows=rows, step=steps, objective=objective.label)
 
 
 def nearest(result: SynthesisResult) -> list[str]:

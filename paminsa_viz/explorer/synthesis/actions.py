@@ -9,6 +9,8 @@ from paminsa_viz.explorer.actions import load_design, move, stop_following, with
 from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
+    PriceJob,
+    PriceOutcome,
     Range,
     Shown,
     SynthesisJob,
@@ -49,7 +51,9 @@ def start(state: State) -> State:
             "workspace", "a required workspace is needed; choose one in the tab “Requirements”"
         )
     case = case_of(settings, document.design, document.requirements)
-    job = SynthesisJob(case, settings.effort, document.design)
+    if settings.against == settings.objective:
+        raise InvalidInput("objective", "two different ones are needed for a Pareto front")
+    job = SynthesisJob(case, settings.effort, document.design, settings.against)
     return state.updated("synthesizing", running=job, best=BestSoFar())
 
 
@@ -67,7 +71,44 @@ def tell(state: State, job: SynthesisJob, best: BestSoFar) -> State:
 
 def receive(state: State, outcome: SynthesisOutcome) -> State:
     """Take over a result."""
-    return state.updated("synthesizing", running=None, best=None, outcome=outcome)
+    return state.updated("synthesizing", running=None, best=None, outcome=outcome, point=0)
+
+
+def choose_point(state: State, index: int) -> State:
+    """Show another robot of the front."""
+    outcome = state.synthesizing.outcome
+    count = 0 if outcome is None or outcome.front is None else len(outcome.front.points)
+    return state.updated("synthesizing", point=index) if 0 <= index < count else state
+
+
+def start_prices(state: State) -> State:
+    """Work out what the requirements of the answer that is shown cost.
+
+    Raises:
+        InvalidInput: If there is none.
+    """
+    result = state.synthesizing.result
+    if result is None or not result.feasible:
+        raise InvalidInput("synthesis", "no robot has been found yet")
+    job = PriceJob(result, state.synthesizing.settings.effort)
+    return state.updated("synthesizing", pricing=job, priced=0.0)
+
+
+def stop_prices(state: State) -> State:
+    """End that."""
+    return state.updated("synthesizing", pricing=None)
+
+
+def report_prices(state: State, job: PriceJob, done: float) -> State:
+    """Take over what part is done."""
+    return (
+        state.updated("synthesizing", priced=done) if state.synthesizing.pricing is job else state
+    )
+
+
+def receive_prices(state: State, outcome: PriceOutcome) -> State:
+    """Take over the prices."""
+    return state.updated("synthesizing", pricing=None, prices=outcome)
 
 
 def open_result(state: State) -> State:
@@ -79,9 +120,9 @@ def open_result(state: State) -> State:
         InvalidInput: If there is none.
     """
     outcome = state.synthesizing.outcome
-    if outcome is None or outcome.result is None or not outcome.result.feasible:
+    result = state.synthesizing.result
+    if outcome is None or result is None or not result.feasible:
         raise InvalidInput("synthesis", "no robot has been found yet")
-    result = outcome.result
     requirements = replace(outcome.job.case.requirements, workspace=result.workspace)
     shown = stop_following(state)
     document = replace(shown.document, reference=outcome.job.reference, requirements=requirements)

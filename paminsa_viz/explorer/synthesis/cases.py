@@ -69,7 +69,7 @@ def case_of(
         InvalidInput: If it is not possible; says what is missing.
     """
     ranges = ranges_of(settings, design, requirements)
-    sizes = settings.objective == "volume"
+    sizes = "volume" in (settings.objective, settings.against)
     ranges = {path: ends for path, ends in ranges.items() if sizes or path not in DIMENSIONS}
     held = {
         path: low for path, (low, high) in ranges.items() if low == high and path not in DIMENSIONS

@@ -11,6 +11,8 @@ from paminsa_viz.model import Design
 if TYPE_CHECKING:
     from paminsa_viz.synthesis.answer import SynthesisResult
     from paminsa_viz.synthesis.case import SynthesisCase
+    from paminsa_viz.synthesis.front import DesignFront
+    from paminsa_viz.synthesis.prices import RequirementPrice
     from paminsa_viz.synthesis.robustness import BuildYield
 
 Range = tuple[float, float]
@@ -44,6 +46,7 @@ class SynthesisSettings:
         ranges: Least and largest value of what differs from `cases.default_ranges`, by path [SI]; a
             length is held where the two are equal.
         objective: Key of what is minimized.
+        against: Key of a second objective, for a Pareto front of both; empty for none.
         regimes: Which of base and platform may be larger, a key of `cases.REGIMES`.
         above_guides: Whether heights above the guides count.
         effort: How long to search.
@@ -53,6 +56,7 @@ class SynthesisSettings:
 
     ranges: tuple[tuple[str, Range], ...] = ()
     objective: str = "footprint"
+    against: str = ""
     regimes: str = BOTH
     above_guides: bool = False
     effort: EffortChoice = EffortChoice.QUICK
@@ -68,11 +72,13 @@ class SynthesisJob:
         case: What is searched.
         effort: How long to search.
         reference: The design that it began with.
+        against: Key of the second objective of a Pareto front; empty for none.
     """
 
     case: SynthesisCase
     effort: EffortChoice
     reference: Design
+    against: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +110,7 @@ class SynthesisOutcome:
         job: The job.
         result: What was found, or None.
         built: Robots built within tolerances, or None.
+        front: The front of two objectives, or None.
         seconds: How long it took.
         problem: Why there is none.
     """
@@ -111,7 +118,36 @@ class SynthesisOutcome:
     job: SynthesisJob
     result: SynthesisResult | None = None
     built: BuildYield | None = None
+    front: DesignFront | None = None
     seconds: float = 0.0
+    problem: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class PriceJob:
+    """What the requirements of an answer cost.
+
+    Attributes:
+        result: The answer.
+        effort: How long its search looked.
+    """
+
+    result: SynthesisResult
+    effort: EffortChoice
+
+
+@dataclass(frozen=True, eq=False)
+class PriceOutcome:
+    """What came of it.
+
+    Attributes:
+        job: The job.
+        prices: The prices, or nothing.
+        problem: Why there are none.
+    """
+
+    job: PriceJob
+    prices: tuple[RequirementPrice, ...] = ()
     problem: str = ""
 
 
@@ -124,9 +160,26 @@ class Synthesizing:
         running: The job that runs, or None.
         best: How far it is.
         outcome: The last result, or None.
+        point: Index of the chosen point of the front.
+        pricing: The job on prices that runs, or None.
+        priced: What part of it is done, 0 to 1.
+        prices: The last prices, or None.
     """
 
     settings: SynthesisSettings = SynthesisSettings()
     running: SynthesisJob | None = None
     best: BestSoFar | None = None
     outcome: SynthesisOutcome | None = None
+    point: int = 0
+    pricing: PriceJob | None = None
+    priced: float = 0.0
+    prices: PriceOutcome | None = None
+
+    @property
+    def result(self) -> SynthesisResult | None:
+        """The answer that is shown: of the chosen point of a front, else of the search."""
+        outcome = self.outcome
+        if outcome is None:
+            return None
+        points = () if outcome.front is None else outcome.front.points
+        return points[self.point].result if 0 <= self.point < len(points) else outcome.result

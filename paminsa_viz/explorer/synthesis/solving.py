@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from paminsa_viz.explorer.background import Report
 from paminsa_viz.explorer.synthesis.jobs import (
     BestSoFar,
     EffortChoice,
+    PriceJob,
+    PriceOutcome,
     SynthesisJob,
     SynthesisOutcome,
 )
@@ -29,6 +32,9 @@ from paminsa_viz.synthesis.search import synthesize
 
 PERIOD = 0.5
 """Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
+
+POINTS = 6
+"""Points of a front."""
 
 BUILT = 200
 """Robots built within tolerances that are measured."""
@@ -55,8 +61,19 @@ class ProgressReport:
     def __init__(self, job: SynthesisJob, report: Report, tell: Tell) -> None:
         self._job, self._report, self._tell = job, report, tell
         self._due = 0.0
+        self._search: int | None = None
         self._trials: dict[object, int] = {}
         self._best = (math.inf, BestSoFar())
+
+    def of_front(self, number: int, count: int, progress: SearchProgress) -> bool:
+        """Take over how far the search of a front is; return whether to stop."""
+        if number != self._search:  # another objective or limit
+            self._search, self._best = number, (math.inf, BestSoFar())
+        self._trials[number] = progress.trials
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + PERIOD
+            self._tell(replace(self._shown(progress, number / count), cost=math.nan))
+        return self._report(number / count)
 
     def __call__(self, progress: SearchProgress) -> bool:
         """Take over how far a search is; return whether to stop."""
@@ -101,15 +118,47 @@ def search(job: SynthesisJob, report: Report, tell: Tell) -> SynthesisOutcome:
     start = time.monotonic()
     try:
         with workers_for(job.effort) as workers:
-            result = synthesize(
-                job.case, workers=workers, progress=ProgressReport(job, report, tell)
-            )
+            shown = ProgressReport(job, report, tell)
+            if job.against:
+                return find_front(job, workers, shown, start)
+            result = synthesize(job.case, workers=workers, progress=shown)
             built = None
             if result.feasible and not report(SEARCH_SHARE):
                 built = tolerances(result, workers, report)
     except PaminsaError as error:
         return SynthesisOutcome(job, problem=str(error), seconds=time.monotonic() - start)
-    return SynthesisOutcome(job, result, built, time.monotonic() - start)
+    return SynthesisOutcome(job, result, built, seconds=time.monotonic() - start)
+
+
+def find_front(
+    job: SynthesisJob, workers: Workers, shown: ProgressReport, start: float
+) -> SynthesisOutcome:
+    """Search for the Pareto front of two objectives."""
+    from paminsa_viz.synthesis.front import design_front
+
+    front = design_front(
+        job.case, (job.case.objective, job.against), points=POINTS, workers=workers,
+        progress=shown.of_front,
+    )  # fmt: skip
+    seconds = time.monotonic() - start
+    if not front.points:
+        problem = "No robot meets all requirements; search one objective alone for the reasons."
+        return SynthesisOutcome(job, front=front, problem=problem, seconds=seconds)
+    return SynthesisOutcome(job, front.points[0].result, front=front, seconds=seconds)
+
+
+def find_prices(job: PriceJob, report: Report) -> PriceOutcome:
+    """Work out what the requirements of an answer cost."""
+    from paminsa_viz.synthesis.prices import requirement_prices
+
+    try:
+        with workers_for(job.effort) as workers:
+            prices = requirement_prices(
+                job.result, workers=workers, progress=lambda done, count: report(done / count)
+            )
+    except PaminsaError as error:
+        return PriceOutcome(job, problem=str(error))
+    return PriceOutcome(job, prices)
 
 
 class RequirementMargins:
