@@ -30,10 +30,12 @@ from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
 from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
-from paminsa_viz.synthesis.certificate import prove
 from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
+<<<<<<< HEAD
 from paminsa_viz.synthesis.evidence import Proof
 from paminsa_viz.synthesis.front import design_front
+=======
+>>>>>>> main
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -103,9 +105,10 @@ class Synthesize(AnswerFlags, JsonFlags):
             self._executor() as workers,
         ):
             result = synthesize(
-                case, workers=workers, progress=show, states=states,
+                case, workers=workers, progress=show, states=states, prove=self.prove,
                 checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
             )  # fmt: skip
+<<<<<<< HEAD
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
         proof = self._proof(result)
@@ -114,6 +117,13 @@ class Synthesize(AnswerFlags, JsonFlags):
         else:
             print_result(result, seconds, proof)
             print_checks(result, checks)
+=======
+        seconds = time.monotonic() - started
+        if self.json:
+            print_json(result_data(result, seconds))
+        else:
+            print_result(result, seconds)
+>>>>>>> main
         if self.out is not None and result.feasible:
             self._save(result, self.out)
         return 0 if result.feasible else 1
@@ -159,11 +169,6 @@ class Synthesize(AnswerFlags, JsonFlags):
 
     def _executor(self) -> AbstractContextManager[Workers]:
         return processes(self.workers) if self.dask is None else cluster(self.dask)
-
-    def _proof(self, result: SynthesisResult) -> Proof | None:
-        if self.prove is None or not result.feasible:
-            return None
-        return prove(result.design, _requirements(result), time_limit=self.prove)
 
 
 FLAGS = Synthesize

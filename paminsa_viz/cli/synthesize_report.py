@@ -20,7 +20,6 @@ from paminsa_viz.synthesis import (
     SynthesisResult,
     find_objective,
 )
-from paminsa_viz.synthesis.evidence import Proof
 from paminsa_viz.units import DEGREES, format_ascii
 
 Show = Callable[[SearchProgress], bool | None]
@@ -50,7 +49,7 @@ def progress_line(case: SynthesisCase) -> Iterator[Show]:
         yield show
 
 
-def print_result(result: SynthesisResult, seconds: float, proof: Proof | None) -> None:
+def print_result(result: SynthesisResult, seconds: float) -> None:
     """Print the answer, for people."""
     case = result.case
     objective = find_objective(case.objective)
@@ -76,7 +75,7 @@ def print_result(result: SynthesisResult, seconds: float, proof: Proof | None) -
         f"\nverified at {result.poses} poses of the workspace, theta {low:.4g} to {high:.4g} deg "
         f"from the heading where joints 5 are toward their leg axes"
     )
-    if proof is not None:
+    if (proof := result.proof) is not None:
         print(f"proof over the whole workspace: {proof.verdict.value}")
         for item in proof.evidence:
             print(f"  {item.name}: {item.verdict.value}, by {item.method.value}")
@@ -134,7 +133,7 @@ def _unit(bound: Requirement | ObjectiveLimit) -> str:
     return find_objective(bound.objective).unit
 
 
-def result_data(result: SynthesisResult, seconds: float, proof: Proof | None) -> dict[str, Any]:
+def result_data(result: SynthesisResult, seconds: float) -> dict[str, Any]:
     """Return the answer as data for JSON, in SI units."""
     case = result.case
     return {
@@ -164,5 +163,5 @@ def result_data(result: SynthesisResult, seconds: float, proof: Proof | None) ->
             {"text": _text(item.bound), "nearest": item.nearest, "change": item.change}
             for item in result.relaxed
         ],
-        "proof": proof and proof.verdict.value,
+        "proof": result.proof and result.proof.verdict.value,
     }  # fmt: skip

@@ -8,6 +8,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Workspace
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
 from paminsa_viz.synthesis.evaluation import Evaluation
+from paminsa_viz.synthesis.evidence import Proof
 from paminsa_viz.synthesis.inner import InnerSolution
 from paminsa_viz.synthesis.outer import RegimeState
 
@@ -67,6 +68,7 @@ class SynthesisResult:
         poses: Over how many poses the answer was verified.
         inner: The best masses and springs for its lengths, with their certificate; None if none
             are free.
+        proof: What is proven of it over the whole workspace; None if no proof was asked for.
     """
 
     case: SynthesisCase
@@ -82,6 +84,7 @@ class SynthesisResult:
     canceled: bool
     poses: int
     inner: InnerSolution | None = None
+    proof: Proof | None = None
 
     @property
     def trials(self) -> int:
@@ -101,9 +104,8 @@ def limit_of(bound: Requirement | ObjectiveLimit) -> float:
 def outcomes_of(case: SynthesisCase, found: Evaluation) -> tuple[BoundOutcome, ...]:
     """Return how an evaluation meets each bound and each limit of a case."""
     bounds = (*case.requirements.bounds, *case.limits)
-    values = (*found.worst.tolist(), *found.limits.tolist())
     rows = []
-    for bound, value in zip(bounds, values, strict=True):
+    for bound, value in zip(bounds, found.values.tolist(), strict=True):
         margin = float(bound.margin(value))
         rows.append(
             BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(limit_of(bound)))

@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
 from paminsa_viz.synthesis.answer import RelaxedBound, SynthesisResult, limit_of, outcomes_of
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.certificate import prove as prove_workspace
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.evidence import Proof, Verdict
 from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.outer import ROUND, RegimeState, SearchProgress, search_round
@@ -38,6 +41,17 @@ SLACK = 1.05
 class _Answer:
     state: RegimeState
     found: Evaluation
+    bounds: tuple[Requirement, ...]
+    proof: Proof | None = None
+
+    @property
+    def refuted(self) -> Array:
+        """By how much a pose that a proof found breaks each bound and limit [SI], zero if none."""
+        excess = np.zeros(len(self.found.values))
+        for item in () if self.proof is None else self.proof.evidence:
+            if item.verdict is Verdict.REFUTED and item.requirement in self.bounds:
+                excess[self.bounds.index(item.requirement)] = max(0.0, -item.margin)
+        return excess
 
 
 @dataclass(frozen=True)
@@ -48,6 +62,7 @@ class _Run:
     workers: Workers
     progress: Callable[[SearchProgress], bool | None] | None
     relaxed: int | None = None
+    prove: float | None = None
 
     def search(
         self, state: RegimeState, note: Callable[[RegimeState], None] | None = None
@@ -68,23 +83,28 @@ class _Run:
         return state
 
     def verify(self, state: RegimeState, *, repair: bool = True) -> _Answer:
-        """Return the best trial as the finer poses see it, searched on until it holds there."""
-        bounds = self.case.requirements.bounds
+        """Return the best trial as the finer poses see it, searched on until it holds there.
+
+        And, where a proof is wanted, until none finds a pose that breaks a requirement.
+        """
+        bounds = (*self.case.requirements.bounds, *self.case.limits)
         plain = Evaluator(self.case, state.regime, relaxed=self.relaxed)
         finer = replace(plain, density=TRIAL.finer(FINER))
         tighter = np.zeros(len(bounds))
-        found = finer.evaluate(np.array([state.best]))[0]
+        answer = self._answer(finer, state)
         if not state.feasible or not repair:
-            return _Answer(state, found)
+            return answer
         for _ in range(REPAIRS):
-            if found.feasible:
+            excess = answer.refuted
+            if answer.found.feasible and not excess.any():
                 break
-            seen = plain.evaluate(np.array([state.best]))[0]
+            seen, found = plain.evaluate(np.array([state.best]))[0], answer.found
             for index, bound in enumerate(bounds):
-                values = seen.worst[index], found.worst[index]
+                values = seen.values[index], found.values[index]
                 if np.isfinite(values).all():
-                    before, after = bound.margin(values)
-                    tighter[index] = max(tighter[index], SLACK * (before - after))
+                    before, after = map(bound.margin, values)
+                    excess[index] = max(excess[index], before - after)
+            tighter = np.maximum(tighter, SLACK * excess)
             evaluator = replace(plain, tighter=tuple(tighter.tolist()))
             state = replace(self._cloud(state), history=())
             try:
@@ -93,8 +113,19 @@ class _Run:
                 )
             except Canceled:
                 break
-            found = finer.evaluate(np.array([state.best]))[0]
-        return _Answer(state, found)
+            answer = self._answer(finer, state)
+        return answer
+
+    def _answer(self, finer: Evaluator, state: RegimeState) -> _Answer:
+        """Evaluate the best trial on the finer poses, and prove it if it holds there."""
+        found = finer.evaluate(np.array([state.best]))[0]
+        proof = None
+        trial = found.trial
+        sprung = trial is not None and trial.inner is not None and bool(trial.inner.springs)
+        if self.prove is not None and found.feasible and trial is not None and not sprung:
+            required = replace(self.case.requirements, workspace=trial.workspace)
+            proof = prove_workspace(trial.design, required, time_limit=self.prove)
+        return _Answer(state, found, self.case.requirements.bounds, proof)
 
     def _cloud(self, state: RegimeState) -> RegimeState:
         """Return a state with trials about its best one."""
@@ -115,6 +146,7 @@ def synthesize(
     states: tuple[RegimeState, ...] = (),
     checkpoint: Callable[[tuple[RegimeState, ...]], None] | None = None,
     relax: bool = True,
+    prove: float | None = None,
 ) -> SynthesisResult:
     """Search for the robot that meets a case's requirements and minimizes its objective.
 
@@ -131,8 +163,11 @@ def synthesize(
         states: Where an earlier search of the same case was; it goes on from there.
         checkpoint: Called after each round with where the search is.
         relax: Whether to look for relaxations where there is no answer.
+        prove: Time for a proof of the answer over the whole workspace [s]; None for no proof. A
+            pose that it finds to break a requirement tightens its bound, too. It knows of no
+            springs: there is none with them.
     """
-    run = _Run(case, workers, progress)
+    run = _Run(case, workers, progress, prove=prove)
     refused = {regime: reason for regime in case.regimes if (reason := refusal(case, regime))}
     reached = {state.regime: state for state in states if state.regime in case.regimes}
     answers: list[_Answer] = []
@@ -216,4 +251,5 @@ def _result(
         canceled=canceled,
         poses=0 if trial is None else trial.poses.over(case.requirements.theta).poses,
         inner=trial and trial.inner,
+        proof=best and best.proof,
     )

@@ -29,6 +29,7 @@ from paminsa_viz.synthesis import (
 )
 from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
 from paminsa_viz.synthesis.evaluation import REFUSED
+from paminsa_viz.synthesis.evidence import Verdict
 from tests.synthesis.search_cases import CELL, CYLINDER, TURN
 from tests.synthesis.test_trials import poses_of
 
@@ -249,3 +250,20 @@ def test_a_state_that_has_ended_is_not_searched_on() -> None:
     assert isinstance(again.states[0], RegimeState)
     assert answer(again) == answer(whole)
     assert SHORT.requirements.theta[1] == TURN
+
+
+@pytest.mark.slow
+def test_a_limit_that_decides_holds_on_the_finer_poses_and_is_proven() -> None:
+    # the least peak torque within a footprint: the footprint of coarser poses is a little less
+    case = replace(
+        CYLINDER, objective="static_torque", limits=(ObjectiveLimit("footprint", 0.55),),
+        effort=Effort(60, 4), regimes=(Regime.SMALLER,),
+    )  # fmt: skip
+    result = synthesize(case, prove=10.0)
+    assert result.feasible
+    outcome = result.outcomes[-1]
+    assert outcome.bound == case.limits[0]
+    assert 0 <= outcome.margin < 0.01
+    assert result.proof is not None
+    assert result.proof.verdict is Verdict.PROVEN
+    assert result.proof.evidence[-1].requirement == case.requirements.bounds[0]
