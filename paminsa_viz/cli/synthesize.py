@@ -31,11 +31,7 @@ from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
 from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
-<<<<<<< HEAD
-from paminsa_viz.synthesis.evidence import Proof
 from paminsa_viz.synthesis.front import design_front
-=======
->>>>>>> main
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -108,22 +104,13 @@ class Synthesize(AnswerFlags, JsonFlags):
                 case, workers=workers, progress=show, states=states, prove=self.prove,
                 checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
             )  # fmt: skip
-<<<<<<< HEAD
             seconds = time.monotonic() - started
             checks = self.checks(result, workers)
-        proof = self._proof(result)
         if self.json:
-            print_json(result_data(result, seconds, proof) | checks_data(result, checks))
-        else:
-            print_result(result, seconds, proof)
-            print_checks(result, checks)
-=======
-        seconds = time.monotonic() - started
-        if self.json:
-            print_json(result_data(result, seconds))
+            print_json(result_data(result, seconds) | checks_data(result, checks))
         else:
             print_result(result, seconds)
->>>>>>> main
+            print_checks(result, checks)
         if self.out is not None and result.feasible:
             self._save(result, self.out)
         return 0 if result.feasible else 1
@@ -138,8 +125,8 @@ class Synthesize(AnswerFlags, JsonFlags):
 
     def _front(self, case: SynthesisCase) -> int:
         """Search a front and report."""
-        if self.checkpoint is not None or self.prove is not None:
-            raise UsageError("--front excludes --checkpoint and --prove")
+        if self.checkpoint is not None:
+            raise UsageError("--front excludes --checkpoint")
         started = time.monotonic()
         with progress_line(case) as show, self._executor() as workers:
             front = design_front(
