@@ -78,11 +78,9 @@ def volume_table(volume: Volume) -> DataTable:
     # Late: it takes a third of a second to load.
     from scipy import ndimage
 
-    near = ndimage.binary_dilation(volume.reachable)
-    index = np.nonzero(near)
-    x, y, z = (
-        np.round(axis[i], 9) for axis, i in zip((volume.x, volume.y, volume.z), index, strict=True)
-    )
+    near: NDArray[np.bool_] = np.asarray(ndimage.binary_dilation(volume.reachable), np.bool_)
+    places = zip((volume.x, volume.y, volume.z), np.nonzero(near), strict=True)
+    x, y, z = (np.round(axis[i], 9) for axis, i in places)
     words = np.array([cause.word for cause in volume.causes])
     margins: dict[str, Array] = {}
     for index, bound in enumerate(volume.requirements.bounds):

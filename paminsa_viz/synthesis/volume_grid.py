@@ -89,7 +89,7 @@ def axes_of(
     count += 1 - count % 2  # odd, so that every second node reaches the ends
     middle = 0.5 * (low + high)
     z = middle + step * (np.arange(count) - (count - 1) / 2)
-    return step * np.arange(-half, half + 1), z, headings
+    return np.asarray(step * np.arange(-half, half + 1), np.float64), z, headings
 
 
 def _below(geometry: Geometry) -> bool:
@@ -110,7 +110,8 @@ def joined_to_home(
     # Late: it takes a third of a second to load.
     from scipy import ndimage
 
-    labels, count = ndimage.label(nodes)
+    labels = np.zeros(nodes.shape, np.int32)
+    count = int(np.asarray(ndimage.label(nodes, output=labels)))
     if count == 0:
         return np.zeros(nodes.shape, np.bool_), False
     middle = len(x) // 2
