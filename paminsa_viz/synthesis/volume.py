@@ -19,7 +19,7 @@ from paminsa_viz.synthesis.causes import (
     INSIDE,
     OTHER_SIDE,
     SINGULAR,
-    Cause,
+    VolumeCause,
     causes_of,
 )
 from paminsa_viz.synthesis.distance import (
@@ -73,7 +73,7 @@ class Volume:
     z: Array
     headings: int
     cause: NDArray[np.uint8]
-    causes: tuple[Cause, ...]
+    causes: tuple[VolumeCause, ...]
     margins: Array
     depth: Array
     reachable: NDArray[np.bool_]
@@ -121,7 +121,7 @@ class Volume:
         only = (broken == 1) & self.reachable
         return (only & ~self.met).sum(axis=(1, 2, 3)) / count
 
-    def shares(self) -> dict[Cause, float]:
+    def shares(self) -> dict[VolumeCause, float]:
         """Return what share of the reachable nodes each cause takes, those that take any."""
         codes = np.bincount(self.cause[self.reachable], minlength=len(self.causes))
         count = max(1, int(self.reachable.sum()))
