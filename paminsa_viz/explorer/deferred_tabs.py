@@ -9,6 +9,7 @@ from typing import Any
 
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.clearing import ClearanceChecker
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
@@ -75,4 +76,5 @@ def build_tabs(
     session.fast += [requirements, synthesize]
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
+    session.deferred.append(ClearanceChecker(session, motions))
     register_commands(session)

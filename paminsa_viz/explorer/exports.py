@@ -169,6 +169,8 @@ def motion_figure(state: State, kind: str) -> File:
     sources, title = found.sources, None
     if what == "tracking" and not motions.simulation_is_current(state):
         raise InvalidInput("simulation", "simulate the current motion first")
+    if what == "clearance":  # what the page has may not be there yet
+        sources = replace(sources, clearance=None)
     if what == "comparison":
         check = found.answer.found if found.answer else None
         if check is None:

@@ -127,9 +127,11 @@ def check_by_mujoco(
     for bound in checked:
         at = within(bound, pose[index])
         if len(at):
-            pair = (bound_margins(bound, t[at]).min() for t in (held[index], found))
-            limit = bound.high if bound.high is not None else bound.low
-            rows.append(_row(bound.entry.title, bound.entry.unit, len(at), *pair, limit or 0.0))
+            ours, engine = (bound_margins(bound, t[at]).min() for t in (held[index], found))
+            limit = next(b for b in (bound.high, bound.low) if b is not None)
+            rows.append(
+                _row(bound.entry.title, bound.entry.unit, len(at), ours, engine, limit or 0.0)
+            )
     for motion in motions:
         states = motion.pose, motion.velocity, motion.acceleration
         more = spring_torques(design.geometry, springs, motion.pose)
@@ -142,8 +144,11 @@ def check_by_mujoco(
             ("force of M4 on", "N", slice(3, 4), motion_force),
         ):
             if most is not None:
-                pair = (most - float(np.abs(t[:, part]).max()) for t in (computed, reference))
-                rows.append(_row(f"{label} {motion.name}", unit, motion.size, *pair, most))
+                ours, engine = (
+                    most - float(np.abs(t[:, part]).max()) for t in (computed, reference)
+                )
+                name = f"{label} {motion.name}"
+                rows.append(_row(name, unit, motion.size, ours, engine, most))
     return MujocoCheck(
         load_mujoco().__version__,
         tuple(rows),

@@ -165,6 +165,8 @@ register(
           "elasticity:ComplianceEllipsoid"),
     Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
           "contacts:ContactView"),
+    Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
+          "clearance:ClearanceView"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(
