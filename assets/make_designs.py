@@ -11,6 +11,7 @@ from paminsa_viz.actuation.catalog import generic_catalog
 from paminsa_viz.actuation.duty import Duty, duty_cycle
 from paminsa_viz.actuation.selection import select_drives
 from paminsa_viz.balancing import balance
+from paminsa_viz.clearance import clearance
 from paminsa_viz.errors import InvalidDesign
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.model import (
@@ -27,8 +28,8 @@ from paminsa_viz.trajectory import PRESET
 
 RADIUS, HEIGHT, TURN = 0.1, 0.2, np.radians(30.0)
 """Workspace of the compact robot: a cylinder about the vertical [m], and theta up to [rad]."""
-MARGIN, CONDITION = 0.01, 10.0
-"""Least distance to a limit of reach [m], and largest condition number."""
+MARGIN, CONDITION, APART = 0.01, 10.0, 0.005
+"""Least distance to a limit of reach [m], largest condition number, least clearance [m]."""
 BARS = 0.25
 """Weight of the bars' lengths next to the footprint's radius."""
 SEARCHED = {
@@ -97,10 +98,13 @@ def broken(design, poses, spare: float = 1.0) -> float:
     short = np.clip(spare * MARGIN - np.nan_to_num(reach.margins, nan=-1.0), 0.0, None).max()
     condition = measure_singularity(design.geometry, poses).condition
     worst = np.nan_to_num(condition, nan=1e6, posinf=1e6).max()
-    return float(short + max(spare * worst / CONDITION - 1.0, 0.0))
+    lack = float(short + max(spare * worst / CONDITION - 1.0, 0.0))
+    if lack > 0:
+        return lack + 1.0
+    return max(spare * APART - float(np.nanmin(clearance(design, poses).least)), 0.0)
 
 
-def compact(generations: int = 60):
+def compact(generations: int = 50):
     """Search for the least footprint and bars; the guide is as long as it has to be."""
 
     def robot(lengths, stroke=None):

@@ -14,7 +14,7 @@ from paminsa_viz.balancing import CounterweightRange, SpringPlace, at_joint, bey
 from paminsa_viz.model import APPENDIX_4, backend
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.engine_check import check_requirements
+from paminsa_viz.synthesis.engine_check import check_by_mujoco
 from paminsa_viz.synthesis.inner import solve_inner
 from paminsa_viz.synthesis.inner_case import InnerCase, MassFactor
 from paminsa_viz.synthesis.inner_space import sampled_solution
@@ -75,7 +75,7 @@ def main() -> None:
             DESIGN.geometry, motion
         ),
         "100 robots built within tolerances": lambda: built_robots(DESIGN, 100),
-        "MuJoCo's check, 60 poses and the motion": lambda: check_requirements(
+        "MuJoCo's check, 60 poses and the motion": lambda: check_by_mujoco(
             limited.design, bounds, pose, springs=limited.springs, motions=(motion,)
         ),
     }

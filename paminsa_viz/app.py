@@ -26,6 +26,7 @@ if TYPE_CHECKING:  # loaded when the server starts, and in the background
 
     from paminsa_viz.explorer.session import Session
     from paminsa_viz.model import Design
+    from paminsa_viz.quantities.requirements import Requirements
     from paminsa_viz.trajectory import Trajectory
 
 log = logging.getLogger(__name__)
@@ -124,12 +125,14 @@ class App:
         sessions: Session of every connected tab, by client number.
     """
 
-    def __init__(self, options: AppOptions, design: Design) -> None:
+    def __init__(
+        self, options: AppOptions, design: Design, requirements: Requirements | None = None
+    ) -> None:
         from paminsa_viz.explorer.server.access import AccessToken
         from paminsa_viz.explorer.server.limits import Limits
         from paminsa_viz.explorer.server.listening import open_server
 
-        self.design = design
+        self.design, self.requirements = design, requirements
         self.sessions: dict[int, Session] = {}
         self._first_tab = threading.Event()
         self._closed_page, self._stopped = threading.Event(), threading.Event()
@@ -154,7 +157,7 @@ class App:
     def _connect(self, client: viser.ClientHandle) -> None:
         from paminsa_viz.explorer.page import build
 
-        self.sessions[client.client_id] = build(client, self.design)
+        self.sessions[client.client_id] = build(client, self.design, self.requirements)
         self._first_tab.set()
 
     def _disconnect(self, client: viser.ClientHandle) -> None:
@@ -231,15 +234,18 @@ def run(options: AppOptions) -> None:
         PaminsaError: If the design file is not usable or the port is taken.
     """
     from paminsa_viz.explorer.server.listening import exposure_notice
-    from paminsa_viz.files.design_file import load_design
+    from paminsa_viz.files.design_file import load_content
     from paminsa_viz.model import APPENDIX_4
 
     # A tab may go while it is drawn; viser would report every message that it no longer got.
     warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")
     sys.setswitchinterval(SWITCH_INTERVAL)
     call_allocator("mallopt", M_ARENA_MAX, ARENAS)
-    design = APPENDIX_4 if options.design is None else load_design(options.design)
-    app = App(options, design)
+    design, requirements = APPENDIX_4, None
+    if options.design is not None:
+        found = load_content(options.design)
+        design, requirements = found.design, found.requirements
+    app = App(options, design, requirements)
     notice = exposure_notice(options.host)
     if notice:
         print(notice, file=sys.stderr)

@@ -103,9 +103,16 @@ def capsule(start: Sequence[float] | Array, end: Sequence[float] | Array, radius
     axis = (second - first) / length if length > 0 else np.array([0.0, 0.0, 1.0])
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     side /= np.linalg.norm(side)
-    rotation = np.stack([side, np.cross(axis, side), axis], axis=1)
+    rotation = np.stack([side, np.cross(axis, side), axis], axis=1).astype(np.float64)
     middle = (first + second) / 2
-    return Solid(CAPSULE, np.array([0.0, 0.0, length / 2]), radius, NO_CORNERS, rotation, middle)
+    return Solid(
+        CAPSULE,
+        np.array([0.0, 0.0, length / 2]),
+        radius,
+        NO_CORNERS,
+        rotation.astype(np.float64),
+        middle,
+    )
 
 
 def box(

@@ -37,6 +37,7 @@ COMMANDS: dict[str, str] = {
     "stiffness": "stiffness, deflection under load and what to stiffen first, at a pose",
     "requirements": "check what a robot is needed for; the volume where it holds",
     "sweep": "measure many designs over the workspace, into a resumable table",
+    "synthesize": "find the lengths of the robot that meets requirements and is smallest",
     "balance": "find the masses that balance the robot best, certified optimal",
     "verify": "check the formulas against MuJoCo and Pinocchio",
     "report": "write a design report as one HTML file",

@@ -20,7 +20,7 @@ from paminsa_viz.synthesis.certificate import prove
 from paminsa_viz.synthesis.evidence import Evidence, Pose, Proof, Verdict
 from paminsa_viz.synthesis.families import Method
 from paminsa_viz.synthesis.largest import Growth, LargestWorkspace, largest_workspace
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 from paminsa_viz.units import DEGREES, MM, format_ascii
 
 _GROWTH = {"all": Growth.ALL, "horizontal": Growth.HORIZONTAL, "vertical": Growth.VERTICAL}
@@ -112,7 +112,7 @@ def _print_largest(design: Design, requirements: Requirements, found: LargestWor
         return
     region = found.proof.region
     print(f"{design.name}, largest proven workspace: {_place(region)}")
-    limit = Region(region.shape, region.center, _half(found.limit), region.theta)
+    limit = PoseRegion(region.shape, region.center, _half(found.limit), region.theta)
     print(f"gap {MM * found.gap:.3g} mm to {_size(limit)}{_cause(found)}")
     _print_evidence(found.proof)
     print(f"{found.boxes:,} boxes, {found.seconds:.1f} s")
@@ -162,13 +162,13 @@ def _worst(item: Evidence) -> str:
     return sign + format_ascii(item.bound, unit)
 
 
-def _size(region: Region) -> str:
+def _size(region: PoseRegion) -> str:
     x, y, z = (f"{2 * MM * half:.5g}" for half in region.half)
     round_ = region.shape is WorkspaceShape.CYLINDER
     return f"cylinder d {x} x {z} mm" if round_ else f"box {x} x {y} x {z} mm"
 
 
-def _place(region: Region) -> str:
+def _place(region: PoseRegion) -> str:
     center = ", ".join(f"{MM * place + 0.0:.4g}" for place in region.center)
     low, high = (DEGREES * angle for angle in region.theta)
     return f"{_size(region)} about ({center}) mm, theta {low:.4g} to {high:.4g} deg"

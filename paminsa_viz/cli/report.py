@@ -14,6 +14,7 @@ from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import DesignFlags, MotionFlags, PoseFlags, check_ending
 from paminsa_viz.cli.output import print_written
 from paminsa_viz.files.atomic import open_atomically
+from paminsa_viz.files.design_file import load_content
 from paminsa_viz.files.example_logs import given_log
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.trajectory import MotionLimits, plan_crossing, spline_path
@@ -24,10 +25,11 @@ Write a design report: one HTML file with everything inside, to attach to a desi
   paminsa-viz report --out report.html
   paminsa-viz report --out report.html --design robot.toml --pose 50 -30 20 -550 --preset arch
 
-It holds the design and where it differs from Appendix 4, geometry and workspace, torque maps, the
-trajectory with loads and figures, the design's drives on it if there are any, the verification
-against MuJoCo, and against Pinocchio if it is installed (pip install 'paminsa-viz[verify]'), the
-static balance, and where all of it comes from. For a PDF, open it in a browser and print."""
+It holds the design and where it differs from Appendix 4, geometry and workspace, requirements in
+its file with their volume and the largest proven workspace, torque maps, the trajectory with
+loads and figures, the design's drives on it if there are any, the verification against MuJoCo, and
+against Pinocchio if it is installed (pip install 'paminsa-viz[verify]'), the static balance, and
+where all of it comes from. For a PDF, open it in a browser and print."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +77,7 @@ class Report(MotionFlags, PoseFlags, DesignFlags):
             verified=self.verify,
             seed=self.seed,
             log=None if self.log is None else given_log(self.log),
+            requirements=None if self.design is None else load_content(self.design).requirements,
         )
         # Opened first, so that a place which cannot be written to is known before the work.
         with open_atomically(self.out) as file:

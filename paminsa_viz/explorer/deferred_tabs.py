@@ -9,6 +9,7 @@ from typing import Any
 
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.clearing import ClearanceChecker
 from paminsa_viz.explorer.motion.results import MotionStore
 from paminsa_viz.explorer.panels.accuracy_panel import ACCURACY
 from paminsa_viz.explorer.panels.balance_panel import BalancePanel
@@ -22,6 +23,7 @@ from paminsa_viz.explorer.panels.maps_panel import MapsPanel
 from paminsa_viz.explorer.panels.motion_panel import MotionPanel
 from paminsa_viz.explorer.panels.requirements_panel import RequirementsPanel
 from paminsa_viz.explorer.panels.stiffness_panel import STIFFNESS
+from paminsa_viz.explorer.panels.synthesize_panel import SynthesizePanel
 from paminsa_viz.explorer.panels.view_panel import register_commands, view_entries
 from paminsa_viz.explorer.scene.layers import SceneContext, build_views
 from paminsa_viz.explorer.scene.legend import SceneLegend
@@ -61,6 +63,8 @@ def build_tabs(
         identify = Panel(session, identify_entries())
     with places["Requirements"]:
         requirements = RequirementsPanel(session, bridge)
+    with places["Synthesize"]:
+        synthesize = SynthesizePanel(session, bridge)
     with places["Compare"]:
         compare = Panel(session, COMPARE)
     with places["View"]:
@@ -69,7 +73,8 @@ def build_tabs(
         files = Panel(session, FILE)
         bridge.on(EXAMPLE, partial(receive_example, session))
     session.fast += [design, balance, motion, drives, loads, accuracy, stiffness, identify, view]
-    session.fast.append(requirements)
+    session.fast += [requirements, synthesize]
     floor = build_views(replace(context, maps=maps.store, legend=legend), animated=False)
     session.deferred += [maps, *floor, legend, compare, files, TabStore(bridge)]
+    session.deferred.append(ClearanceChecker(session, motions))
     register_commands(session)

@@ -62,7 +62,7 @@ EXAMPLES: tuple[Example, ...] = (
     Example(
         "compact", "Compact robot",
         "Lengths by global search for a cylinder of r 100 mm and 200 mm height with θ ± 30°: "
-        "0.41 m of footprint radius, Appendix 4 has 0.73 m.",
+        "0.48 m of footprint radius, Appendix 4 has 0.73 m.",
         ExampleDesign.COMPACT,
     ),
 )  # fmt: skip

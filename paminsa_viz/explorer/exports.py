@@ -1,29 +1,23 @@
-"""What a session can export: maps, the robot, the view and the motion, as file and name."""
+"""What a session can export: maps, the robot and the motion, as file and name."""
 
 from __future__ import annotations
 
-import io
 import math
 import unicodedata
 from dataclasses import replace
 from typing import NamedTuple
 
-import numpy as np
-import viser
-
-from paminsa_viz.explorer.browser.style import over_backdrop
 from paminsa_viz.explorer.identifying import EXPORT_RATE
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.motion import actions as motions
 from paminsa_viz.explorer.motion.description import FIGURES, SIMULATED
 from paminsa_viz.explorer.motion.results import MotionResults, MotionStore
-from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend, with_legend
 from paminsa_viz.explorer.state import State
 from paminsa_viz.files.excitation_table import excitation_table
 from paminsa_viz.files.identification_table import estimate_table, residual_table
-from paminsa_viz.files.tables import table_bytes
+from paminsa_viz.files.tables import DataTable, table_bytes
 from paminsa_viz.files.trajectory_table import analysis_table, simulation_table
-from paminsa_viz.model import Configuration, Design, InvalidInput, PaminsaError, inverse_kinematics
+from paminsa_viz.model import Configuration, Design, InvalidInput, inverse_kinematics
 from paminsa_viz.plots.map_data import MapData
 from paminsa_viz.plots.map_table import map_table
 from paminsa_viz.plots.series import FIGURES as FIGURE_KINDS
@@ -31,14 +25,6 @@ from paminsa_viz.plots.series import FigureKind, SeriesSources
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_figure import render_series
 from paminsa_viz.quantities import TORQUES
-
-VIEW_SIDES = (64, 4096)
-"""Sides of a picture of the 3D view [pixels]."""
-VIEW_TIMEOUT = 30.0
-"""How long a page may take for a picture of the 3D view [s]."""
-
-LEGEND_LETTERS = 13.0
-"""Size of the letters of the legend on a picture whose shorter side has 720 pixels [px]."""
 
 LONGEST_NAME = 40
 
@@ -48,10 +34,6 @@ class File(NamedTuple):
 
     name: str
     content: bytes
-
-
-class NoView(PaminsaError):
-    """The page did not give a picture of its 3D view."""
 
 
 def file_name(state: State, what: str, ending: str, at_pose: bool = False) -> str:
@@ -105,7 +87,12 @@ def table(state: State, store: MapStore, kind: str) -> File:
     Raises:
         InvalidInput: If there is no such kind.
     """
-    return File(_maps_name(state, kind), table_bytes(map_table(_maps(state, store)), kind))
+    return File(_maps_name(state, kind), table_bytes(maps_table(state, store), kind))
+
+
+def maps_table(state: State, store: MapStore) -> DataTable:
+    """Return the numbers of maps, with where they come from."""
+    return map_table(_maps(state, store))
 
 
 def _quantities(state: State) -> tuple[str, ...]:
@@ -161,38 +148,6 @@ def _posed(state: State) -> tuple[Design, Configuration]:
     return design, inverse_kinematics(last_reachable.geometry, last_reachable.pose)
 
 
-def view(state: State, client: viser.ClientHandle, legend: Legend = NO_LEGEND) -> File:
-    """Take a picture of the 3D view, as the page draws it.
-
-    Args:
-        state: What it shows, for the name, and the picture's size.
-        client: The page.
-        legend: What the legend over the view says.
-
-    Raises:
-        NoView: If the page does not answer in time.
-    """
-    from PIL import Image
-
-    camera = client.camera
-    low, high = VIEW_SIDES
-    width, height = state.export.view_size or (camera.image_width, camera.image_height)
-    width, height = (int(min(max(side, low), high)) for side in (width, height))
-    try:
-        pixels = client.get_render(height, width, transport_format="png", timeout=VIEW_TIMEOUT)
-        if pixels.dtype != np.uint8 or pixels.shape != (height, width, 4):
-            raise ValueError(f"a picture of shape {pixels.shape}")
-        size = LEGEND_LETTERS * min(height, width) / 720
-        image = Image.fromarray(with_legend(over_backdrop(pixels), legend, max(size, 8.0)))
-    except Exception as error:  # what a page sends may break any decoder in any way
-        raise NoView(
-            "the page did not give a picture of the 3D view; keep its tab in front and try again"
-        ) from error
-    stream = io.BytesIO()
-    image.save(stream, format="png")
-    return File(file_name(state, "view", "png", at_pose=True), stream.getvalue())
-
-
 def motion_figure_kind(state: State) -> FigureKind:
     """Return which figure `motion_figure` draws of a state."""
     plot = state.plots.plot
@@ -214,6 +169,8 @@ def motion_figure(state: State, kind: str) -> File:
     sources, title = found.sources, None
     if what == "tracking" and not motions.simulation_is_current(state):
         raise InvalidInput("simulation", "simulate the current motion first")
+    if what == "clearance":  # what the page has may not be there yet
+        sources = replace(sources, clearance=None)
     if what == "comparison":
         check = found.answer.found if found.answer else None
         if check is None:
@@ -237,11 +194,22 @@ def motion_table(state: State, kind: str) -> File:
     Raises:
         InvalidInput: If there is no motion, or no such kind.
     """
+    found, series = motion_series(state)
+    what = "simulation" if state.plots.plot in SIMULATED and found.sources.simulation else ""
+    return File(_motion_name(state, found, what, kind), table_bytes(series, kind))
+
+
+def motion_series(state: State) -> tuple[MotionResults, DataTable]:
+    """Return the motion, and the numbers over time that `motion_table` writes.
+
+    Raises:
+        InvalidInput: If there is no motion.
+    """
     found = _motion_results(state)
     simulation = found.sources.simulation if state.plots.plot in SIMULATED else None
-    what = "" if simulation is None else "simulation"
-    series = analysis_table(found.analysis) if simulation is None else simulation_table(simulation)
-    return File(_motion_name(state, found, what, kind), table_bytes(series, kind))
+    if simulation is not None:
+        return found, simulation_table(simulation)
+    return found, analysis_table(found.analysis)
 
 
 def motion_page(state: State) -> File:

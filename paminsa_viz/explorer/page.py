@@ -25,6 +25,7 @@ from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.explorer.theme import ThemeView
 from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.quantities.requirements import Requirements
 
 log = logging.getLogger(__name__)
 
@@ -41,6 +42,7 @@ LATER_TABS = (
     "Stiffness",
     "Identify",
     "Requirements",
+    "Synthesize",
     "Compare",
     "View",
     "File",
@@ -59,9 +61,11 @@ OPENING = (0.08, 0.05, np.pi / 3)
 position at which gravity loads all actuators."""
 
 
-def opening_state(design: Design) -> State:
+def opening_state(design: Design, requirements: Requirements | None = None) -> State:
     """Return the state a page opens with: at home, if the robot cannot be at `OPENING`."""
     start = initial_state(design)
+    if requirements is not None:
+        start = start.updated("document", requirements=requirements)
     x, y, theta = OPENING
     moved = actions.move(start, x=x, y=y, theta=theta)
     return moved if compute(moved).health is Health.OK else start
@@ -76,13 +80,15 @@ def restored(state: State, saved: str) -> State:
         return state
 
 
-def build(client: viser.ClientHandle, design: Design) -> Session:
+def build(
+    client: viser.ClientHandle, design: Design, requirements: Requirements | None = None
+) -> Session:
     """Build the page of a tab that has just connected, and start its worker.
 
     The first tab comes first, then the robot; the rest follows when the browser shows them, so that
     nobody waits for it. Whoever adds views dispatches a new state, so that they are drawn.
     """
-    session = Session(client, opening_state(design))
+    session = Session(client, opening_state(design, requirements))
     bridge = Bridge(client)
     gui = client.gui
     theme = ThemeView(session, bridge)
@@ -97,7 +103,7 @@ def build(client: viser.ClientHandle, design: Design) -> Session:
         pose = Panel(session, POSE)
     places = {name: tabs.add_tab(name) for name in LATER_TABS}
     session.fast += [theme, strip, pose]
-    context = SceneContext(client.scene, session.dispatch, MotionStore())
+    context = SceneContext(client.scene, session.dispatch, MotionStore(), client.camera)
 
     def build_robot() -> None:
         if session.immediate:

@@ -21,6 +21,7 @@ from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.frame import Frame, compute
 from paminsa_viz.explorer.motion.actions import advance_time
 from paminsa_viz.explorer.state import Document, State
+from paminsa_viz.explorer.synthesis.actions import previewed
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 
@@ -264,7 +265,7 @@ class Session:
             self.notify("Something went wrong", "Details are in the program's log.", bad=True)
 
     def _draw(self, state: State, *, dragging: bool) -> None:
-        frame = compute(state)
+        frame = compute(previewed(state))
         self._draw_together(self.immediate, frame, dragging)
         time.sleep(FLUSH_DELAY)
         self._draw_together(self.fast, frame, dragging)

@@ -8,6 +8,7 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.balancing.spring_settings import Springing
+from paminsa_viz.explorer.clearing import ClearanceView, Clearing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
 from paminsa_viz.explorer.identifying import Identifying
@@ -18,6 +19,7 @@ from paminsa_viz.explorer.motion.editing import PointEditing
 from paminsa_viz.explorer.motion.jobs import Answer, Simulating
 from paminsa_viz.explorer.requirements.jobs import Requiring
 from paminsa_viz.explorer.scene.layers import default_layers
+from paminsa_viz.explorer.synthesis.jobs import Synthesizing
 from paminsa_viz.model import APPENDIX_4, Design, Geometry
 from paminsa_viz.model.reach import home_pose
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
@@ -146,8 +148,10 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulating, balancing, springing, driving, manufacture, loads, elastic_view, identifying,
-            requiring, engine_answer: Jobs of the session and what came of them.
+        simulating, balancing, springing, clearing, driving, manufacture, loads, elastic_view,
+            identifying, requiring, synthesizing, engine_answer: Jobs of the session and what came
+            of them.
+        clearance_view: Which pairs of bodies are checked for clearance, and what is enough.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
         export: How files are exported.
@@ -168,12 +172,15 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     springing: Springing = field(default_factory=Springing)
+    clearance_view: ClearanceView = field(default_factory=ClearanceView)
+    clearing: Clearing = field(default_factory=Clearing)
     driving: Driving = field(default_factory=Driving)
     manufacture: Manufacture = field(default_factory=Manufacture)
     loads: LoadsState = field(default_factory=LoadsState)
     elastic_view: ElasticView = field(default_factory=ElasticView)
     identifying: Identifying = field(default_factory=Identifying)
     requiring: Requiring = field(default_factory=Requiring)
+    synthesizing: Synthesizing = field(default_factory=Synthesizing)
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)

@@ -16,6 +16,7 @@ import msgspec
 
 from paminsa_viz.explorer import actions, persistence
 from paminsa_viz.explorer.browser.bridge import Bridge
+from paminsa_viz.explorer.clearing import REQUIRED, ClearanceView
 from paminsa_viz.explorer.docks import LARGEST_DOCK
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.motion.description import PlotView
@@ -31,6 +32,7 @@ VIEW: dict[str, Any] = {
     "floor_opacity": float,
     "plots": PlotView,
     "condition_limit": float,
+    "clearance_view": ClearanceView,
     "table_at_rest": bool,
     "appearance": Appearance,
     "docks": Docks,
@@ -75,6 +77,9 @@ def _possible(name: str, value: Any) -> bool:
             return value.quantity in QUANTITIES and all(abs(end) <= LARGEST_END for end in ends)
         case "plots":
             return 0 <= value.actuator < 4 and 0 <= value.color < 4
+        case "clearance_view":
+            low, high = REQUIRED
+            return bool(low <= value.required <= high)
         case "floor_opacity":
             return 0 <= value <= 1
         case "docks":
@@ -94,7 +99,8 @@ class TabStore:
 
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Save what has changed."""
-        if dragging:
+        # A search may show a robot that is not the document's.
+        if dragging or frame.state.synthesizing.running is not None:
             return
         text = dump(frame.state)
         if text != self._kept:

@@ -140,12 +140,13 @@ def read_content(content: str | bytes, source_name: str) -> DesignContent:
     Raises:
         DesignFileError: If it is no valid design file.
     """
-    text = _text(content, source_name)
-    document = _parsed(text, source_name)
-    return _content(document, text, source_name)
+    text = decode_text(content, source_name)
+    document = parse_toml(text, source_name)
+    return content_of(document, text, source_name)
 
 
-def _text(content: str | bytes, source: str) -> str:
+def decode_text(content: str | bytes, source: str) -> str:
+    """Return the text of a file's content; refuses what is none, see `read_design`."""
     if len(content) > LARGEST_FILE:
         raise DesignFileError(
             source, f"is too large for a design file (at most {LARGEST_FILE // 1000} kB)"
@@ -161,7 +162,8 @@ def _text(content: str | bytes, source: str) -> str:
     return content.removeprefix("\ufeff").replace("\r\n", "\n")
 
 
-def _parsed(text: str, source: str) -> dict[str, Any]:
+def parse_toml(text: str, source: str) -> dict[str, Any]:
+    """Return a text as TOML; refuses what is none with its line, see `read_design`."""
     for number, line in enumerate(text.split("\n"), 1):
         if len(line) > LONGEST_LINE:
             problem = f"the line is too long (at most {LONGEST_LINE} characters)"
@@ -197,7 +199,7 @@ def _number_hint(line: str) -> str:
     return next((f" ({advice})" for way, advice in ways.items() if re.search(way, line)), "")
 
 
-def _content(document: dict[str, Any], text: str, source: str) -> DesignContent:
+def content_of(document: dict[str, Any], text: str, source: str) -> DesignContent:
     """Return the content of a parsed document; the text is where lines are looked up."""
     # Late: not needed where no file is read, and it brings pydantic.
     from paminsa_viz.files.design_document import (

@@ -75,6 +75,17 @@ def table_csv(table: DataTable) -> bytes:
     return stream.getvalue()
 
 
+def table_text(table: DataTable) -> str:
+    """Return a table as lines with tabs, which a spreadsheet takes from the clipboard.
+
+    The ``#`` lines of provenance first, then the header row, then the rows.
+    """
+    head, _, names = header_lines(table.provenance, table.columns).rstrip().rpartition("\n")
+    columns = [np.asarray(column).ravel() for column in table.columns.values()]
+    rows = "\n".join([names, csv_rows(columns).rstrip()]).replace(",", "\t")
+    return f"{head}\n{rows}\n"
+
+
 def table_npz(table: DataTable) -> bytes:
     """Return a table as compressed NPZ; ``numpy.load`` reads it without ``allow_pickle``.
 

@@ -14,6 +14,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.model.grids import Field
 from paminsa_viz.model.measures import serial_margin
@@ -48,11 +49,16 @@ def near_singularity(
         return ~((np.asarray(condition) <= limit) & clear)
 
 
+def serial_margins(reach: Reach) -> Array:
+    """Return the least margins to a limit of reach that is a singularity (...) [m]."""
+    return reach.margins[..., _SERIAL].min(axis=(-1, -2))
+
+
 def near_by_reach(
     condition: ArrayLike, reach: Reach, limit: float = CONDITION_LIMIT
 ) -> NDArray[np.bool_]:
     """Return the same for poses with their condition numbers and their reach, (...)."""
-    return near_singularity(condition, reach.margins[..., _SERIAL].min(axis=(-1, -2)), limit)
+    return near_singularity(condition, serial_margins(reach), limit)
 
 
 def counting(field: Field, limit: float = CONDITION_LIMIT) -> NDArray[np.bool_]:

@@ -24,7 +24,8 @@ from paminsa_viz.trajectory.simulation import Simulation
 from paminsa_viz.units import DisplayUnit, display_unit, power_of_ten
 
 FigureKind = Literal[
-    "torques", "breakdown", "pose", "power", "energy", "loads", "tracking", "comparison"
+    "torques", "breakdown", "pose", "power", "energy", "loads", "clearance", "tracking",
+    "comparison",
 ]  # fmt: skip
 SeriesKind = FigureKind | Literal["speed", "acceleration", "errors", "commands", "differences"]
 FIGURES: tuple[FigureKind, ...] = get_args(FigureKind)
@@ -143,6 +144,7 @@ class SeriesSources:
         published: The design by the formulas as published, drawn dotted.
         simulation: The robot driven by a controller.
         engine: Torques from elsewhere.
+        clearance: A `clearance_series.MotionClearance`; found when it is plotted if None.
 
     Raises:
         InvalidInput: If they are not of the same trajectory.
@@ -153,6 +155,7 @@ class SeriesSources:
     published: TrajectoryAnalysis | None = None
     simulation: Simulation | None = None
     engine: EngineTorques | None = None
+    clearance: object | None = None
 
     def __post_init__(self) -> None:
         motion = self.analysis.trajectory

@@ -11,6 +11,7 @@ import numpy as np
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.palette import ACTUATOR_COLORS, INK, MUTED, REFERENCE
+from paminsa_viz.plots.clearance_series import clearance_panels
 from paminsa_viz.plots.load_series import load_panels
 from paminsa_viz.plots.series import (
     FIGURES,
@@ -26,8 +27,7 @@ from paminsa_viz.plots.series import (
 from paminsa_viz.trajectory.analysis import ActuatorSummary, TrajectoryAnalysis
 from paminsa_viz.units import format_value
 
-SYMBOLS = ("τ₁", "τ₂", "τ₃", "F₄")
-UNITS = ("N m", "N m", "N m", "N")
+SYMBOLS, UNITS = ("τ₁", "τ₂", "τ₃", "F₄"), ("N m", "N m", "N m", "N")
 COORDINATES = {"x": "m", "y": "m", "θ": "rad", "z": "m"}
 
 CAUSES: tuple[tuple[str, str, str, Dash], ...] = (
@@ -290,6 +290,7 @@ _BUILDERS: dict[SeriesKind, tuple[str, Callable[[SeriesSources], Iterator[Series
     "power": ("Power of the actuators", _power),
     "energy": ("Work of the actuators and energy of the robot", _energy),
     "loads": ("Forces at the joints and in the bars", load_panels),
+    "clearance": ("Clearance between the bodies", clearance_panels),
     "tracking": ("Simulated motion", _tracking),
     "errors": ("Errors of the simulated motion", _errors),
     "commands": ("Commanded torques and force", _commands),

@@ -53,6 +53,7 @@ _CHARTS: dict[SeriesKind, tuple[tuple[str, tuple[int, ...]], ...]] = {
     "power": (("Power of M1–M3", _TURNING), ("Power of M4", _LIFTING)),
     "energy": (("Work of M1–M3", _TURNING), ("Work of M4, and the robot's energy", (3, 4, 5))),
     "loads": (("Force at joint 2", (0,)), ("Largest bending moment", (4,))),
+    "clearance": (("Least clearance", (0,)), ("Clearance by pairs of bodies", (1,))),
     "pose": (("Position", _PLACE), ("Angle θ", _ANGLE)),
     "speed": (("Speed", _PLACE), ("Angular speed", _ANGLE)),
     "acceleration": (("Acceleration", _PLACE), ("Angular acceleration", _ANGLE)),

@@ -23,7 +23,9 @@ from paminsa_viz.report.forces_section import forces_section
 from paminsa_viz.report.identification_section import identification_section
 from paminsa_viz.report.loads_section import loads_section
 from paminsa_viz.report.request import Progress, ReportRequest, silent
+from paminsa_viz.report.requirements_section import requirements_section
 from paminsa_viz.report.stiffness_section import stiffness_section
+from paminsa_viz.report.synthesis_section import synthesis_section
 from paminsa_viz.report.trajectory_section import trajectory_section
 from paminsa_viz.report.verification_section import checked, verification_section
 from paminsa_viz.report.workspace_section import maps_section, workspace_section
@@ -46,6 +48,11 @@ def report_html(request: ReportRequest, progress: Progress = silent) -> str:
     analysis = analyze(request.design, request.trajectory)
     progress("design and workspace")
     sections = [design_section(request.design), workspace_section(request)]
+    if request.requirements is not None:
+        progress("requirements")
+        sections.append(requirements_section(request.design, request.requirements))
+    if request.synthesis is not None:
+        sections.append(synthesis_section(request.synthesis))
     progress("torque maps")
     sections.append(maps_section(request))
     progress("forces and capability")

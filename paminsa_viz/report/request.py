@@ -9,6 +9,8 @@ from datetime import datetime
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.identification.log import Log
 from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.synthesis.answer import SynthesisResult
 from paminsa_viz.trajectory import Trajectory
 
 Progress = Callable[[str], None]
@@ -32,6 +34,8 @@ class ReportRequest:
         verified: Whether to compare with physics engines, if they are installed.
         seed: Of random poses.
         log: A log of the built robot, to identify it from; None for none.
+        requirements: What the robot is needed for; None for no section on it.
+        synthesis: The search that the robot comes from; None for none.
 
     Raises:
         InvalidInput: If the pose is not four numbers.
@@ -45,6 +49,8 @@ class ReportRequest:
     verified: bool = True
     seed: int = 0
     log: Log | None = None
+    requirements: Requirements | None = None
+    synthesis: SynthesisResult | None = None
 
     def __post_init__(self) -> None:
         if len(self.pose) != 4:

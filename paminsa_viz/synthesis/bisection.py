@@ -13,12 +13,13 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
-from paminsa_viz.synthesis.families import Group
+from paminsa_viz.synthesis.families import BoundGroup
 from paminsa_viz.synthesis.margins import Progress
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 
 BATCH = 8192
 """Boxes worked on at a time."""
@@ -50,7 +51,7 @@ class Gauge:
         grows: Which of its extents along (x, y, z) grow; outside the others is never in it.
     """
 
-    region: Region
+    region: PoseRegion
     grows: Grows
 
     def of_boxes(self, middle: Array, half: Array) -> Array:
@@ -146,7 +147,7 @@ class _Pool:
         self.keep(~chosen)
         return taken
 
-    def keep(self, chosen: Array) -> None:
+    def keep(self, chosen: NDArray[np.bool_]) -> None:
         self.middle, self.half = self.middle[chosen], self.half[chosen]
         self.gauge = self.gauge[chosen]
 
@@ -156,7 +157,7 @@ class _Pool:
         self.gauge = np.concatenate([self.gauge, gauge])
 
 
-def first_box(group: Group, region: Region) -> tuple[Array, Array] | None:
+def first_box(group: BoundGroup, region: PoseRegion) -> tuple[Array, Array] | None:
     """Return the box around the poses of a region that a group is about; None for none.
 
     A coordinate that the group does not depend on has no width.
@@ -174,7 +175,7 @@ def first_box(group: Group, region: Region) -> tuple[Array, Array] | None:
 
 
 def nearest_violation(
-    group: Group,
+    group: BoundGroup,
     gauge: Gauge,
     upper: float,
     tolerance: float | None,
@@ -240,7 +241,7 @@ def nearest_violation(
 
 
 def _broken(
-    group: Group, gauge: Gauge, middle: Array, half: Array, upper: float
+    group: BoundGroup, gauge: Gauge, middle: Array, half: Array, upper: float
 ) -> tuple[float, Array, int] | None:
     """Return the pose of least gauge, below ``upper``, that breaks a requirement, if any.
 

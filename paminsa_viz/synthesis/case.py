@@ -18,6 +18,7 @@ from paminsa_viz.synthesis.inner_case import InnerCase, check_inner
 from paminsa_viz.synthesis.objectives import find_objective
 
 GUIDE = "geometry.guide_link_length"
+ARM = "geometry.arm_length"
 
 DIMENSIONS: dict[str, str] = {
     "workspace.z": "height of the workspace's center",
@@ -121,7 +122,7 @@ class Effort:
     """
 
     generations: int = 200
-    population: int = 12
+    population: int = 8
 
     def __post_init__(self) -> None:
         for name, least in (("generations", 1), ("population", 4)):
@@ -139,12 +140,15 @@ class SynthesisCase:
     Attributes:
         requirements: What has to hold, with the workspace over which it holds.
         ranges: What is searched. The height of the workspace is, too, where the workspace leaves
-            it free; its range follows from the bars unless it is given as ``workspace.z``.
+            it free; its range follows from the bars unless it is given as ``workspace.z``. A free
+            x or y is taken as zero.
         reference: Where all other numbers come from.
         objective: Key of what is minimized.
         limits: Largest values of other objectives.
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
         guide: Whether B10 follows the workspace.
+        arm_follows: Whether the arms B1 grow with R_b, so that they end at their leg axes as those
+            of the reference do.
         margin: Least distance to every limit of reach over the workspace [m].
         above_guides: Whether joints 5 may be above the guides (with the lower knee; below them
             with the upper one).
@@ -166,6 +170,7 @@ class SynthesisCase:
     limits: tuple[ObjectiveLimit, ...] = ()
     scale_bars: bool = True
     guide: Guide = Guide.FOLLOWS
+    arm_follows: bool = True
     margin: float = 0.001
     above_guides: bool = False
     regimes: tuple[Regime, ...] = (Regime.SMALLER, Regime.LARGER)
@@ -178,8 +183,11 @@ class SynthesisCase:
         workspace = self.requirements.workspace
         if workspace is None:
             raise InvalidInput("workspace", "a workspace is needed, over which requirements hold")
-        if workspace.center[0] is None or workspace.center[1] is None:
-            raise InvalidInput("workspace.center", "x and y of the center are needed")
+        x, y, z = workspace.center
+        if x is None or y is None:  # the robot is alike about its axis
+            workspace = replace(workspace, center=(x or 0.0, y or 0.0, z))
+            required = replace(self.requirements, workspace=workspace)
+            object.__setattr__(self, "requirements", required)
         check_inner(self.inner, (self.objective, *(limit.objective for limit in self.limits)))
         find_objective(self.objective)
         paths = [item.path for item in self.ranges]
@@ -192,6 +200,8 @@ class SynthesisCase:
             raise InvalidInput("workspace.z", "it is given by the workspace's center already")
         if GUIDE in paths and self.guide is Guide.FOLLOWS:
             raise InvalidInput(GUIDE, 'it is searched only with guide = "kept"')
+        if ARM in paths and self.arm_follows:
+            raise InvalidInput(ARM, "it is searched only with arm_follows = false")
         if not (math.isfinite(self.margin) and self.margin >= 0):
             raise InvalidInput("margin", f"at least 0 is needed, not {self.margin!r}")
         if not self.regimes:
@@ -256,6 +266,10 @@ class SynthesisCase:
         """
         lengths, _ = self.split(numbers)
         changes = {path.partition(".")[2]: value for path, value in lengths.items()}
+        if self.arm_follows and "base_radius" in changes:
+            held = self.reference.geometry
+            grown = changes["base_radius"] - held.base_radius
+            changes["arm_length"] = max(held.arm_length + grown, 0.0)
         if self.guide is Guide.FOLLOWS:
             changes["guide_stroke"] = None  # type: ignore[assignment]
         return replace(self.reference.geometry, **changes)
@@ -266,7 +280,7 @@ class SynthesisCase:
         held = self.workspace
         x, y, z = held.center
         width = places.get("workspace.width")
-        wide = held.size[:2] if width is None else (width, width * held.size[1] / held.size[0])
+        wide = held.size[:2] if width is None else (width, width * (held.size[1] / held.size[0]))
         height = places.get("workspace.height", held.size[2])
         return replace(held, size=(*wide, height), center=(x, y, places.get("workspace.z", z)))
 

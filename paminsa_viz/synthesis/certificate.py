@@ -24,7 +24,7 @@ from paminsa_viz.synthesis.evidence import Evidence, Proof, Verdict, pose_of
 from paminsa_viz.synthesis.families import Method, groups
 from paminsa_viz.synthesis.margins import Progress
 from paminsa_viz.synthesis.reach_proof import home_path, prove_reach, regions_of
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 from paminsa_viz.synthesis.sampled import sampled_evidence
 
 FIXED = (False, False, False)
@@ -64,15 +64,15 @@ def prove(
     )
 
 
-def region_of(workspace: Workspace, requirements: Requirements) -> Region:
+def region_of(workspace: Workspace, requirements: Requirements) -> PoseRegion:
     """Return a workspace as a region with the required headings; open coordinates at zero."""
     x, y, z = (place or 0.0 for place in workspace.center)
     a, b, c = (0.5 * extent for extent in workspace.size)
-    return Region(workspace.shape, (x, y, z), (a, b, c), requirements.theta)
+    return PoseRegion(workspace.shape, (x, y, z), (a, b, c), requirements.theta)
 
 
 def prove_region(
-    design: Design, requirements: Requirements, region: Region, control: Control
+    design: Design, requirements: Requirements, region: PoseRegion, control: Control
 ) -> Proof:
     """Prove that requirements hold over a region; see `prove`."""
     start, first = control.elapsed, control.boxes

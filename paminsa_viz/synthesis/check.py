@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirements
@@ -30,6 +29,9 @@ FINER = 4
 
 SAMPLES = {False: 3, True: 8}
 """Samples from a workspace's center to its boundary, of a coarse and of a fine check."""
+
+_ROUNDS = 8
+"""Moves of a workspace that is free, each by a node's distance or less."""
 
 
 class Over(Enum):
@@ -150,7 +152,7 @@ def _over_volume(volume: Volume) -> RequirementsCheck:
     return RequirementsCheck(tuple(items), over, None, volume)
 
 
-def _volume_reach_items(volume: Volume, inside: Array) -> list[RequirementCheck]:
+def _volume_reach_items(volume: Volume, inside: NDArray[np.bool_]) -> list[RequirementCheck]:
     columns = np.nonzero(inside.any(axis=2))
     positions = np.column_stack([volume.x[columns[0]], volume.y[columns[1]]])
     bounds = reach_bounds(
@@ -194,13 +196,18 @@ def _refined(design: Design, requirements: Requirements, center: Center, step: f
         return min(_relative(design, requirements, item) for item in found.items)
 
     best = score(center)
-    for _ in range(6):
-        moves = product(*[(-step, 0.0, step) if moved else (0.0,) for moved in free])
-        tried = [(center[0] + a, center[1] + b, center[2] + c) for a, b, c in moves]
-        scores = [score(place) for place in tried]
+    for _ in range(_ROUNDS):
+        tried = [
+            (*center[:axis], center[axis] + move, *center[axis + 1 :])
+            for axis in range(3)
+            for move in (-step, step)
+            if free[axis]
+        ]
+        scores = [score((x, y, z)) for x, y, z in tried]
         if max(scores) > best:
             best = max(scores)
-            center = tried[int(np.argmax(scores))]
+            x, y, z = tried[int(np.argmax(scores))]
+            center = x, y, z
         else:
             step *= 0.5
     return center

@@ -136,6 +136,18 @@ def condition_bound(m: Mechanism, u: Any, v: Any, x: Any, y: Any, c: Any, s: Any
     b11, b21, b31 = _turned(u, h1[0], h2[0], h3[0])
     b12, b22, b32 = _turned(u, h1[1], h2[1], h3[1])
     b13, b23, b33 = _turned(u, h1[2], h2[2], h3[2])
+    return block_condition(b11, b12, b13, b21, b22, b23, b31, b32, b33)
+
+
+def block_condition(
+    b11: Any, b12: Any, b13: Any, b21: Any, b22: Any, b23: Any, b31: Any, b32: Any, b33: Any
+) -> Any:
+    """Return a number that the condition number of a matrix is not above; NaN or inf for none.
+
+    Args:
+        b11 .. b33: Ranges of its entries, row by row. The bound is close where it is nearly
+            diagonal, its diagonal positive and falling.
+    """
     m12, m13, m21, m23 = _most(b12), _most(b13), _most(b21), _most(b23)
     m31, m32, m22, m33 = _most(b31), _most(b32), _most(b22), _most(b33)
     rest = _greater(m22, m33) + _greater(m23, m32)
@@ -185,7 +197,7 @@ def center_vectors(m: Mechanism, middle: Array) -> tuple[Array, Array]:
     x, y, theta, _ = middle.T
     rows = inverse_jacobian_rows(m, x, y, np.cos(theta), np.sin(theta))
     g = np.stack(np.broadcast_arrays(*rows)).reshape(3, 3, -1).transpose(2, 0, 1)
-    finite = np.isfinite(g).all(axis=(1, 2))
+    finite = np.all(np.isfinite(g), axis=(1, 2))
     u, _, v = np.linalg.svd(np.where(finite[:, None, None], g, np.eye(3)))
     flat = [turn.reshape(9, -1) for turn in (u.transpose(1, 2, 0), v.transpose(2, 1, 0))]
     return np.ascontiguousarray(flat[0]), np.ascontiguousarray(flat[1])

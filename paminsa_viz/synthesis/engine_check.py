@@ -20,6 +20,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.inner_case import ACTUATORS_OF
@@ -37,7 +38,7 @@ ACCEPTED = 1e-6
 
 
 @dataclass(frozen=True)
-class EngineRow:
+class MujocoRow:
     """One requirement, by the formulas and by the engine.
 
     Attributes:
@@ -57,7 +58,7 @@ class EngineRow:
 
 
 @dataclass(frozen=True, eq=False)
-class RequirementCheck:
+class MujocoCheck:
     """What MuJoCo says of a design's requirements.
 
     Attributes:
@@ -68,7 +69,7 @@ class RequirementCheck:
     """
 
     version: str
-    rows: tuple[EngineRow, ...]
+    rows: tuple[MujocoRow, ...]
     left_out: tuple[str, ...]
     difference: float
 
@@ -78,7 +79,7 @@ class RequirementCheck:
         return self.difference <= TOLERANCE and all(row.met for row in self.rows)
 
 
-def check_requirements(
+def check_by_mujoco(
     design: Design,
     bounds: Sequence[Requirement],
     pose: Array,
@@ -89,7 +90,7 @@ def check_requirements(
     motion_force: float | None = None,
     count: int = POSES,
     seed: int = 0,
-) -> RequirementCheck:
+) -> MujocoCheck:
     """Compare a design's torques with MuJoCo's, and check the bounds on them by MuJoCo's.
 
     Args:
@@ -105,6 +106,7 @@ def check_requirements(
 
     Raises:
         EngineMissing: If MuJoCo is not installed.
+        InvalidDesign: If there are motions, and a bar's inertias belong to no rigid body.
         InvalidInput: If there is no pose, or one is out of reach.
     """
     design = design.without_friction()
@@ -117,19 +119,21 @@ def check_requirements(
     chosen = {int(i) for i in rng.permutation(len(pose))[:count]}
     for bound in checked:
         inside = within(bound, pose)
-        order = inside[np.argsort(_margins(bound, held[inside]))]
+        order = inside[np.argsort(bound_margins(bound, held[inside]))]
         chosen |= set(order[:WORST].tolist())
     index = np.array(sorted(chosen), np.intp)
-    robot = SprungMujocoRobot(design, springs)
+    robot = SprungMujocoRobot(design if motions else _at_rest(design), springs)
     found = robot.static_torques(pose[index])
     compared = [Comparison(held[index], found, torque_scale(design, pose[index], found))]
     rows = []
     for bound in checked:
         at = within(bound, pose[index])
         if len(at):
-            pair = (_margins(bound, t[at]).min() for t in (held[index], found))
-            limit = bound.high if bound.high is not None else bound.low
-            rows.append(_row(bound.entry.title, bound.entry.unit, len(at), *pair, limit or 0.0))
+            ours, engine = (bound_margins(bound, t[at]).min() for t in (held[index], found))
+            limit = next(b for b in (bound.high, bound.low) if b is not None)
+            rows.append(
+                _row(bound.entry.title, bound.entry.unit, len(at), ours, engine, limit or 0.0)
+            )
     for motion in motions:
         states = motion.pose, motion.velocity, motion.acceleration
         more = spring_torques(design.geometry, springs, motion.pose)
@@ -142,9 +146,12 @@ def check_requirements(
             ("force of M4 on", "N", slice(3, 4), motion_force),
         ):
             if most is not None:
-                pair = (most - float(np.abs(t[:, part]).max()) for t in (computed, reference))
-                rows.append(_row(f"{label} {motion.name}", unit, motion.size, *pair, most))
-    return RequirementCheck(
+                ours, engine = (
+                    most - float(np.abs(t[:, part]).max()) for t in (computed, reference)
+                )
+                name = f"{label} {motion.name}"
+                rows.append(_row(name, unit, motion.size, ours, engine, most))
+    return MujocoCheck(
         load_mujoco().__version__,
         tuple(rows),
         tuple(dict.fromkeys(b.quantity for b in bounds if b.quantity not in ACTUATORS_OF)),
@@ -152,7 +159,19 @@ def check_requirements(
     )
 
 
-def _margins(bound: Requirement, torque: Array) -> Array:
+def _at_rest(design: Design) -> Design:
+    """Return a design with inertias that a rigid body can have; none of them counts at rest.
+
+    Bars that are short for their mass by `resized` may have too much about their own axis.
+    """
+    numbers: dict[str, float | None] = {}
+    for bar in BAR_ENDS:
+        axial, transverse = (f"inertias.{bar}_{axis}" for axis in ("axial", "transverse"))
+        numbers[axial] = min(design.value(axial), 1.9 * design.value(transverse))
+    return design.vary(numbers)
+
+
+def bound_margins(bound: Requirement, torque: Array) -> Array:
     """Return margins to a bound of torques (n, 4), the least of its actuators (n,)."""
     part = torque[:, list(ACTUATORS_OF[bound.quantity])]
     return bound.margin(np.abs(part) if bound.quantity == "max_torque" else part).min(axis=1)
@@ -160,6 +179,6 @@ def _margins(bound: Requirement, torque: Array) -> Array:
 
 def _row(
     label: str, unit: str, poses: int, computed: float, engine: float, limit: float
-) -> EngineRow:
+) -> MujocoRow:
     met = engine >= -ACCEPTED * max(1.0, abs(limit))
-    return EngineRow(label, unit, poses, float(computed), float(engine), bool(met))
+    return MujocoRow(label, unit, poses, float(computed), float(engine), bool(met))

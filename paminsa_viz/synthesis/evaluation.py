@@ -53,6 +53,11 @@ class Evaluation:
     trial: Trial | None
 
     @property
+    def values(self) -> Array:
+        """Those of the bounds, then those of the limits [SI]."""
+        return np.concatenate([self.worst, self.limits])
+
+    @property
     def feasible(self) -> bool:
         """Whether all requirements are met."""
         return self.stage == STAGES
@@ -73,7 +78,8 @@ class Evaluator:
         case: The case.
         regime: Which of base and platform is larger.
         density: How close the poses lie.
-        tighter: By how much each bound is tightened [SI]; none for an empty tuple.
+        tighter: By how much each bound, and each limit after them, is tightened [SI]; empty for
+            none.
         relaxed: Index of a bound, or of a limit after the bounds, that need not be met: what is
             minimized is then by how much it is broken.
     """
@@ -136,7 +142,8 @@ class Evaluator:
         """Return by how much limits of reach are exceeded (p,), as a share of the bars."""
         needed = self.case.margin
         for index, bound in enumerate(self.case.requirements.bounds):
-            if bound.quantity == REACH and bound.low is not None:
+            counts = bound.quantity == REACH and index != self.relaxed
+            if counts and bound.low is not None:
                 needed = max(needed, bound.low + self._tightened(index))
         # The bars can be stretched and joints 5 on their axes at a singular pose only.
         short = np.maximum(needed - robots.margins, 0.0).sum(axis=-1)
@@ -206,7 +213,8 @@ class Evaluator:
             value = float(find_objective(limit.objective).value(trial))
             values.append(value)
             if index != self.relaxed:
-                over += max(0.0, -limit.margin(value)) / (abs(limit.most) or 1.0)
+                broken = max(0.0, self._tightened(index) - limit.margin(value))
+                over += broken / (abs(limit.most) or 1.0)
         return over, np.array(values)
 
     def _conditions(self, trial: Trial) -> Iterable[tuple[int, tuple[float, float]]]:

@@ -10,7 +10,7 @@ import numpy as np
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.families import Method
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 
 Pose = tuple[float, float, float, float]
 
@@ -74,7 +74,7 @@ class Proof:
     """
 
     verdict: Verdict
-    region: Region
+    region: PoseRegion
     evidence: tuple[Evidence, ...]
     path: Array = field(default_factory=lambda: np.zeros((0, 4)))
     remaining: Array = field(default_factory=lambda: np.zeros((0, 2, 4)))

@@ -116,7 +116,7 @@ FAMILIES: tuple[Family, ...] = (
 
 
 @dataclass(frozen=True)
-class Group:
+class BoundGroup:
     """Requirements of one family over the same headings and heights.
 
     Attributes:
@@ -164,7 +164,7 @@ def method(requirement: Requirement) -> Method:
     return Method.SAMPLED
 
 
-def groups(design: Design, requirements: Requirements) -> tuple[Group, ...]:
+def groups(design: Design, requirements: Requirements) -> tuple[BoundGroup, ...]:
     """Return the requirements that are proven by bisection, those that belong together as one."""
     found: dict[tuple[int, Range, Range], list[Requirement]] = {}
     for requirement in requirements.bounds:
@@ -173,6 +173,6 @@ def groups(design: Design, requirements: Requirements) -> tuple[Group, ...]:
             place = (index, requirements.headings(requirement), requirement.z or EVERYWHERE)
             found.setdefault(place, []).append(requirement)
     return tuple(
-        Group(design, FAMILIES[index], tuple(found[index, theta, z]), theta, z)
+        BoundGroup(design, FAMILIES[index], tuple(found[index, theta, z]), theta, z)
         for index, theta, z in sorted(found)
     )

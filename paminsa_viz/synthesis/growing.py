@@ -11,7 +11,7 @@ from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.bisection import Control, Gauge, Grows, Nearest, nearest_violation
 from paminsa_viz.synthesis.evidence import Evidence, Verdict
-from paminsa_viz.synthesis.families import Group, Method, groups, method
+from paminsa_viz.synthesis.families import BoundGroup, Method, groups, method
 from paminsa_viz.synthesis.pose_search import freedom, lowest
 from paminsa_viz.synthesis.reach_proof import (
     home_path,
@@ -19,7 +19,7 @@ from paminsa_viz.synthesis.reach_proof import (
     reach_margin,
     regions_of,
 )
-from paminsa_viz.synthesis.region_margins import Region, region_margins
+from paminsa_viz.synthesis.region_margins import PoseRegion, region_margins
 from paminsa_viz.synthesis.sampled import sample_requirement, sampled_evidence
 
 FIRST_TOLERANCE = 0.064
@@ -82,7 +82,7 @@ class GrowingRegion:
         self,
         design: Design,
         requirements: Requirements,
-        region: Region,
+        region: PoseRegion,
         grows: Grows,
         control: Control,
     ) -> None:
@@ -115,7 +115,7 @@ class GrowingRegion:
         bounds.lower = min([bounds.lower, bounds.upper, *lowers])
         self._sample_inside()
 
-    def _advance(self, index: int, group: Group, tolerance: float) -> None:
+    def _advance(self, index: int, group: BoundGroup, tolerance: float) -> None:
         bounds, control = self.bounds, self._control
         before = self._nearest[index]
         if before is not None and before.lower >= bounds.upper - tolerance:
@@ -197,12 +197,12 @@ class GrowingRegion:
         return bool(inside.any())
 
     @property
-    def found(self) -> Region | None:
+    def found(self) -> PoseRegion | None:
         """The largest region that is proven; None if none is."""
         scale = self.bounds.lower * _INSIDE
         return self.region.scaled(scale, self._grows) if scale > NOTHING else None
 
-    def evidence(self, region: Region) -> tuple[Evidence, ...]:
+    def evidence(self, region: PoseRegion) -> tuple[Evidence, ...]:
         """Return what is proven over the region that was found, and how."""
         found: dict[Requirement | str, Evidence] = dict(
             prove_reach(self._design, self._requirements, region)

@@ -21,9 +21,9 @@ from paminsa_viz.synthesis.certificate import region_of
 from paminsa_viz.synthesis.evidence import Pose, Proof, Verdict, pose_of
 from paminsa_viz.synthesis.growing import GrowingRegion, ScaleBounds
 from paminsa_viz.synthesis.margins import Progress
-from paminsa_viz.synthesis.placement import Placement
+from paminsa_viz.synthesis.placement import CenterSearch
 from paminsa_viz.synthesis.reach_proof import home_path
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 
 TOLERANCE = 1e-3
 """Difference of extents that is aimed at [m]."""
@@ -118,7 +118,9 @@ def largest_workspace(
     x, y, z = (place is None for place in workspace.center)
     placed = np.inf
     if x or y or z:
-        place = Placement(design, requirements, region, grows, (x, y, z), both_sides).find(control)
+        place = CenterSearch(design, requirements, region, grows, (x, y, z), both_sides).find(
+            control
+        )
         if place is None:
             return _nothing(requirements, region, control, "volume")
         region, placed = replace(region, center=place.center), place.scale
@@ -146,14 +148,14 @@ def largest_workspace(
     )
 
 
-def _size(region: Region) -> tuple[float, float, float]:
+def _size(region: PoseRegion) -> tuple[float, float, float]:
     a, b, c = (2.0 * half for half in region.half)
     return a, b, c
 
 
 def _nothing(
     requirements: Requirements,
-    region: Region,
+    region: PoseRegion,
     control: Control,
     cause: str,
     bounds: ScaleBounds | None = None,

@@ -19,7 +19,7 @@ from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
 from paminsa_viz.synthesis.bisection import Control, Gauge, Grows
 from paminsa_viz.synthesis.families import groups
 from paminsa_viz.synthesis.pose_search import FIRST, SEED, freedom, from_unit
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 from paminsa_viz.synthesis.volume import Resolution, solve_volume
 
 RESOLUTION = Resolution(60_000, 9, 2.0)
@@ -56,7 +56,7 @@ class Place:
     scale: float
 
 
-class Placement:
+class CenterSearch:
     """The search for the place of a region whose center is free.
 
     Args:
@@ -72,7 +72,7 @@ class Placement:
         self,
         design: Design,
         requirements: Requirements,
-        region: Region,
+        region: PoseRegion,
         grows: Grows,
         free: tuple[bool, bool, bool],
         both_sides: bool,
@@ -88,7 +88,7 @@ class Placement:
         axes = [np.pad(axis, 1, mode="reflect", reflect_type="odd") for axis in
                 (volume.x, volume.y, volume.z)]  # fmt: skip
         inside = np.pad(volume.inside, 1)
-        around = ndimage.binary_dilation(inside) & ~inside
+        around: NDArray[np.bool_] = np.logical_and(ndimage.binary_dilation(inside), ~inside)
         self._broken = self._chosen(axes, around, MOST_POSITIONS)
         self._inside = self._chosen(axes, inside, CANDIDATES)
         self._cell = volume.cell

@@ -13,7 +13,7 @@ from paminsa_viz.model.leg import mechanism
 from paminsa_viz.model.reach import LEAST_MARGIN
 from paminsa_viz.model.singularity import singular_radius
 from paminsa_viz.quantities.requirements import WorkspaceShape
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 
 FIRST = 4096
 """Random poses looked at first."""
@@ -28,7 +28,7 @@ SEED = 15
 """Seed of the random poses: an answer comes out the same again."""
 
 
-def from_unit(region: Region, unit: Array) -> Array:
+def from_unit(region: PoseRegion, unit: Array) -> Array:
     """Return poses of a region, (n, 4), from numbers between -1 and 1, (n, 4).
 
     For a cylinder the first two are moved into the unit disc, along the line from its center.
@@ -49,7 +49,7 @@ def from_unit(region: Region, unit: Array) -> Array:
     )
 
 
-def random_poses(region: Region, count: int, rng: np.random.Generator) -> Array:
+def random_poses(region: PoseRegion, count: int, rng: np.random.Generator) -> Array:
     """Return random poses of a region, (n, 4); a quarter of each coordinate's are at its ends."""
     unit = 1.3 * rng.uniform(-1.0, 1.0, (count, 4))
     if region.shape is WorkspaceShape.CYLINDER:
@@ -59,7 +59,7 @@ def random_poses(region: Region, count: int, rng: np.random.Generator) -> Array:
     return from_unit(region, unit)
 
 
-def lowest(value: Callable[[Array], Array], region: Region) -> tuple[Array, float]:
+def lowest(value: Callable[[Array], Array], region: PoseRegion) -> tuple[Array, float]:
     """Return the pose of a region at which a function is least, as far as sampling finds it.
 
     Args:
@@ -82,7 +82,7 @@ def lowest(value: Callable[[Array], Array], region: Region) -> tuple[Array, floa
     return from_unit(region, unit[best : best + 1])[0], float(found[best])
 
 
-def _values(value: Callable[[Array], Array], region: Region, unit: Array) -> Array:
+def _values(value: Callable[[Array], Array], region: PoseRegion, unit: Array) -> Array:
     return np.nan_to_num(value(from_unit(region, unit)), nan=-np.inf)
 
 

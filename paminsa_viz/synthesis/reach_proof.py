@@ -14,10 +14,12 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.evidence import Evidence, Verdict, pose_of
 from paminsa_viz.synthesis.families import EVERYWHERE, Method, method
 from paminsa_viz.synthesis.pose_search import freedom, lowest
-from paminsa_viz.synthesis.region_margins import Region, box, region_margins
+from paminsa_viz.synthesis.region_margins import PoseRegion, box, region_margins
 
 
-def part_of(requirements: Requirements, requirement: Requirement, region: Region) -> Region | None:
+def part_of(
+    requirements: Requirements, requirement: Requirement, region: PoseRegion
+) -> PoseRegion | None:
     """Return the poses of a region's positions over which a requirement holds; None for none."""
     low, high = requirement.z or EVERYWHERE
     low, high = max(region.low[2], low), min(region.high[2], high)
@@ -30,14 +32,14 @@ def part_of(requirements: Requirements, requirement: Requirement, region: Region
     return replace(region, center=center, half=half, theta=requirements.headings(requirement))
 
 
-def regions_of(requirements: Requirements, region: Region) -> list[Region]:
+def regions_of(requirements: Requirements, region: PoseRegion) -> list[PoseRegion]:
     """Return the poses that have to be taken: the region, and those of single requirements."""
     parts = [part_of(requirements, bound, region) for bound in requirements.bounds]
     return list(dict.fromkeys([region, *(part for part in parts if part is not None)]))
 
 
 def prove_reach(
-    design: Design, requirements: Requirements, region: Region
+    design: Design, requirements: Requirements, region: PoseRegion
 ) -> dict[Requirement | str, Evidence]:
     """Return what is known of reach and singularities over a region, all of it in closed form."""
     regions = regions_of(requirements, region)
@@ -74,7 +76,7 @@ def prove_reach(
 
 
 def reach_margin(
-    design: Design, requirements: Requirements, requirement: Requirement, region: Region
+    design: Design, requirements: Requirements, requirement: Requirement, region: PoseRegion
 ) -> float:
     """Return how far a least margin of reach is kept over a region, in closed form [m]."""
     part = part_of(requirements, requirement, region)
@@ -84,7 +86,7 @@ def reach_margin(
 
 
 def _reach_margin(
-    design: Design, requirements: Requirements, requirement: Requirement, region: Region
+    design: Design, requirements: Requirements, requirement: Requirement, region: PoseRegion
 ) -> Evidence:
     """Return what is known of a least margin of reach, over its own headings and heights."""
     part = part_of(requirements, requirement, region)
@@ -101,7 +103,7 @@ def _reach_margin(
     )
 
 
-def home_path(geometry: Geometry, region: Region) -> Array:
+def home_path(geometry: Geometry, region: PoseRegion) -> Array:
     """Return a path from home to a region's center, (n, 4), empty if none is proven.
 
     It moves one of z, (x, y) and theta at a time, in the first order for which every pose on the

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
@@ -30,7 +31,7 @@ Point = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
-class Region:
+class PoseRegion:
     """Positions in an upright cylinder or box, and a range of headings.
 
     Attributes:
@@ -45,7 +46,7 @@ class Region:
     half: Point
     theta: Range
 
-    def scaled(self, scale: float, grows: tuple[bool, bool, bool]) -> Region:
+    def scaled(self, scale: float, grows: tuple[bool, bool, bool]) -> PoseRegion:
         """Return the region with the extents that grow times a number."""
         half = tuple(h * scale if g else h for h, g in zip(self.half, grows, strict=True))
         return replace(self, half=half)
@@ -71,10 +72,10 @@ class Region:
         return math.hypot(abs(x) + self.half[0], abs(y) + self.half[1])
 
 
-def box(low: Point, high: Point, theta: Range) -> Region:
+def box(low: Point, high: Point, theta: Range) -> PoseRegion:
     """Return the box between two corners [m], with a range of headings [rad]."""
     middle, half = 0.5 * (np.array(low) + high), 0.5 * (np.array(high) - low)
-    return Region(WorkspaceShape.BOX, tuple(middle.tolist()), tuple(half.tolist()), theta)
+    return PoseRegion(WorkspaceShape.BOX, tuple(middle.tolist()), tuple(half.tolist()), theta)
 
 
 class RegionMargins(NamedTuple):
@@ -113,7 +114,7 @@ class RegionMargins(NamedTuple):
         )
 
 
-def region_margins(geometry: Geometry, region: Region) -> RegionMargins:
+def region_margins(geometry: Geometry, region: PoseRegion) -> RegionMargins:
     """Return the margins of reach and to singularities over a region, in closed form."""
     g = geometry
     low, high = leg_distances(g, region)
@@ -155,13 +156,13 @@ def _cosines(theta: Range) -> Range:
     return least, most
 
 
-def _within(angle: Array, low: Array | float, high: Array | float) -> Array:
+def _within(angle: Array, low: Array | float, high: Array | float) -> NDArray[np.bool_]:
     """Say which angles are in a range, counted with every whole turn."""
     after = np.mod(angle - low + _ANGLE, 2 * np.pi)
     return after <= high - low + 2 * _ANGLE
 
 
-def leg_distances(geometry: Geometry, region: Region) -> tuple[Array, Array]:
+def leg_distances(geometry: Geometry, region: PoseRegion) -> tuple[Array, Array]:
     """Return the least and the largest X_1 of each leg over a region, each (3,) [m]."""
     g = geometry
     axis = g.base_radius * LEG_AXES  # centers of the arcs
@@ -195,8 +196,11 @@ def leg_distances(geometry: Geometry, region: Region) -> tuple[Array, Array]:
         across_y = np.arcsin(np.stack([y0 - axis[:, 1], y1 - axis[:, 1]]) / g.platform_radius)
     quarter = np.tile(0.5 * np.pi * np.arange(4)[:, None], (1, 3))
     toward = [np.arctan2(*(corner - axis).T[::-1]) for corner in corners]
-    angle = np.concatenate(
-        [np.stack([*ends, *toward]), quarter, across_x, -across_x, across_y, np.pi - across_y]
+    angle = np.asarray(
+        np.concatenate(
+            [np.stack([*ends, *toward]), quarter, across_x, -across_x, across_y, np.pi - across_y]
+        ),
+        np.float64,
     )
     on_arc = np.concatenate([np.ones((2, 3), bool), _within(angle[2:], *ends)])
     x = axis[:, 0] + g.platform_radius * np.cos(angle)

@@ -12,7 +12,7 @@ from paminsa_viz.quantities.requirements import Requirement, Requirements, Works
 from paminsa_viz.synthesis.evidence import Evidence, Verdict, pose_of
 from paminsa_viz.synthesis.families import Method, method
 from paminsa_viz.synthesis.reach_proof import part_of
-from paminsa_viz.synthesis.region_margins import Region
+from paminsa_viz.synthesis.region_margins import PoseRegion
 
 SAMPLING_TIME = 0.5
 """Time that the samples of a quantity without bounds may take [s]."""
@@ -21,7 +21,9 @@ SAMPLES = (9, 9, 9, 5)
 """Most samples of such a quantity along x, y, theta and z."""
 
 
-def sampled_evidence(design: Design, requirements: Requirements, region: Region) -> list[Evidence]:
+def sampled_evidence(
+    design: Design, requirements: Requirements, region: PoseRegion
+) -> list[Evidence]:
     """Return what samples say of the requirements that cannot be proven."""
     found = []
     for requirement in requirements.bounds:
@@ -48,7 +50,7 @@ def sampled_evidence(design: Design, requirements: Requirements, region: Region)
 
 
 def sample_requirement(
-    design: Design, requirements: Requirements, requirement: Requirement, region: Region
+    design: Design, requirements: Requirements, requirement: Requirement, region: PoseRegion
 ) -> tuple[Array, Array]:
     """Return sample poses of a region (n, 4), and the margins of a requirement there (n,)."""
     part = part_of(requirements, requirement, region)

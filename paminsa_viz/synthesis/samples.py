@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -58,7 +59,7 @@ class TrialSamples:
     theta: Array
     share: Array
 
-    @property
+    @cached_property
     def turns(self) -> Array:
         """Cosine and sine of the headings (k, 2)."""
         return np.stack([np.cos(self.theta), np.sin(self.theta)], axis=-1)

@@ -7,11 +7,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from paminsa_viz.model.design import Design
-from paminsa_viz.quantities.requirements import Requirement, Workspace
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.studies.executors import Workers, here
+from paminsa_viz.synthesis.answer import RelaxedBound, SynthesisResult, limit_of, outcomes_of
 from paminsa_viz.synthesis.case import ObjectiveLimit, Regime, SynthesisCase
+from paminsa_viz.synthesis.certificate import prove as prove_workspace
 from paminsa_viz.synthesis.evaluation import Evaluation, Evaluator
+from paminsa_viz.synthesis.evidence import Proof, Verdict
 from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.objectives import find_objective
 from paminsa_viz.synthesis.outer import ROUND, RegimeState, SearchProgress, search_round
@@ -20,9 +23,6 @@ from paminsa_viz.synthesis.samples import TRIAL
 
 FINER = 4
 """How many times closer the poses of the verification lie."""
-
-ACTIVE = 0.005
-"""Margin below which a bound is active, as a share of the bound."""
 
 REPAIRS = 8
 """Times that the search goes on with tighter bounds until its answer holds on the finer poses."""
@@ -37,81 +37,21 @@ SLACK = 1.05
 """By how much more than what the finer poses exceed a bound is tightened."""
 
 
-@dataclass(frozen=True)
-class BoundOutcome:
-    """A bound or a limit, and how the answer meets it.
-
-    Attributes:
-        bound: What is bounded.
-        value: The value closest to the bound over the workspace [SI]; NaN if it is not known.
-        margin: How far it is inside the bound, negative outside [SI].
-        active: Whether the bound decides: the margin is below 0.5 % of it.
-    """
-
-    bound: Requirement | ObjectiveLimit
-    value: float
-    margin: float
-    active: bool
-
-
-@dataclass(frozen=True)
-class RelaxedBound:
-    """What a bound or a limit would have to be for the others to be met.
-
-    Attributes:
-        bound: What is bounded.
-        nearest: The nearest value that was found [SI]; NaN if the others contradict as well.
-        change: By how much that is farther, as a share of the bound.
-    """
-
-    bound: Requirement | ObjectiveLimit
-    nearest: float
-    change: float
-
-
-@dataclass(frozen=True, eq=False)
-class SynthesisResult:
-    """Answer of a synthesis.
-
-    Attributes:
-        case: The question.
-        design: The best robot; the reference where there is none at all.
-        workspace: Its workspace, with its height.
-        regime: Which of base and platform is larger.
-        feasible: Whether it meets all requirements, on the finer poses.
-        objective: What was minimized [SI]; NaN if it is not feasible.
-        outcomes: How it meets each bound, and each limit.
-        states: Where the search of each regime ended, for another one to go on from.
-        refused: Regimes that were excluded before the search, and why.
-        relaxed: For each bound and limit, if nothing meets all of them, what its nearest value is
-            that the others leave possible.
-        canceled: Whether it was ended by the progress function.
-        poses: Over how many poses the answer was verified.
-    """
-
-    case: SynthesisCase
-    design: Design
-    workspace: Workspace
-    regime: Regime | None
-    feasible: bool
-    objective: float
-    outcomes: tuple[BoundOutcome, ...]
-    states: tuple[RegimeState, ...]
-    refused: dict[Regime, str]
-    relaxed: tuple[RelaxedBound, ...]
-    canceled: bool
-    poses: int
-
-    @property
-    def trials(self) -> int:
-        """Robots tried."""
-        return sum(state.trials for state in self.states)
-
-
 @dataclass(frozen=True, eq=False)
 class _Answer:
     state: RegimeState
     found: Evaluation
+    bounds: tuple[Requirement, ...]
+    proof: Proof | None = None
+
+    @property
+    def refuted(self) -> Array:
+        """By how much a pose that a proof found breaks each bound and limit [SI], zero if none."""
+        excess = np.zeros(len(self.found.values))
+        for item in () if self.proof is None else self.proof.evidence:
+            if item.verdict is Verdict.REFUTED and item.requirement in self.bounds:
+                excess[self.bounds.index(item.requirement)] = max(0.0, -item.margin)
+        return excess
 
 
 @dataclass(frozen=True)
@@ -122,6 +62,7 @@ class _Run:
     workers: Workers
     progress: Callable[[SearchProgress], bool | None] | None
     relaxed: int | None = None
+    prove: float | None = None
 
     def search(
         self, state: RegimeState, note: Callable[[RegimeState], None] | None = None
@@ -142,23 +83,28 @@ class _Run:
         return state
 
     def verify(self, state: RegimeState, *, repair: bool = True) -> _Answer:
-        """Return the best trial as the finer poses see it, searched on until it holds there."""
-        bounds = self.case.requirements.bounds
+        """Return the best trial as the finer poses see it, searched on until it holds there.
+
+        And, where a proof is wanted, until none finds a pose that breaks a requirement.
+        """
+        bounds = (*self.case.requirements.bounds, *self.case.limits)
         plain = Evaluator(self.case, state.regime, relaxed=self.relaxed)
         finer = replace(plain, density=TRIAL.finer(FINER))
         tighter = np.zeros(len(bounds))
-        found = finer.evaluate(np.array([state.best]))[0]
+        answer = self._answer(finer, state)
         if not state.feasible or not repair:
-            return _Answer(state, found)
+            return answer
         for _ in range(REPAIRS):
-            if found.feasible:
+            excess = answer.refuted
+            if answer.found.feasible and not excess.any():
                 break
-            seen = plain.evaluate(np.array([state.best]))[0]
+            seen, found = plain.evaluate(np.array([state.best]))[0], answer.found
             for index, bound in enumerate(bounds):
-                values = seen.worst[index], found.worst[index]
+                values = seen.values[index], found.values[index]
                 if np.isfinite(values).all():
-                    before, after = bound.margin(values)
-                    tighter[index] = max(tighter[index], SLACK * (before - after))
+                    before, after = map(bound.margin, values)
+                    excess[index] = max(excess[index], before - after)
+            tighter = np.maximum(tighter, SLACK * excess)
             evaluator = replace(plain, tighter=tuple(tighter.tolist()))
             state = replace(self._cloud(state), history=())
             try:
@@ -167,8 +113,19 @@ class _Run:
                 )
             except Canceled:
                 break
-            found = finer.evaluate(np.array([state.best]))[0]
-        return _Answer(state, found)
+            answer = self._answer(finer, state)
+        return answer
+
+    def _answer(self, finer: Evaluator, state: RegimeState) -> _Answer:
+        """Evaluate the best trial on the finer poses, and prove it if it holds there."""
+        found = finer.evaluate(np.array([state.best]))[0]
+        proof = None
+        trial = found.trial
+        sprung = trial is not None and trial.inner is not None and bool(trial.inner.springs)
+        if self.prove is not None and found.feasible and trial is not None and not sprung:
+            required = replace(self.case.requirements, workspace=trial.workspace)
+            proof = prove_workspace(trial.design, required, time_limit=self.prove)
+        return _Answer(state, found, self.case.requirements.bounds, proof)
 
     def _cloud(self, state: RegimeState) -> RegimeState:
         """Return a state with trials about its best one."""
@@ -189,6 +146,7 @@ def synthesize(
     states: tuple[RegimeState, ...] = (),
     checkpoint: Callable[[tuple[RegimeState, ...]], None] | None = None,
     relax: bool = True,
+    prove: float | None = None,
 ) -> SynthesisResult:
     """Search for the robot that meets a case's requirements and minimizes its objective.
 
@@ -205,8 +163,11 @@ def synthesize(
         states: Where an earlier search of the same case was; it goes on from there.
         checkpoint: Called after each round with where the search is.
         relax: Whether to look for relaxations where there is no answer.
+        prove: Time for a proof of the answer over the whole workspace [s]; None for no proof. A
+            pose that it finds to break a requirement tightens its bound, too. It knows of no
+            springs: there is none with them.
     """
-    run = _Run(case, workers, progress)
+    run = _Run(case, workers, progress, prove=prove)
     refused = {regime: reason for regime in case.regimes if (reason := refusal(case, regime))}
     reached = {state.regime: state for state in states if state.regime in case.regimes}
     answers: list[_Answer] = []
@@ -256,22 +217,13 @@ def relaxations(
                 return tuple(found)
             if answer.found.feasible:
                 least = min(least, answer.found.objective)
-        limit = _limit(bound)
+        limit = limit_of(bound)
         low = isinstance(bound, Requirement) and bound.high is None
         maximized = isinstance(bound, ObjectiveLimit) and find_objective(bound.objective).largest
         nearest = limit + (-least if low or maximized else least)
         nearest = nearest if np.isfinite(nearest) else float("nan")
         found.append(RelaxedBound(bound, float(nearest), float(least / (abs(limit) or 1.0))))
     return tuple(sorted(found, key=lambda item: item.change))
-
-
-def _limit(bound: Requirement | ObjectiveLimit) -> float:
-    """Return the bound that counts: the largest value, else the least one [SI]."""
-    if isinstance(bound, ObjectiveLimit):
-        return bound.most
-    limit = bound.low if bound.high is None else bound.high
-    assert limit is not None  # a requirement has one of them
-    return limit
 
 
 def _result(
@@ -292,20 +244,12 @@ def _result(
         regime=best and best.state.regime,
         feasible=best is not None and best.found.feasible,
         objective=best.found.objective if best else float("nan"),
-        outcomes=_outcomes(case, best.found) if best else (),
+        outcomes=outcomes_of(case, best.found) if best else (),
         states=states,
         refused=refused,
         relaxed=relaxed,
         canceled=canceled,
         poses=0 if trial is None else trial.poses.over(case.requirements.theta).poses,
+        inner=trial and trial.inner,
+        proof=best and best.proof,
     )
-
-
-def _outcomes(case: SynthesisCase, found: Evaluation) -> tuple[BoundOutcome, ...]:
-    bounds = (*case.requirements.bounds, *case.limits)
-    values = (*found.worst.tolist(), *found.limits.tolist())
-    rows = []
-    for bound, value in zip(bounds, values, strict=True):
-        margin = float(bound.margin(value))
-        rows.append(BoundOutcome(bound, value, margin, abs(margin) <= ACTIVE * abs(_limit(bound))))
-    return tuple(rows)

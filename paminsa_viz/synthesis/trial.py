@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -45,6 +45,17 @@ class Poses:
         single = {b.quantity for b in self.case.requirements.bounds} & set(SINGLE)
         turned = any((load.force_x, load.force_y, load.moment_z))
         return not single and not turned
+
+    def wrench(self, theta: Range) -> Array:
+        """Return the load's (f_x, f_y, m_z) at the headings of samples (k, 3) [N, N m]."""
+        if theta not in self._wrenches:
+            found = generalized_force(self.case.reference.load, self.over(theta).theta)
+            self._wrenches[theta] = np.ascontiguousarray(found[:, :3])
+        return self._wrenches[theta]
+
+    @cached_property
+    def _wrenches(self) -> dict[Range, Array]:
+        return {}
 
     @cached_property
     def _kept(self) -> dict[Range, TrialSamples]:
@@ -140,10 +151,16 @@ class Trial:
         c, load = self.coefficients, self.case.reference.load
         k, g = self.geometry.magnification, self.case.reference.gravity
         lift = k * (c[16] * g + 3 * c[0]) + 3 * c[2] - k * load.force_z
-        wrench = np.ascontiguousarray(generalized_force(load, found.theta)[:, :3])
         xy = found.place(found.within, self.workspace)
         kernels.load()[1](
-            self.mechanism, float(c[1]), float(lift), wrench, xy, found.turns, heights, out
+            self.mechanism,
+            float(c[1]),
+            float(lift),
+            self.poses.wrench(theta),
+            xy,
+            found.turns,
+            heights,
+            out,
         )
         return out
 
@@ -233,10 +250,10 @@ class Robots:
             return cls(case, numbers, possible, [], [], Spans(*[none] * 5), np.zeros((0, 4)))
         found = spans(geometries, workspaces, case.requirements.theta)
         if case.guide is Guide.FOLLOWS:
-            geometries = [
-                replace(g, guide_link_length=rho / (g.magnification - 1) + case.margin + SPARE)
-                for g, rho in zip(geometries, found.rho_most, strict=True)
-            ]
+            for geometry, rho in zip(geometries, found.rho_most.tolist(), strict=True):
+                length = rho / (geometry.magnification - 1) + case.margin + SPARE
+                # They are new, nobody else's, and checking all their numbers again takes time.
+                object.__setattr__(geometry, "guide_link_length", length)
         margins = reach_margins(geometries, found)
         return cls(case, numbers, possible, geometries, workspaces, found, margins)
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.model.design import Design
+from paminsa_viz.model.design import Design, Geometry
 from paminsa_viz.model.reach import MARGINS, Limit
-from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.quantities.requirements import Requirement, Requirements
 from paminsa_viz.synthesis.causes import (
     DISCONNECTED,
     FIRST_REACH,
@@ -159,8 +159,7 @@ def solve_volume(
     bounds = reach_bounds(g, x[:, None, None], x[None, :, None], requirements.theta)
     margin, which = bounds.margin(z)
     side = home_side(g, z, both_sides)
-    # A guide may be used to its end.
-    reached = (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
+    reached = _reached(margin, which)
     takes = reached & bounds.regular & (side >= 0.0)
     reachable = joined_to_home(takes, x, z, g)[0]
     margins, fewer = _margins(design, requirements, x, z, reachable, resolution, progress)
@@ -216,7 +215,7 @@ def _margins(
     columns = reachable.any(axis=2)
     if not columns.any() or not requirements.bounds:
         return found
-    heights = slice(*_span(reachable.any(axis=(0, 1))))
+    heights = slice(*_span(np.any(reachable, axis=(0, 1))))
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
     solved = heading_margins(
@@ -225,8 +224,27 @@ def _margins(
     for target, source in zip(found, (solved.least, solved.coarse), strict=True):
         for number in range(len(target)):
             target[number, index[0], index[1], heights] = source[number]
+        for number, bound in enumerate(requirements.bounds):
+            if bound.theta is not None:  # it has no value where these headings cannot be taken
+                target[number][~_takes(design.geometry, x, z, bound)] = -np.inf
         target[:, ~reachable] = np.nan
     return found
+
+
+def _takes(geometry: Geometry, x: Array, z: Array, bound: Requirement) -> NDArray[np.bool_]:
+    """Return where a requirement's own headings can be taken, or do not count."""
+    assert bound.theta is not None
+    own = reach_bounds(geometry, x[:, None, None], x[None, :, None], bound.theta)
+    free = np.zeros(z.shape, np.bool_)
+    if bound.z is not None:
+        free = (z < bound.z[0]) | (z > bound.z[1])
+    return (_reached(*own.margin(z)) & own.regular) | free
+
+
+def _reached(margin: Array, which: NDArray[np.uint8]) -> NDArray[np.bool_]:
+    """Return where a margin and its limit are those of a pose that can be taken."""
+    # A guide may be used to its end.
+    return (margin > 0.0) | ((margin == 0.0) & (which % len(MARGINS) == _GUIDE))
 
 
 def _span(used: NDArray[np.bool_]) -> tuple[int, int]:

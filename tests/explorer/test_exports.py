@@ -16,12 +16,12 @@ import viser
 from PIL import Image
 
 from paminsa_viz.cli import main
-from paminsa_viz.explorer import actions, exports
+from paminsa_viz.explorer import actions, exports, pictures
 from paminsa_viz.explorer.maps import FULL, MapStore
 from paminsa_viz.explorer.panels.export_panel import export_entries
 from paminsa_viz.explorer.state import State, initial_state
 from paminsa_viz.files.design_file import save_design
-from paminsa_viz.files.tables import TABLE_FORMATS
+from paminsa_viz.files.tables import TABLE_FORMATS, table_csv, table_text
 from paminsa_viz.model import InvalidInput, KneeBranch, inverse_kinematics, static_torques
 from tests.support.desk import Desk, desk_with
 
@@ -200,14 +200,14 @@ def client(picture: Any, size: tuple[int, int] = (640, 480)) -> Any:
     [
         ((640, 480), None, (640, 480)),
         ((640, 480), (320, 200), (320, 200)),
-        ((2**40, 10), None, exports.VIEW_SIDES[::-1]),
+        ((2**40, 10), None, pictures.VIEW_SIDES[::-1]),
     ],
 )
 def test_view_has_the_size_chosen_or_that_of_the_window_within_limits(
     window: tuple[int, int], size: tuple[int, int] | None, expected: tuple[int, int]
 ) -> None:
     page = client(lambda h, w: np.full((h, w, 4), 7, dtype=np.uint8), window)
-    file = exports.view(state_at().updated("export", view_size=size), page)
+    file = pictures.view(state_at().updated("export", view_size=size), page)
     assert Image.open(io.BytesIO(file.content)).size == expected
 
 
@@ -223,8 +223,8 @@ def test_view_has_the_size_chosen_or_that_of_the_window_within_limits(
     ids=["no answer", "no PNG", "another size", "no bytes", "nothing"],
 )
 def test_page_that_returns_no_picture_is_reported(answer: Any) -> None:
-    with pytest.raises(exports.NoView):
-        exports.view(state_at(), client(answer))
+    with pytest.raises(pictures.NoView):
+        pictures.view(state_at(), client(answer))
 
 
 def started(desk: Desk) -> list[dict[str, Any]]:
@@ -291,3 +291,17 @@ def test_unexpected_error_is_notified_and_logged(
     desk.set("export.scene", "Robot as GLB")
     desk.noticed("Not exported")
     assert "export failed" in caplog.text
+
+
+@pytest.mark.parametrize("make", [
+    lambda state: exports.maps_table(state, STORE),
+    lambda state: exports.motion_series(state)[1],
+], ids=["maps", "motion"])  # fmt: skip
+def test_copied_table_reads_as_the_file_with_tabs(make: Any) -> None:
+    table = make(state_at(x=0.03))
+    copied, file = table_text(table).splitlines(), table_csv(table).decode().splitlines()
+    head = [line for line in copied if line.startswith("#")]
+    assert head == file[: len(head)]
+    assert [line.split("\t") for line in copied[len(head) :]] == [
+        line.split(",") for line in file[len(head) :]
+    ]

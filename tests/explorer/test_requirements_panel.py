@@ -133,7 +133,7 @@ def test_the_surface_is_closed_and_in_the_colors_of_its_causes(asked: State) -> 
 
 
 def test_requirements_are_added_and_changed_on_the_page(desk: Desk) -> None:
-    desk.set("requirements.buttons", "Suggest")
+    desk.set("requirements.buttons", "Suggested set")
     desk.until(lambda: len(desk.state.document.requirements.bounds) == 4)
     desk.until(lambda: desk.state.requiring.quick is not None)
     desk.set("requirements.value", 1.01)

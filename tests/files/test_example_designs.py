@@ -62,7 +62,7 @@ def test_drives_carry_the_payload_on_the_preset_motion() -> None:
         assert 0.0 < drive.use <= 1.0
 
 
-def test_compact_robot_meets_its_needs_in_little_more_than_half_the_radius(
+def test_compact_robot_meets_its_needs_in_two_thirds_of_the_radius(
     script: dict[str, Any],
 ) -> None:
     design = example_design(ExampleDesign.COMPACT)
@@ -70,7 +70,7 @@ def test_compact_robot_meets_its_needs_in_little_more_than_half_the_radius(
     assert script["broken"](design, poses) == 0.0
     footprint = script["footprint"]
     other = script["workspace"](script["top_of"](APPENDIX_4), finer=4)
-    assert footprint(design, poses) == pytest.approx(0.413, abs=5e-4)
+    assert footprint(design, poses) == pytest.approx(0.482, abs=5e-4)
     assert footprint(APPENDIX_4, other) == pytest.approx(0.732, abs=5e-4)
 
 

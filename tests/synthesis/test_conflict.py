@@ -102,3 +102,9 @@ def test_workspace_that_does_not_fit_names_what_keeps_it_out() -> None:
 def test_workspace_larger_than_the_reach() -> None:
     huge = Workspace(WorkspaceShape.BOX, (0.9, 0.9, 0.9), (0.0, 0.0, None))
     assert conflict_of("condition <= 10", workspace=huge)[1].requirements == ()
+
+
+def test_the_fewest_are_found_among_many() -> None:
+    loose = [f"f_4 <= {500 + index}" for index in range(9)]
+    _, found = conflict_of("condition <= 5", *loose, "condition >= 7")
+    assert found.requirements == (0, 10)

@@ -18,7 +18,7 @@ from paminsa_viz.model import (
     static_torques,
 )
 from paminsa_viz.model.leg import mechanism
-from paminsa_viz.synthesis.affine import Affine, box_variables, cosine_and_sine, lower, size, upper
+from paminsa_viz.synthesis.affine import box_variables, lower, size, upper
 from paminsa_viz.synthesis.enclosures import (
     condition_bounds,
     determinant_bounds,
@@ -116,30 +116,6 @@ def test_rows_are_those_of_the_inverse_jacobian() -> None:
     rows = inverse_jacobian_rows(mechanism(APPENDIX_4.geometry), x, y, np.cos(theta), np.sin(theta))
     scale = [1, 1, 1 / APPENDIX_4.geometry.platform_radius]
     np.testing.assert_allclose(np.reshape(rows, (3, 3)), g * scale, rtol=1e-12)
-
-
-@pytest.mark.parametrize("root", [True, False])
-def test_functions_without_a_value_have_no_bound(root: bool) -> None:
-    across = Affine(*(np.array([v]) for v in (0.1, 0.2, 0.0, 0.0, 0.0, 0.0)))
-    with np.errstate(all="ignore"):
-        found = np.sqrt(across) if root else 1.0 / across
-    assert not np.isfinite(upper(found)).any()
-    assert not (upper(found) <= 1e300).any()
-
-
-@pytest.mark.parametrize("half", [1e-3, 0.4, 2.0, 3.1, 4.0])
-def test_cosine_and_sine_are_within_their_ranges(half: float) -> None:
-    share = np.linspace(-1, 1, 2001)
-    for middle in (-2.0, 0.0, 0.3, 1.5):
-        for found, function in zip(
-            cosine_and_sine(np.array(middle), np.array(half)), (np.cos, np.sin), strict=True
-        ):
-            value = function(middle + half * share)
-            line = found.c + found.t * share
-            assert not (np.abs(value - line) > found.e).any()
-            # wider than half a turn there is no bound
-            assert np.isnan(upper(found)) == (half > np.pi)
-    assert half > 0.1 or found.e < 1.1e-3 * half
 
 
 def test_without_weight_the_torques_are_those_of_the_load_alone() -> None:

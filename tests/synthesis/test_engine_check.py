@@ -10,7 +10,7 @@ import pytest
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.quantities.requirements import Requirement
-from paminsa_viz.synthesis.engine_check import check_requirements
+from paminsa_viz.synthesis.engine_check import check_by_mujoco
 from paminsa_viz.synthesis.inner import solve_inner
 from tests.synthesis.inner_cases import case, motion, poses
 
@@ -21,7 +21,7 @@ def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
     found = solve_inner(APPENDIX_4, asked, poses())
     short = motion().take(np.arange(0, motion().size, 4))
     bounds = (*asked.bounds, Requirement("condition", high=10.0))
-    checked = check_requirements(
+    checked = check_by_mujoco(
         found.design, bounds, poses(), springs=found.springs, motions=(short,),
         motion_torque=found.objective, motion_force=asked.motion_force, count=10,
     )  # fmt: skip
@@ -33,9 +33,9 @@ def test_mujoco_confirms_the_optimum_and_its_active_bounds(springs):
     # a bound that is reached has no margin by MuJoCo's torques either
     assert abs(checked.rows[0].engine) < 1e-4
     tighter = [replace(b, high=0.99 * b.high) for b in asked.bounds]
-    assert not check_requirements(found.design, tighter, poses(), springs=found.springs).passed
+    assert not check_by_mujoco(found.design, tighter, poses(), springs=found.springs).passed
 
 
 def test_poses_out_of_reach_are_refused():
     with pytest.raises(InvalidInput, match="out of reach"):
-        check_requirements(APPENDIX_4, (), np.array([[0.0, 0.0, 0.0, -3.0]]))
+        check_by_mujoco(APPENDIX_4, (), np.array([[0.0, 0.0, 0.0, -3.0]]))

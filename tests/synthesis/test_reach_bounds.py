@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.reach import check_reach
-from paminsa_viz.synthesis.reach_bounds import contains, cosine_range, reach_bounds
+from paminsa_viz.synthesis.distance import reach_distances
+from paminsa_viz.synthesis.reach_bounds import ReachBounds, contains, cosine_range, reach_bounds
 from tests.support.cases import Case, cases
 
 ANGLES = st.floats(-8.0, 8.0)
@@ -63,3 +67,32 @@ def test_positions_beyond_the_smallest_singular_circle_are_not_regular() -> None
     assert bounds.regular.tolist() == [True, False]
     turned = reach_bounds(APPENDIX_4.geometry, 0.26, 0.0, (0.4, 0.5))
     assert turned.regular
+
+
+@given(cases(), st.floats(-1.0, 1.0), st.floats(0.0, 1.0))
+def test_distance_is_the_margin_over_its_slope(case: Case, low: float, width: float) -> None:
+    rng = np.random.default_rng(case.seed)
+    size, step = case.geometry.base_radius, 1e-6
+    at = rng.uniform(-0.6 * size, 0.6 * size, (20, 3))
+
+    def margin(points: Array) -> Array:
+        bounds = reach_bounds(case.geometry, points[:, 0], points[:, 1], (low, low + width))
+        return bounds.margin(points[:, 2])[0]
+
+    ahead, behind = (
+        np.stack([margin(at + sign * step * axis) for axis in np.eye(3)]) for sign in (1.0, -1.0)
+    )
+    slope = np.linalg.norm(ahead - behind, axis=0) / (2 * step)
+    smooth = np.abs(ahead + behind - 2 * margin(at)).max(axis=0) < 1e-3 * step  # no other limit
+    bounds = reach_bounds(case.geometry, at[:, 0], at[:, 1], (low, low + width))
+    expected = margin(at) / slope
+    found = reach_distances(replace_circle(bounds), at[:, 2])
+    # the limit with the least margin need not be the nearest one
+    assert (found <= expected + 1e-4 * size)[smooth & (expected > 0.0)].all()
+    alone = smooth & (np.abs(found - expected) <= 1e-4 * (size + np.abs(expected)))
+    assert alone.sum() >= 0.5 * smooth.sum()
+
+
+def replace_circle(bounds: ReachBounds) -> ReachBounds:
+    """Return the same without singular positions."""
+    return replace(bounds, position=np.full_like(bounds.position, 1e9), turn=1.0)

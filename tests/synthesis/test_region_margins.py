@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from paminsa_viz.model import APPENDIX_4, Design, Geometry, check_reach, singular_radius
 from paminsa_viz.quantities.requirements import WorkspaceShape
 from paminsa_viz.synthesis.pose_search import freedom, from_unit, lowest, random_poses
-from paminsa_viz.synthesis.region_margins import Region, leg_distances, region_margins
+from paminsa_viz.synthesis.region_margins import PoseRegion, leg_distances, region_margins
 from tests.synthesis.certificate_robots import robots
 
 LENGTHS = st.floats(0.0, 0.3)
@@ -19,16 +19,16 @@ PLACES = st.floats(-0.4, 0.4)
 
 
 @st.composite
-def regions(draw: st.DrawFn) -> Region:
+def regions(draw: st.DrawFn) -> PoseRegion:
     shape = draw(st.sampled_from(WorkspaceShape))
     a, b, c = draw(LENGTHS), draw(LENGTHS), draw(LENGTHS)
     start, width = draw(st.floats(-4.0, 4.0)), draw(st.floats(0.0, 7.0))
     center = (draw(PLACES), draw(PLACES), draw(st.floats(-1.0, 0.5)))
     half = (a, a if shape is WorkspaceShape.CYLINDER else b, c)
-    return Region(shape, center, half, (start, start + width))
+    return PoseRegion(shape, center, half, (start, start + width))
 
 
-def edge_poses(region: Region, n: int, seed: int) -> Any:
+def edge_poses(region: PoseRegion, n: int, seed: int) -> Any:
     """Random poses with more of them on the faces, edges and corners."""
     rng = np.random.default_rng(seed)
     unit = np.clip(rng.uniform(-2.0, 2.0, (n, 4)), -1, 1)
@@ -41,7 +41,7 @@ def edge_poses(region: Region, n: int, seed: int) -> Any:
 
 
 @given(design=robots(), region=regions(), seed=st.integers(0, 999))
-def test_no_pose_has_a_smaller_margin(design: Design, region: Region, seed: int) -> None:
+def test_no_pose_has_a_smaller_margin(design: Design, region: PoseRegion, seed: int) -> None:
     margins = region_margins(design.geometry, region)
     poses = edge_poses(region, 3000, seed)
     assert (check_reach(design.geometry, poses).margins >= margins.reach - 1e-15).all()
@@ -51,7 +51,7 @@ def test_no_pose_has_a_smaller_margin(design: Design, region: Region, seed: int)
 
 @settings(max_examples=8)
 @given(region=regions(), swap=st.booleans())
-def test_some_pose_has_the_least_and_the_largest_distance(region: Region, swap: bool) -> None:
+def test_some_pose_has_the_least_and_the_largest_distance(region: PoseRegion, swap: bool) -> None:
     g = Geometry(crank_length=0.9, coupler_length=1.1)
     if swap:
         g = Geometry(crank_length=0.9, coupler_length=1.1, base_radius=0.1, platform_radius=0.35)
@@ -67,7 +67,7 @@ def test_some_pose_has_the_least_and_the_largest_distance(region: Region, swap: 
 
 
 @given(region=regions())
-def test_random_poses_are_in_the_region(region: Region) -> None:
+def test_random_poses_are_in_the_region(region: PoseRegion) -> None:
     poses = random_poses(region, 500, np.random.default_rng(3))
     away = np.abs(poses[:, [0, 1, 3]] - region.center)
     assert (away <= np.array(region.half) + 1e-12).all()
@@ -83,7 +83,7 @@ def test_the_singular_circle_bounds_a_centered_disc_exactly() -> None:
         radius = float(singular_radius(g, theta))
         for factor, holds in ((0.999999, True), (1.000001, False)):
             half = (radius * factor, radius * factor, 0.0)
-            region = Region(WorkspaceShape.CYLINDER, (0, 0, -0.5), half, (theta, theta))
+            region = PoseRegion(WorkspaceShape.CYLINDER, (0, 0, -0.5), half, (theta, theta))
             assert (region_margins(g, region).circle > 0) is holds
 
 
@@ -91,7 +91,7 @@ def test_a_turn_past_the_singular_rotation_is_found() -> None:
     # R_pl/R_b = 0.1/0.35: cos theta is that at 73.4 degrees
     g = APPENDIX_4.geometry
     for degrees, holds in ((73.3, True), (73.5, False), (300.0, False)):
-        region = Region(
+        region = PoseRegion(
             WorkspaceShape.BOX, (0, 0, -0.6), (0.01, 0.01, 0.01), (0.0, np.radians(degrees))
         )
         assert (region_margins(g, region).turn > 0) is holds

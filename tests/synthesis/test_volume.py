@@ -7,14 +7,18 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy import ndimage
 
 from paminsa_viz.model import APPENDIX_4, KneeBranch
 from paminsa_viz.model.reach import check_reach, home_pose
+from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.margins import Canceled
 from paminsa_viz.synthesis.volume import COARSE, Resolution, Volume, solve_volume
+from tests.support.cases import Case, cases
 from tests.synthesis.robots import TURN, met, needs
 
 BOUNDS = ("condition <= 10", "max_torque <= 15 N m", "f_4 <= 250 N")
@@ -205,3 +209,54 @@ def test_costly_quantities_get_larger_cells() -> None:
     volume = solve_volume(APPENDIX_4, needs("frequency_1 >= 1 Hz"), resolution=COARSE)
     assert volume.reachable.size < 3_000
     assert volume.volume > 0.0
+
+
+def test_without_home_the_largest_part_that_can_be_reached_counts() -> None:
+    home = home_pose(APPENDIX_4.geometry)[3]
+    split = needs(f"condition <= 1 for z {1e3 * home - 60:.0f}..{1e3 * home + 60:.0f} mm")
+    volume = solve_volume(APPENDIX_4, split, resolution=MEDIUM)
+    assert not volume.home_inside
+    assert ndimage.label(volume.inside)[1] == 1
+    other = volume.reachable & volume.met.all(axis=0) & ~volume.inside
+    assert 0 < other.sum() <= volume.inside.sum()
+    kinds = np.array([cause.kind for cause in volume.causes])[volume.cause]
+    assert (kinds[other] == CauseKind.DISCONNECTED).all()
+
+
+def test_part_that_is_not_joined_to_home_does_not_count() -> None:
+    split = needs("condition <= 1 for z -700..-640 mm")
+    volume = solve_volume(APPENDIX_4, split, resolution=MEDIUM)
+    assert volume.home_inside
+    assert volume.z[volume.inside.any(axis=(0, 1))].min() > -0.65
+    below = volume.reachable & (volume.z < -0.71)
+    words = {volume.causes[code].word for code in np.unique(volume.cause[below])}
+    assert words == {"not-connected"}
+
+
+def test_own_headings_have_to_be_reachable() -> None:
+    few = solve_volume(APPENDIX_4, needs("condition <= 1e6", theta=(0.0, 0.0)), resolution=COARSE)
+    more = needs("condition <= 1e6 for theta -40..40", theta=(0.0, 0.0))
+    volume = solve_volume(APPENDIX_4, more, resolution=COARSE)
+    wide = solve_volume(
+        APPENDIX_4, needs(theta=(-math.radians(40), math.radians(40))), resolution=COARSE
+    )
+    assert volume.volume < few.volume
+    assert volume.volume == pytest.approx(wide.volume, rel=0.05)
+
+
+@given(cases(), st.floats(-0.6, 0.2), st.floats(0.0, 0.6))
+def test_every_node_inside_can_be_taken_by_any_robot(case: Case, low: float, width: float) -> None:
+    requirements = needs("condition <= 20", theta=(low, low + width))
+    volume = solve_volume(case.design, requirements, resolution=Resolution(1500, 5, 5.0))
+    nodes = np.argwhere(volume.inside)[::7]
+    assert volume.volume <= volume.reachable_volume * (1.0 + 1e-9)
+    assert ndimage.label(volume.inside)[1] == (0 if volume.empty else 1)
+    poses = np.empty((len(nodes), volume.headings, 4))
+    poses[..., 0] = volume.x[nodes[:, 0], None]
+    poses[..., 1] = volume.y[nodes[:, 1], None]
+    poses[..., 2] = np.linspace(low, low + width, volume.headings)
+    poses[..., 3] = volume.z[nodes[:, 2], None]
+    assert check_reach(case.geometry, poses).ok.all()
+    found = measure_singularity(case.geometry, poses)
+    assert (found.rotation_distance > 0.0).all()
+    assert (found.condition <= 20.0).all()

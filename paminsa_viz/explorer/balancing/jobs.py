@@ -17,6 +17,7 @@ from paminsa_viz.balancing import (
 )
 from paminsa_viz.balancing.changes import MOST
 from paminsa_viz.balancing.sensitivity import MASSES
+from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance
 from paminsa_viz.model import Design, InvalidInput, PaminsaError
 from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 from paminsa_viz.trajectory import Trajectory
@@ -185,6 +186,7 @@ class Outcome:
         after: The best design, or None.
         optimum: It, with its proof.
         effects: What it does to torques and masses.
+        weights: Whether its counterweights hit anything; None without any.
         front: The front, if that was the task.
         designs: The designs of its points.
         tornado: The sensitivity, if that was the task.
@@ -199,6 +201,7 @@ class Outcome:
     designs: tuple[Design, ...] = ()
     tornado: Tornado | None = None
     problem: PaminsaError | None = None
+    weights: WeightClearance | None = None
 
 
 @dataclass(frozen=True)

@@ -32,6 +32,7 @@ from paminsa_viz.explorer.balancing.jobs import (
     Task,
     changes_of,
 )
+from paminsa_viz.explorer.balancing.weight_clearance import WeightClearance, weight_clearance
 from paminsa_viz.explorer.maps import COARSE
 from paminsa_viz.model import (
     Design,
@@ -56,6 +57,9 @@ MIDDLE, MIDDLE_CELLS = 0.75, 21
 """What part of the clear square around the robot's axis is looked at where lengths change, and with
 how many poses along its sides."""
 
+MOST_POSES = 240
+"""About how many poses of the motion are checked for counterweights that hit."""
+
 SAME_PLACE = 1e-9
 """Counterweights on one bar nearer to each other than this are one [m]."""
 
@@ -72,7 +76,7 @@ def run(job: Job, progress: Progress = lambda _: False) -> Outcome:
             return _tornado(job)
         found = balance(job.design) if job.task is Task.PAPER else _best(job)
         after = tidied(found.after)
-        return Outcome(job, after, found, effects(job, after))
+        return Outcome(job, after, found, effects(job, after), weights=weights_of(job, after))
     except PaminsaError as error:
         return Outcome(job, problem=error)
 
@@ -170,6 +174,18 @@ def effects(job: Job, after: Design) -> tuple[Effect, ...]:
             for number, (unit, old, new) in enumerate(zip(units, before, now, strict=True), start=1)
         ]
     return tuple(found)
+
+
+def weights_of(job: Job, design: Design) -> WeightClearance | None:
+    """Return whether counterweights hit anything, in the plane of the maps and on the motion."""
+    if not design.counterweights:
+        return None
+    field = plane(job)
+    poses = [field.grid.poses()[field.status == Limit.OK]]
+    if job.trajectory is not None:
+        every = max(job.trajectory.size // MOST_POSES, 1)
+        poses.append(job.trajectory.pose[::every])
+    return weight_clearance(design, np.concatenate(poses))
 
 
 SIZES = {

@@ -276,5 +276,6 @@
     timers.forEach(clearInterval);
   };
   const tour = (steps, again) => window.paminsaTour?.(steps, again);
-  window.paminsa = { stop, tour, send, save, showTime, showLegend, renderOnDemand };
+  const copy = (what, text) => window.paminsaClipboard?.give(what, text);
+  window.paminsa = { stop, tour, copy, send, save, showTime, showLegend, renderOnDemand };
 }

@@ -201,6 +201,7 @@ PLOTS: dict[str, SeriesKind] = {
     "power": "power",
     "energy": "energy",
     "joint forces": "loads",
+    "clearance": "clearance",
     "pose": "pose",
     "speed": "speed",
     "acceleration": "acceleration",

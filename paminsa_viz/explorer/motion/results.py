@@ -9,10 +9,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paminsa_viz.explorer.clearing import along
 from paminsa_viz.explorer.motion.jobs import Answer
 from paminsa_viz.explorer.motion.planning import planned
 from paminsa_viz.explorer.state import State
 from paminsa_viz.model import Design, Misprint
+from paminsa_viz.plots.clearance_series import unknown_clearance
 from paminsa_viz.plots.series import EngineTorques, SeriesSources, runs
 from paminsa_viz.trajectory import Simulation, Trajectory, TrajectoryAnalysis, analyze
 
@@ -46,6 +48,7 @@ class MotionStore:
     def __init__(self) -> None:
         self._last: dict[str, TrajectoryAnalysis] = {}
         self._collect = lru_cache(maxsize=1)(_collect)
+        self._unknown = lru_cache(maxsize=1)(unknown_clearance)
 
     def analysis(self, state: State) -> TrajectoryAnalysis | None:
         """Return the current design on the current motion, or None without a motion."""
@@ -70,8 +73,11 @@ class MotionStore:
         simulation = outcome.simulation if outcome else None
         if answer is not None and not answer.serves(current, state.plots.checker):
             answer = None
+        near = None
+        if state.plots.plot == "clearance":
+            near = along(state, current) or self._unknown(current)
         return self._collect(
-            current, reference, published, simulation, answer, state.plots.needs_engine
+            current, reference, published, simulation, answer, state.plots.needs_engine, near
         )
 
     def _analysis(
@@ -92,13 +98,16 @@ def _collect(
     simulation: Simulation | None,
     answer: Answer | None,
     engine_wanted: bool,
+    clearance: object | None,
 ) -> MotionResults:
     engine = None
     if engine_wanted:
         found = answer.found if answer else None
         unknown = np.full(current.torque.shape, np.nan)
         engine = found.engine if found else EngineTorques("engine", unknown)
-    return MotionResults(SeriesSources(current, reference, published, simulation, engine), answer)
+    return MotionResults(
+        SeriesSources(current, reference, published, simulation, engine, clearance), answer
+    )
 
 
 class PathSegments(NamedTuple):

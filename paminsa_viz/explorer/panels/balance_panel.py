@@ -132,7 +132,7 @@ SETTINGS = (
         content=render(
             "note.j2", testid="", muted=True,
             text="Counterweights past a joint: longest lever [mm], largest mass on each leg [kg]. "
-            "Clearance to the frame is not checked.",
+            "Whether they hit another body is checked with the result.",
         ),
     ),
     *(_slot(*slot) for slot in SLOTS),

@@ -113,7 +113,30 @@ def details_html(outcome: Outcome | None) -> str:
         goal=_goal_text(goal), changes=_changes(outcome.job.design, outcome.after),
         bounds=[item for item in optimum.active if _relaxable(item)][:MAX_BOUNDS],
         worth="N" if near else unit, variable=variable_html, sides=_SIDES,
+        hit=Markup(weights_html(outcome)),
     )  # fmt: skip
+
+
+def weights_html(outcome: Outcome) -> str:
+    """Return whether the counterweights hit another body; empty without counterweights."""
+    found = outcome.weights
+    if found is None:
+        return ""
+    one, other = found.names
+    x, y, theta, z = found.pose
+    at = [number(round(1e3 * value), 6) for value in (x, y, z)]
+    place = f"x = {at[0]}, y = {at[1]}, z = {at[2]} mm, θ = {number(math.degrees(theta), 3)}°"
+    if found.distance < 0:
+        level, title = "bad", "A counterweight hits another body"
+        lines = [
+            f"{one} and {other} overlap by {1e3 * -found.distance:.1f} mm at {place}",
+            f"in {100 * found.touching:.0f} % of {found.poses} poses; give it a shorter lever, "
+            "or leave it out",
+        ]
+    else:
+        level, title = "ok", f"Counterweights are clear by {1e3 * found.distance:.1f} mm"
+        lines = [f"nearest: {one} and {other}, at {place}; {found.poses} poses checked"]
+    return _status(level, title, *lines, testid="weight-clearance")
 
 
 def grown(effect: Effect) -> bool:

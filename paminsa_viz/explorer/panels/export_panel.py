@@ -7,16 +7,19 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
-from paminsa_viz.explorer import exports
+from paminsa_viz.explorer import exports, pictures
+from paminsa_viz.explorer.copying import Clipboard
 from paminsa_viz.explorer.entries import ButtonGroup, Entry, Html, Run
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
+from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
 from paminsa_viz.explorer.state import State
-from paminsa_viz.files.tables import TABLE_FORMATS
+from paminsa_viz.files.tables import TABLE_FORMATS, DataTable
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
 from paminsa_viz.quantities import QUANTITIES
@@ -68,9 +71,13 @@ class Exporter:
 
 
 def export_entries(
-    store: MapStore, legend: Callable[[], Legend] = lambda: NO_LEGEND
+    store: MapStore,
+    legend: Callable[[], Legend] = lambda: NO_LEGEND,
+    clipboard: Clipboard | None = None,
 ) -> Sequence[Entry]:
     """Return the entries of the tab; maps come from the store, and pictures have the legend.
+
+    Tables are copied where there is a clipboard.
 
     Everything is made of the newest state, at full resolution, and says design and pose inside.
     """
@@ -86,6 +93,9 @@ def export_entries(
             label: export(f"{what} as {label}", partial(make, kind=kind))
             for kind, label in labels.items()
         }
+
+    def copied(what: str, make: Callable[[State], DataTable]) -> dict[str, Run]:
+        return {} if clipboard is None else {"Copy": clipboard.run(what, make)}
 
     figures = {name: each.label for name, each in FIGURE_FORMATS.items()}
     tables = {name: name.upper() for name in TABLE_FORMATS}
@@ -114,8 +124,9 @@ def export_entries(
         ),
         ButtonGroup(
             "export.table", "data",
-            choices=choices("data", tables, partial(exports.table, store=store)),
-            hint="SI units, with every number of the design",
+            choices=choices("data", tables, partial(exports.table, store=store))
+            | copied("Maps", partial(exports.maps_table, store=store)),
+            hint="SI units, with every number of the design; Copy: for a spreadsheet",
         ),
         Html(
             "export.robot_heading",
@@ -134,7 +145,7 @@ def export_entries(
             choices={
                 "View as PNG": exporter.run(
                     "the 3D view as PNG",
-                    lambda session: exports.view(session.state, session.client, legend()),
+                    lambda session: pictures.view(session.state, session.client, legend()),
                 ),
                 "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
             },
@@ -153,6 +164,22 @@ def export_entries(
             hint="All masses, loops and actuators for MuJoCo: one XML file, or a ZIP with the "
             "real shapes",
         ),
+        Html("export.volume_heading", content=_volume_heading),
+        ButtonGroup(
+            "export.volume", "volume",
+            choices=lambda state: (
+                {
+                    kind.upper(): export(
+                        f"the volume as {kind.upper()}", partial(volume_file, kind=kind)
+                    )
+                    for kind in VOLUME_KINDS
+                }
+                if asked(state.document.requirements)
+                else {}
+            ),
+            hint="Its surface in mm (STL) or in m with colors (GLB), or all nodes with their "
+            "causes and margins",
+        ),
         Html("export.motion_heading", content=_motion_heading),
         ButtonGroup(
             "export.curves", "figure", choices=choices("a figure", figures, exports.motion_figure),
@@ -161,6 +188,7 @@ def export_entries(
         ButtonGroup(
             "export.series", "data",
             choices=choices("data", tables, exports.motion_table)
+            | copied("Motion", lambda state: exports.motion_series(state)[1])
             | {"HTML page": export("a page that plays the motion", exports.motion_page)},
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
         ),
@@ -173,6 +201,13 @@ def _maps_heading(frame: Frame) -> str:
     minus = ", minus the reference" if shows_difference(state) else ""
     text = f"{FULL} × {FULL} cells, colors as shown{minus}; the single map is: {quantity}"
     return render("heading.j2", kind="pv-export", title="Maps", text=text)
+
+
+def _volume_heading(frame: Frame) -> str:
+    if not asked(frame.state.document.requirements):
+        return ""
+    text = "where all requirements hold; the surface, or a table"
+    return render("heading.j2", kind="", title="Volume", text=text)
 
 
 def _motion_heading(frame: Frame) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from typing import Any
 
 from viser import Icon
@@ -14,8 +15,15 @@ from paminsa_viz.explorer.entries import Button, Folder, Html, Run, Upload
 from paminsa_viz.explorer.examples import EXAMPLES, open_example
 from paminsa_viz.explorer.inputs import TextBox
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.requirements.saved import asked, require_possible
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.files.design_file import LARGEST_FILE, read_design, write_design
+from paminsa_viz.explorer.state import State
+from paminsa_viz.files.design_file import (
+    LARGEST_FILE,
+    DesignContent,
+    read_content,
+    write_design,
+)
 from paminsa_viz.files.errors import DesignFileError
 from paminsa_viz.model import Design
 
@@ -26,8 +34,8 @@ def file_name(design: Design) -> str:
     return f"{stem or 'design'}.toml"
 
 
-def uploaded_design(name: str, content: bytes) -> Design:
-    """Return the design in an uploaded file.
+def uploaded_content(name: str, content: bytes) -> DesignContent:
+    """Return the design in an uploaded file, and its requirements.
 
     Raises:
         DesignFileError: If there is none in it. The server hands on a file that is too large as
@@ -35,19 +43,38 @@ def uploaded_design(name: str, content: bytes) -> Design:
     """
     if not content:
         raise DesignFileError(name, f"is empty, or larger than {LARGEST_FILE // 1000} kB")
-    return read_design(content, name)
+    return read_content(content, name)
+
+
+def uploaded_design(name: str, content: bytes) -> Design:
+    """Return the design in an uploaded file; see `uploaded_content`."""
+    return uploaded_content(name, content).design
+
+
+def open_content(state: State, content: DesignContent) -> State:
+    """Work on a design of a file, and on its requirements if it has any."""
+    opened = actions.load_design(state, content.design)
+    if content.requirements is None:
+        return opened
+    require_possible(content.requirements)
+    document = replace(opened.document, requirements=content.requirements)
+    return actions.with_document(opened, document)
 
 
 def _download(session: Session) -> None:
-    design = session.state.document.design
-    text = write_design(design, comment=f"Written by paminsa_viz {__version__}.")
+    document = session.state.document
+    design, requirements = document.design, document.requirements
+    comment = f"Written by paminsa_viz {__version__}."
+    text = write_design(
+        design, comment=comment, requirements=requirements if asked(requirements) else None
+    )
     session.client.send_file_download(file_name(design), text.encode(), save_immediately=True)
 
 
 def _open(session: Session, name: str, content: bytes) -> None:
-    design = uploaded_design(name, content)
-    session.dispatch("file.open", lambda state: actions.load_design(state, design))
-    session.notify("Design opened", design.name or name)
+    found = uploaded_content(name, content)
+    session.dispatch("file.open", lambda state: open_content(state, found))
+    session.notify("Design opened", found.design.name or name)
 
 
 EXAMPLE = "open-example"

@@ -12,6 +12,7 @@ import viser
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge, Slots
+from paminsa_viz.explorer.copying import Clipboard
 from paminsa_viz.explorer.docks import left_dock
 from paminsa_viz.explorer.entries import Button, Entry
 from paminsa_viz.explorer.frame import Frame
@@ -257,7 +258,9 @@ class MapsPanel:
         with motion_tab:
             self.motion = MotionPlots(session, bridge, slots, motion_tab, motions)
         with panel.add_tab("Export", viser.Icon.DOWNLOAD):
-            self.export = Panel(session, export_entries(self.store, lambda: legend.shown))
+            clipboard = Clipboard(session, bridge)
+            entries = export_entries(self.store, lambda: legend.shown, clipboard)
+            self.export = Panel(session, entries)
         panel.dock_left()
         panel.set_width(width)
         if folded:

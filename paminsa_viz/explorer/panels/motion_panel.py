@@ -7,7 +7,8 @@ from functools import partial
 import numpy as np
 from viser import Icon
 
-from paminsa_viz.explorer import actions
+from paminsa_viz.clearance import clearance_reason
+from paminsa_viz.explorer import actions, clearing
 from paminsa_viz.explorer.background import BackgroundJob
 from paminsa_viz.explorer.bindings import Panel
 from paminsa_viz.explorer.browser.bridge import Bridge
@@ -72,6 +73,12 @@ def status_html(state: State, analysis: TrajectoryAnalysis | None) -> str:
     if found.trajectory is None:
         level, title = "plain", "No motion yet"
     lines = [line, f"shortest: {found.bound}"] if found.bound else [line]
+    near = None if analysis is None else clearing.along(state, analysis)
+    if near is not None and reachable:
+        why = clearance_reason(near.distance, near.names, state.clearance_view.required)
+        if why:
+            level, title = "bad" if near.distance < 0 else "warn", f"{title}, bodies too close"
+            lines.insert(0, f"{why}, at {number(near.t, 3)} s")
     return render("status.j2", testid="motion-status", level=level, title=title, lines=lines)
 
 

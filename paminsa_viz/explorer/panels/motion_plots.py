@@ -23,6 +23,7 @@ from paminsa_viz.explorer.panels.motion_chart import PLACE, MotionChart, TimeCur
 from paminsa_viz.explorer.panels.motion_panel import ACTUATORS, status_line
 from paminsa_viz.explorer.session import IDLE_DELAY, Session
 from paminsa_viz.explorer.state import State
+from paminsa_viz.model.arrays import Array
 from paminsa_viz.plots.series import Statistics, Trace, statistics
 from paminsa_viz.plots.series_builders import build_series
 from paminsa_viz.plots.series_uplot import Chart, charts, trace_order
@@ -115,7 +116,8 @@ class MotionPlots:
         if found is not None and state.plots.plot == "differences":
             self._numbers.content = difference_html(self._drawn, found, time)
         else:
-            self._numbers.content = numbers_html(self._drawn, self._read, time)
+            largest = "least" if state.plots.plot == "clearance" else "largest"
+            self._numbers.content = numbers_html(self._drawn, self._read, time, largest)
 
     def _draw_curves(self, state: State, found: MotionResults | None) -> None:
         key = (found, state.plots, state.theme)
@@ -123,8 +125,9 @@ class MotionPlots:
             return
         self._key = key
         self._drawn = () if found is None else drawn_charts(state, found)
+        measure = least if state.plots.plot == "clearance" else statistics
         self._read = {
-            trace: statistics(chart.t, trace) for chart in self._drawn for trace in chart.traces
+            trace: measure(chart.t, trace) for chart in self._drawn for trace in chart.traces
         }
         for index, chart in enumerate(self.charts):
             chart.draw(self._drawn[index] if index < len(self._drawn) else None, state.theme)
@@ -182,13 +185,24 @@ def _engine(state: State, found: MotionResults) -> dict[str, object]:
     return context
 
 
-def numbers_html(drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float) -> str:
+def least(t: Array, trace: Trace) -> Statistics:
+    """Return the least value of a curve, when it is [s], and its RMS, which is not asked for."""
+    if not np.isfinite(trace.values).any():
+        return Statistics(math.nan, math.nan, math.nan)
+    low = int(np.nanargmin(trace.values))
+    return Statistics(float(trace.values[low]), float(t[low]), math.nan)
+
+
+def numbers_html(
+    drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: float, largest: str = "largest"
+) -> str:
     """Return the table of the curves: the value at the cursor, the largest one, the RMS.
 
     Args:
         drawn: The charts.
         read: Peak and RMS of every curve.
         time: Of the cursor [s].
+        largest: What ``read`` has of a curve: its largest or least value.
     """
     rows = []
     for chart, trace in _rows(drawn):
@@ -196,7 +210,7 @@ def numbers_html(drawn: tuple[Chart, ...], read: dict[Trace, Statistics], time: 
         at = f"{peak_t:.3f} s" if math.isfinite(peak_t) else NONE
         values = (_value(chart.value_at(trace, time)), _value(peak), at, _value(mean))
         rows.append((trace, (*values, chart.unit), None))
-    heads = (f"at {time:.3f} s", "largest", "at", "RMS", "")
+    heads = (f"at {time:.3f} s", largest, "at", "RMS", "")
     return render("motion_numbers.j2", heads=heads, rows=rows)
 
 

@@ -8,7 +8,7 @@ from math import ceil, floor
 import numpy as np
 
 from paminsa_viz.dimensions.layout import layout
-from paminsa_viz.explorer import actions
+from paminsa_viz.explorer import actions, clearing
 from paminsa_viz.explorer.entries import ButtonGroup, Html, Run
 from paminsa_viz.explorer.frame import Frame, Health
 from paminsa_viz.explorer.inputs import Dropdown, Number, Slider, attribute
@@ -33,10 +33,14 @@ def status_html(frame: Frame) -> str:
     lines = [frame.explanation]
     if frame.health is not Health.UNREACHABLE:
         lines += [f"the {locus.label} lies between this pose and home" for locus in frame.barriers]
-    return render(
-        "status.j2", testid="status", level=LEVELS[frame.health],
-        title=frame.health.value.capitalize(), lines=lines,
-    )  # fmt: skip
+    level, title = LEVELS[frame.health], frame.health.value.capitalize()
+    if frame.health is not Health.UNREACHABLE:
+        distance, why = clearing.reason(frame.state)
+        if why:
+            lines = [why, *lines] if frame.health is not Health.OK else [why]
+            level = "bad" if distance < 0 else "warn"
+            title = f"{title}, bodies {'overlap' if distance < 0 else 'are close'}"
+    return render("status.j2", testid="status", level=level, title=title, lines=lines)
 
 
 def actuators_html(frame: Frame) -> str:

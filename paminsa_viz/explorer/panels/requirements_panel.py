@@ -15,8 +15,10 @@ from paminsa_viz.explorer.inputs import (
     Dropdown,
     Number,
     Pair,
+    attribute,
 )
 from paminsa_viz.explorer.panels import requirements_text as text
+from paminsa_viz.explorer.panels.largest_panel import LARGEST_WORKSPACE
 from paminsa_viz.explorer.panels.requirement_inputs import DEGREES, EDIT, has_selected
 from paminsa_viz.explorer.requirements import actions
 from paminsa_viz.explorer.requirements.checking import VolumeSolver
@@ -35,7 +37,7 @@ NOWHERE = Workspace(WorkspaceShape.CYLINDER, (0.1, 0.1, 0.1), (0.0, 0.0, 0.0))
 
 
 def _buttons(state: State) -> dict[str, Effect]:
-    found: dict[str, Effect] = {"Add": actions.add, "Suggest": actions.suggest}
+    found: dict[str, Effect] = {"Add": actions.add, "Suggested set": actions.suggest}
     if has_selected(state):
         found["Remove"] = actions.remove
     return found
@@ -100,13 +102,14 @@ WORKSPACE = (
     ),
     Pair(
         "requirements.cylinder", "⌀, height [mm]", visible=CYLINDER,
-        units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST),) * 2,
+        units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
         read=lambda state: workspace(state).size[1:],
         apply=lambda state, size: _set_size(state, x=size[0], y=size[0], z=size[1]),
     ),
     Pair(
         "requirements.box", "x, y size [mm]", visible=BOX, units=(MILLIMETERS, MILLIMETERS),
-        step=1.0, range=((LEAST, LARGEST),) * 2, read=lambda state: workspace(state).size[:2],
+        step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
+        read=lambda state: workspace(state).size[:2],
         apply=lambda state, size: _set_size(state, x=size[0], y=size[1]),
     ),
     Number(
@@ -151,7 +154,18 @@ REQUIREMENTS = (
     Folder("requirements.workspace", "Headings and workspace", entries=WORKSPACE),
     Folder(
         "requirements.volume", "Volume", visible=lambda state: asked(state.document.requirements),
-        entries=(Html("requirements.volume_text", content=text.volume_html),),
+        entries=(
+            Html("requirements.volume_text", content=text.volume_html),
+            Checkbox(
+                "requirements.hatched", "Hatch the maps",
+                hint="Cells that break a requirement at the maps' θ and z, in its color",
+                **attribute("map_view.hatched"),
+            ),
+        ),
+    ),
+    Folder(
+        "requirements.largest", "Largest workspace", entries=LARGEST_WORKSPACE, open=False,
+        visible=lambda state: bool(state.document.requirements.bounds),
     ),
     Custom("requirements.solver", make=VolumeSolver),
 )  # fmt: skip

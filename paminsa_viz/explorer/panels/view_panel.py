@@ -13,6 +13,7 @@ from paminsa_viz.explorer.bindings import perform
 from paminsa_viz.explorer.entries import ButtonGroup, Effect, Entry, Html, Run
 from paminsa_viz.explorer.inputs import Checkbox, Dropdown, Slider, attribute
 from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.panels.clearance_panel import CLEARANCE
 from paminsa_viz.explorer.scene.cameras import CAMERAS, look
 from paminsa_viz.explorer.scene.layers import LAYERS, Layer
 from paminsa_viz.explorer.session import Session
@@ -40,6 +41,7 @@ def view_entries() -> tuple[Entry, ...]:
             hint="Of the map under the robot",
             **attribute("floor_opacity"),
         ),
+        *CLEARANCE,
     )  # fmt: skip
 
 

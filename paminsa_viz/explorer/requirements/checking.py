@@ -119,6 +119,8 @@ class VolumeSolver:
     def draw(self, frame: Frame, dragging: bool) -> None:
         """Ask for what is not known yet."""
         state = frame.state
+        if state.synthesizing.running is not None:  # it needs all cores, and shows other robots
+            return
         document, known = state.document, state.requiring
         for fine, outcome in ((False, known.quick), (True, known.fine)):
             wanted = self._wanted[fine]

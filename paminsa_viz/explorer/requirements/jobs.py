@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paminsa_viz.model import Design
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
+from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
 
 if TYPE_CHECKING:
     from paminsa_viz.explorer.state import Document
     from paminsa_viz.synthesis.check import RequirementsCheck
+    from paminsa_viz.synthesis.largest import LargestWorkspace
     from paminsa_viz.synthesis.volume import Volume
 
 Placed = tuple[WorkspaceShape, tuple[float, float, float], tuple[float, float, float]]
@@ -92,14 +93,22 @@ class LargestJob(AboutRequirements):
     """The largest workspace that is proven.
 
     Attributes:
-        shape: Cylinder or box.
-        free: Whether its center may be anywhere, and not on the axis alone.
+        workspace: Its proportions, and its center as far as it is given.
+        growth: Name of the extents that grow, of `synthesis.largest.Growth`.
         seconds: Time limit [s].
     """
 
-    shape: WorkspaceShape = WorkspaceShape.CYLINDER
-    free: bool = False
-    seconds: float = 15.0
+    workspace: Workspace
+    growth: str
+    seconds: float
+
+    def serves(self, document: Document) -> bool:
+        """Whether its result is about a document's design and bounds."""
+        held, now = self.requirements, document.requirements
+        return self.design == document.design and (held.bounds, held.theta) == (
+            now.bounds,
+            now.theta,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,13 +118,13 @@ class LargestOutcome:
     Attributes:
         job: The job.
         proven: The region, or None.
-        found: The result of `paminsa_viz.synthesis.largest`, or None.
+        found: What is proven and how, or None.
         problem: Why there is none.
     """
 
     job: LargestJob
     proven: Placed | None = None
-    found: Any = None
+    found: LargestWorkspace | None = None
     problem: str = ""
 
 
@@ -126,7 +135,8 @@ class Requiring:
     Attributes:
         selected: Index of the requirement that is edited.
         quick, fine: The last volumes, coarse and fine, or None.
-        shape, free, seconds: Of the largest workspace that is asked for, see `LargestJob`.
+        shape, growth, free, seconds: Of the largest workspace that is asked for: its shape, which
+            extents grow, whether its center is free, and the time limit [s].
         running: The job on the largest workspace that runs, or None.
         done: What part of it is done, 0 to 1.
         largest: The last largest workspace, or None.
@@ -136,6 +146,7 @@ class Requiring:
     quick: VolumeOutcome | None = None
     fine: VolumeOutcome | None = None
     shape: WorkspaceShape = WorkspaceShape.CYLINDER
+    growth: str = "ALL"
     free: bool = False
     seconds: float = 15.0
     running: LargestJob | None = None

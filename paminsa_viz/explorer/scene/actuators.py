@@ -12,6 +12,7 @@ from paminsa_viz import palette
 from paminsa_viz.dimensions import layers as at
 from paminsa_viz.dimensions.layout import lift_motor_height
 from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.scene.label_places import apart
 from paminsa_viz.explorer.scene.layers import SceneContext
 from paminsa_viz.model import lift_constant, lumped_coefficients
 from paminsa_viz.model.design import Design, Geometry
@@ -177,11 +178,18 @@ def label_places(geometry: Geometry) -> list[tuple[float, float, float]]:
     return [*around, (0.0, 0.0, lift_motor_height(geometry) + 0.02)]
 
 
+NAME_SIZE: Final = (30.0, 21.0)
+"""Width and height of a name on the screen [px]."""
+
+
 class ActuatorLabels:
-    """The layer ``labels``: the names M1..M4 next to their bodies."""
+    """The layer ``labels``: the names M1..M4 next to their bodies, none over another."""
 
     def __init__(self, context: SceneContext) -> None:
         self._geometry: Geometry | None = None
+        self._camera = context.camera
+        if self._camera is not None:
+            self._camera.on_update(lambda _: self._arrange())
         self._labels = [
             context.scene.add_label(
                 f"/actuators/m{number}", f"M{number}", font_screen_scale=1.0,
@@ -196,7 +204,15 @@ class ActuatorLabels:
         geometry = frame.shown_design.geometry
         if geometry is not self._geometry:
             self._geometry = geometry
-            for label, place in zip(self._labels, label_places(geometry), strict=True):
-                label.position = place
+            self._arrange()
         for label in self._labels:
             label.visible = "labels" in frame.state.layers
+
+    def _arrange(self) -> None:
+        if self._geometry is None:
+            return
+        places = np.array(label_places(self._geometry))
+        if self._camera is not None:
+            places = apart(places, self._camera, NAME_SIZE)
+        for label, place in zip(self._labels, places, strict=True):
+            label.position = place

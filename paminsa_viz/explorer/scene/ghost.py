@@ -1,4 +1,4 @@
-"""A robot that is seen through: where the simulated motion should be."""
+"""Robots that are seen through: where a simulated motion should be, and the pinned design."""
 
 from __future__ import annotations
 
@@ -82,3 +82,31 @@ class WantedPose:
             self._ghost.hide()
         else:
             self._ghost.put(frame.shown_design, configuration)
+
+
+class PinnedDesign:
+    """The layer ``pinned_design``: the reference at the robot's pose, where it differs in shape."""
+
+    def __init__(self, context: SceneContext) -> None:
+        self._ghost = Ghost(context, "/pinned")
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the pose and the reference; nothing is shown where it cannot be."""
+        del dragging
+        state = frame.state
+        reference = state.document.reference if "pinned_design" in state.layers else None
+        if reference is None or same_look(reference, frame.shown_design):
+            self._ghost.hide()
+            return
+        configuration = inverse_kinematics(reference.geometry, state.last_reachable.pose)
+        if bool(configuration.reach.ok) and np.isfinite(configuration.actuators).all():
+            self._ghost.put(reference, configuration)
+        else:
+            self._ghost.hide()
+
+
+def same_look(one: Design, other: Design) -> bool:
+    """Whether two designs are drawn the same, so that one would only flicker in the other."""
+    return (one.geometry, one.payload, one.counterweights) == (
+        other.geometry, other.payload, other.counterweights
+    )  # fmt: skip

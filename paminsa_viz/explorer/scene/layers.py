@@ -34,6 +34,7 @@ class SceneContext:
         scene: Where its nodes go.
         dispatch: `Session.dispatch`, for layers that a person can click or drag.
         motions: What the session has computed along its motion.
+        camera: The tab's camera, for what depends on how the scene is seen.
         maps: The session's maps; only for layers that are not animated.
         legend: Says what the colors of the floor map mean; only for layers that are not animated.
     """
@@ -41,6 +42,7 @@ class SceneContext:
     scene: SceneApi
     dispatch: Callable[[str, Callable[[Any], Any]], None] = _ignore
     motions: MotionStore | None = None
+    camera: Any = None
     maps: MapStore | None = None
     legend: SceneLegend | None = None
 
@@ -163,6 +165,8 @@ register(
           "elasticity:ComplianceEllipsoid"),
     Layer("contacts", "Contacts", "Where bars would touch, their center lines in the leg's plane",
           "contacts:ContactView"),
+    Layer("clearance", "Clearance", "The two nearest bodies, and their distance",
+          "clearance:ClearanceView"),
     Layer("labels", "Labels", "Names of the actuators", "actuators:ActuatorLabels",
           default=True),
     Layer(
@@ -185,6 +189,8 @@ register(
     Layer("proven_workspace", "Proven workspace",
           "Outline of the largest one, see the tab Requirements", _WORKSPACES, default=True,
           animated=False),
+    Layer("best_so_far", "Best robot so far", "Of the search of the tab Synthesize, as lines",
+          "best_robot:BestRobot", default=True),
     Layer("path", "Path of the motion", "Colored by torque, and on the maps", "path:MotionPath"),
     Layer("points", "Points of the motion",
           "The poses that a motion is built from: click one, then drag it",
@@ -192,6 +198,12 @@ register(
     Layer("wanted_pose", "Wanted pose",
           "Translucent: where the robot should be, while its simulation is played",
           "ghost:WantedPose", default=True),
+    Layer("pinned_design", "Pinned design",
+          "Translucent: the reference at the same pose, where its shape differs",
+          "ghost:PinnedDesign", default=True),
+    Layer("joint_limits", "Joint limits",
+          "Sectors: from where to where each θ turns over the poses that count; lines: the travel "
+          "of joint 8 on its guide", "joint_limits:JointLimits"),
     Layer(
         "escape_twist", "Escape twist",
         "Where the motion crosses a singularity: the platform's motion that no actuator feels",

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import Enum
-from typing import Any
+from typing import TYPE_CHECKING
 
 from paminsa_viz.model import Design
-from paminsa_viz.quantities.requirements import Requirements
-from paminsa_viz.synthesis.case import (
-    DEFAULT_PATHS,
-    DIMENSIONS,
-    Effort,
-    Regime,
-    SearchRange,
-    SynthesisCase,
-)
+
+if TYPE_CHECKING:
+    from paminsa_viz.synthesis.answer import SynthesisResult
+    from paminsa_viz.synthesis.case import SynthesisCase
+    from paminsa_viz.synthesis.front import DesignFront
+    from paminsa_viz.synthesis.prices import RequirementPrice
+    from paminsa_viz.synthesis.robustness import BuildYield
 
 Range = tuple[float, float]
-
-HEIGHT, WIDTH, TALL = DIMENSIONS
-"""Paths of the workspace's height and sizes."""
 
 
 class EffortChoice(Enum):
@@ -31,18 +26,8 @@ class EffortChoice(Enum):
     THOROUGH = "thorough"
 
 
-EFFORTS: dict[EffortChoice, Effort] = {
-    EffortChoice.QUICK: Effort(40, 8),
-    EffortChoice.NORMAL: Effort(150, 12),
-    EffortChoice.THOROUGH: Effort(400, 16),
-}
-
-REGIMES: dict[str, tuple[Regime, ...]] = {
-    "R_pl < R_b and R_pl > R_b": (Regime.SMALLER, Regime.LARGER),
-    "R_pl < R_b": (Regime.SMALLER,),
-    "R_pl > R_b": (Regime.LARGER,),
-}
-"""Which of base and platform may be larger, by labels."""
+BOTH = "R_pl < R_b and R_pl > R_b"
+"""Both kinds of robots, a key of `cases.REGIMES`."""
 
 
 class Shown(Enum):
@@ -58,11 +43,11 @@ class SynthesisSettings:
     """What a person set.
 
     Attributes:
-        ranges: Least and largest value of what differs from `default_ranges`, by path [SI]; a
+        ranges: Least and largest value of what differs from `cases.default_ranges`, by path [SI]; a
             length is held where the two are equal.
         objective: Key of what is minimized.
-        against: Key of a second objective, for a Pareto front; empty for none.
-        regimes: Which of base and platform may be larger, a key of `REGIMES`.
+        against: Key of a second objective, for a Pareto front of both; empty for none.
+        regimes: Which of base and platform may be larger, a key of `cases.REGIMES`.
         above_guides: Whether heights above the guides count.
         effort: How long to search.
         seed: The same seed gives the same result.
@@ -72,69 +57,11 @@ class SynthesisSettings:
     ranges: tuple[tuple[str, Range], ...] = ()
     objective: str = "footprint"
     against: str = ""
-    regimes: str = next(iter(REGIMES))
+    regimes: str = BOTH
     above_guides: bool = False
     effort: EffortChoice = EffortChoice.QUICK
     seed: int = 0
     shown: Shown = Shown.GHOST
-
-
-def default_ranges(design: Design, requirements: Requirements) -> dict[str, Range]:
-    """Return ranges around a design, by path [SI]: half to twice its own lengths.
-
-    With a workspace, those of its height and sizes as well.
-    """
-    held = {path: design.value(path) for path in DEFAULT_PATHS}
-    found = {path: (round(0.5 * value, 3), round(2.0 * value, 3)) for path, value in held.items()}
-    low, high = found["geometry.magnification"]
-    found["geometry.magnification"] = max(low, 1.5), max(high, 3.0)
-    workspace = requirements.workspace
-    if workspace is not None:
-        wide, _, tall = workspace.size
-        found[WIDTH] = wide, 3.0 * wide
-        found[TALL] = tall, tall
-    return found
-
-
-def ranges_of(
-    settings: SynthesisSettings, design: Design, requirements: Requirements
-) -> dict[str, Range]:
-    """Return the ranges of a search, by path [SI]."""
-    found = default_ranges(design, requirements)
-    return found | {path: ends for path, ends in settings.ranges if path in found}
-
-
-def with_range(settings: SynthesisSettings, path: str, ends: Range) -> SynthesisSettings:
-    """Return settings with another range."""
-    kept = tuple(item for item in settings.ranges if item[0] != path)
-    return replace(settings, ranges=(*kept, (path, ends)))
-
-
-def case_of(
-    settings: SynthesisSettings, design: Design, requirements: Requirements
-) -> SynthesisCase:
-    """Return the case of a search.
-
-    Raises:
-        InvalidInput: If it is not possible; says what is missing.
-    """
-    ranges = ranges_of(settings, design, requirements)
-    sizes = settings.objective == "volume" or settings.against == "volume"
-    ranges = {path: ends for path, ends in ranges.items() if sizes or path not in DIMENSIONS}
-    held = {
-        path: low for path, (low, high) in ranges.items() if low == high and path not in DIMENSIONS
-    }
-    return SynthesisCase(
-        requirements,
-        tuple(SearchRange(path, *ends) for path, ends in ranges.items() if ends[0] != ends[1]),
-        design.vary(dict(held)),
-        objective=settings.objective,
-        above_guides=settings.above_guides,
-        regimes=REGIMES[settings.regimes],
-        seed=settings.seed,
-        effort=EFFORTS[settings.effort],
-        name=design.name,
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,13 +70,15 @@ class SynthesisJob:
 
     Attributes:
         case: What is searched.
-        against: Key of the second objective of a front; empty for none.
+        effort: How long to search.
         reference: The design that it began with.
+        against: Key of the second objective of a Pareto front; empty for none.
     """
 
     case: SynthesisCase
-    against: str
+    effort: EffortChoice
     reference: Design
+    against: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,19 +108,47 @@ class SynthesisOutcome:
 
     Attributes:
         job: The job.
-        result: A `paminsa_viz.synthesis` result, or None.
-        front: Designs of a Pareto front, or nothing.
+        result: What was found, or None.
+        built: Robots built within tolerances, or None.
+        front: The front of two objectives, or None.
         seconds: How long it took.
         problem: Why there is none.
-        explanation: Which requirements contradict, and the nearest relaxation.
     """
 
     job: SynthesisJob
-    result: Any = None
-    front: Any = None
+    result: SynthesisResult | None = None
+    built: BuildYield | None = None
+    front: DesignFront | None = None
     seconds: float = 0.0
     problem: str = ""
-    explanation: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class PriceJob:
+    """What the requirements of an answer cost.
+
+    Attributes:
+        result: The answer.
+        effort: How long its search looked.
+    """
+
+    result: SynthesisResult
+    effort: EffortChoice
+
+
+@dataclass(frozen=True, eq=False)
+class PriceOutcome:
+    """What came of it.
+
+    Attributes:
+        job: The job.
+        prices: The prices, or nothing.
+        problem: Why there are none.
+    """
+
+    job: PriceJob
+    prices: tuple[RequirementPrice, ...] = ()
+    problem: str = ""
 
 
 @dataclass(frozen=True)
@@ -203,7 +160,10 @@ class Synthesizing:
         running: The job that runs, or None.
         best: How far it is.
         outcome: The last result, or None.
-        point: Chosen point of the front.
+        point: Index of the chosen point of the front.
+        pricing: The job on prices that runs, or None.
+        priced: What part of it is done, 0 to 1.
+        prices: The last prices, or None.
     """
 
     settings: SynthesisSettings = SynthesisSettings()
@@ -211,3 +171,15 @@ class Synthesizing:
     best: BestSoFar | None = None
     outcome: SynthesisOutcome | None = None
     point: int = 0
+    pricing: PriceJob | None = None
+    priced: float = 0.0
+    prices: PriceOutcome | None = None
+
+    @property
+    def result(self) -> SynthesisResult | None:
+        """The answer that is shown: of the chosen point of a front, else of the search."""
+        outcome = self.outcome
+        if outcome is None:
+            return None
+        points = () if outcome.front is None else outcome.front.points
+        return points[self.point].result if 0 <= self.point < len(points) else outcome.result

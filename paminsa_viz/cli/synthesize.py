@@ -1,0 +1,169 @@
+"""``paminsa-viz synthesize``: the robot that meets requirements and minimizes an objective."""
+
+from __future__ import annotations
+
+import time
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+import tyro
+
+from paminsa_viz import __version__
+from paminsa_viz.cli.arguments import UsageError, command_line
+from paminsa_viz.cli.flags import JsonFlags, check_ending
+from paminsa_viz.cli.output import print_json, print_written
+from paminsa_viz.cli.synthesize_answer import (
+    AnswerFlags,
+    checks_data,
+    front_data,
+    numbered,
+    print_checks,
+    print_front,
+)
+from paminsa_viz.cli.synthesize_report import print_result, progress_line, result_data
+from paminsa_viz.files.design_file import save_design
+from paminsa_viz.interrupts import on_interrupt
+from paminsa_viz.model.design import Design
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.studies import Workers, cluster, processes
+from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
+from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
+from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.front import design_front
+
+DESCRIPTION = """\
+Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
+
+  paminsa-viz synthesize cylinder                       a worked case that comes with the program
+  paminsa-viz synthesize mine.toml --seed 1 --out best.toml
+  paminsa-viz synthesize mine.toml --workers 4 --checkpoint mine.json
+  paminsa-viz synthesize cell --objective moving_mass --prove 30
+  paminsa-viz synthesize arch --prices --built 400 --mujoco
+  paminsa-viz synthesize cylinder --front footprint --front moving_mass --points 6
+
+A case is a design file, for the reference, with [workspace], [[requirements]] and a table
+[synthesis] that says what is searched and what is to be least; see docs/synthesis.md. R_pl < R_b
+and R_pl > R_b are searched one after the other; what closed forms exclude is refused at once.
+The answer is verified on poses four times as close as those of the search. The same seed gives the
+same answer, with any number of workers.
+
+With --checkpoint the search is written down as it goes, and the same command resumes it.
+
+Exit code: 0 a robot that meets all requirements; 1 none was found, with the reason and the nearest
+requirements that can be met; 2 a wrong argument or file; 130 stopped with Ctrl-C."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Synthesize(AnswerFlags, JsonFlags):
+    """Flags of the command."""
+
+    case: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="CASE.toml")]
+    """Case file, or a worked case: cylinder, cell, arch."""
+    objective: str | None = None
+    """What is minimized, instead of the file's: footprint, moving_mass, static_torque, volume;
+    with motions peak_torque, energy."""
+    seed: int | None = None
+    """Seed of the search, instead of the file's."""
+    generations: int | None = None
+    """Most generations for each of R_pl < R_b and R_pl > R_b, instead of the file's."""
+    workers: int = 1
+    """Number of processes."""
+    dask: Annotated[str | None, tyro.conf.arg(metavar="ADDRESS")] = None
+    """Work on the Dask cluster with this scheduler, such as tcp://10.0.0.1:8786."""
+    out: Annotated[Path | None, tyro.conf.arg(metavar="FILE.toml")] = None
+    """Design file to write the robot to, with its requirements."""
+    checkpoint: Annotated[Path | None, tyro.conf.arg(metavar="FILE.json")] = None
+    """File that keeps where the search is; one that exists is resumed."""
+    prove: Annotated[float | None, tyro.conf.arg(metavar="S")] = None
+    """Try to prove the answer over the whole workspace, for at most this time [s]."""
+
+    def run(self) -> int:
+        """Search and report."""
+        check_ending("--out", self.out, [".toml"])
+        check_ending("--checkpoint", self.checkpoint, [".json"])
+        if self.dask is not None and self.workers != 1:
+            raise UsageError("--dask and --workers exclude each other")
+        if self.prove is not None and not 0 < self.prove < 1e6:
+            raise UsageError(f"--prove {self.prove:g}: a positive number of seconds is needed")
+        self.check_flags()
+        case = self._case()
+        if self.front:
+            return self._front(case)
+        path = self.checkpoint
+        states = () if path is None else load_checkpoint(path, case)
+        started = time.monotonic()
+        kept = "" if path is None else "; the same command resumes it"
+        with (
+            on_interrupt(lambda: f"stopped{kept}"),
+            progress_line(case) as show,
+            self._executor() as workers,
+        ):
+            result = synthesize(
+                case, workers=workers, progress=show, states=states, prove=self.prove,
+                checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
+            )  # fmt: skip
+            seconds = time.monotonic() - started
+            checks = self.checks(result, workers)
+        if self.json:
+            print_json(result_data(result, seconds) | checks_data(result, checks))
+        else:
+            print_result(result, seconds)
+            print_checks(result, checks)
+        if self.out is not None and result.feasible:
+            self._save(result, self.out)
+        return 0 if result.feasible else 1
+
+    def _save(self, result: SynthesisResult, path: Path) -> None:
+        saved = save_design(
+            _named(result), path, requirements=_requirements(result),
+            comment=f"Made by paminsa_viz {__version__}: {command_line.get()}",
+        )  # fmt: skip
+        if not self.json:
+            print_written([saved])
+
+    def _front(self, case: SynthesisCase) -> int:
+        """Search a front and report."""
+        if self.checkpoint is not None:
+            raise UsageError("--front excludes --checkpoint")
+        started = time.monotonic()
+        with progress_line(case) as show, self._executor() as workers:
+            front = design_front(
+                case, self.front, points=self.points, workers=workers,
+                progress=lambda done, total, progress: show(progress),
+            )  # fmt: skip
+        seconds = time.monotonic() - started
+        if self.json:
+            print_json(front_data(case, front, seconds))
+        else:
+            print_front(case, front, seconds)
+        for number, point in enumerate(front.points, 1):
+            if self.out is not None:
+                self._save(point.result, numbered(self.out, number))
+        return 0 if front.points else 1
+
+    def _case(self) -> SynthesisCase:
+        known = self.case in EXAMPLES and not Path(self.case).exists()
+        case = load_case(EXAMPLES[self.case] if known else self.case)
+        if self.objective is not None:
+            case = replace(case, objective=self.objective)
+        if self.seed is not None:
+            case = replace(case, seed=self.seed)
+        if self.generations is not None:
+            case = replace(case, effort=replace(case.effort, generations=self.generations))
+        return case
+
+    def _executor(self) -> AbstractContextManager[Workers]:
+        return processes(self.workers) if self.dask is None else cluster(self.dask)
+
+
+FLAGS = Synthesize
+
+
+def _requirements(result: SynthesisResult) -> Requirements:
+    return replace(result.case.requirements, workspace=result.workspace)
+
+
+def _named(result: SynthesisResult) -> Design:
+    return replace(result.design, name=result.case.name)

@@ -1,0 +1,60 @@
+"""Clearance in the tab View: the nearest bodies, which pairs are checked, and what is enough."""
+
+from __future__ import annotations
+
+from paminsa_viz.clearance import PairGroup
+from paminsa_viz.explorer import clearing
+from paminsa_viz.explorer.clearing import REQUIRED
+from paminsa_viz.explorer.entries import Entry, Folder, Html
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.inputs import MILLIMETERS, Checkbox, Number, attribute
+from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.state import State
+from paminsa_viz.units import format_value
+
+
+def clearance_html(frame: Frame) -> str:
+    """Return the nearest bodies of the pose."""
+    state = frame.state
+    found = clearing.nearest(state)
+    if found is None:
+        known = state.clearing.pose is not None and state.clearing.pose.nearest is None
+        text = "No pair of bodies is checked." if known else "Computing …"
+        return render("note.j2", testid="clearance", muted=True, text=text)
+    distance, why = clearing.reason(state)
+    level, title = "ok", f"{format_value(distance, 'm', 3)} apart"
+    if why:
+        level, title = ("bad", "Bodies overlap") if distance < 0 else ("warn", "Bodies are close")
+    line = why or f"{found.names[0]} and {found.names[1]} are nearest"
+    return render("status.j2", testid="clearance", level=level, title=title, lines=[line])
+
+
+def _switch(group: PairGroup) -> Checkbox:
+    def read(state: State) -> bool:
+        return group in state.clearance_view.pairs
+
+    def apply(state: State, checked: bool) -> State:
+        return clearing.set_pairs(state, group, checked)
+
+    label = group.value[0].upper() + group.value[1:]
+    return Checkbox(
+        f"clearance.{group.name.lower()}", label, read=read, apply=apply,
+        hint=f"Check the pairs of bodies of this group: {group.value}",
+    )  # fmt: skip
+
+
+CLEARANCE: tuple[Entry, ...] = (
+    Folder(
+        "clearance", "Clearance between bodies", open=False,
+        entries=(
+            Html("clearance.text", content=clearance_html),
+            Number(
+                "clearance.required", "Warn below [mm]", range=REQUIRED, step=1.0,
+                unit=MILLIMETERS, **attribute("clearance_view.required"),
+                hint="Least distance of two bodies; less is a warning at the pose and along "
+                "the motion",
+            ),
+            *map(_switch, PairGroup),
+        ),
+    ),
+)  # fmt: skip

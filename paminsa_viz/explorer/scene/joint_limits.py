@@ -1,0 +1,167 @@
+"""Ranges of the joints: of each theta_k over the poses that count, and the travel of joint 8."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Final
+
+import numpy as np
+from viser import LineSegmentsHandle, MeshHandle
+
+from paminsa_viz import palette
+from paminsa_viz.explorer.frame import Frame
+from paminsa_viz.explorer.maps import half_width
+from paminsa_viz.explorer.scene.curves import linear_colors
+from paminsa_viz.explorer.scene.layers import SceneContext
+from paminsa_viz.model.arrays import Array
+from paminsa_viz.model.design import Geometry
+from paminsa_viz.model.kinematics import AXIS_ANGLES, Configuration, inverse_kinematics
+from paminsa_viz.model.reach import check_reach, home_pose
+from paminsa_viz.model.singular_limit import CONDITION_LIMIT, near_singularity, serial_margins
+from paminsa_viz.model.singularity import measure_singularity
+from paminsa_viz.trajectory.crossing import locus_distances
+
+CELLS: Final = 41
+"""Positions along a side of the map by which the range of theta_k is found."""
+
+INNER, OUTER = 0.125, 0.185
+"""Radii of a sector [m]; the arrows of the torques turn inside it."""
+
+ABOVE: Final = 0.034
+"""Height of what is drawn over the guides' plane, clear of their bodies [m]."""
+
+STEPS: Final = 48
+"""Pieces of a sector."""
+
+TICK: Final = 0.022
+"""Half the length of the tick at an end of joint 8's travel [m]."""
+
+
+@lru_cache(maxsize=16)
+def turning_ranges(
+    geometry: Geometry, theta: float, z: float, limit: float = CONDITION_LIMIT
+) -> tuple[tuple[float, float], ...]:
+    """Return from where to where theta_1..theta_3 turn over the workspace at theta and z [rad].
+
+    The range is that of the positions of a grid that count, see `model.singular_limit`, on home's
+    side of the singularities. Where there is none it is (0, 0).
+    """
+    side = np.linspace(-1.0, 1.0, CELLS) * half_width(geometry)
+    x, y = (each.ravel() for each in np.meshgrid(side, side))
+    poses = np.stack([x, y, np.full_like(x, theta), np.full_like(x, z)], axis=1)
+    reach = check_reach(geometry, poses)
+    poses = poses[reach.ok]
+    if len(poses):
+        near = near_singularity(
+            measure_singularity(geometry, poses).condition, serial_margins(reach)[reach.ok], limit
+        )
+        poses = poses[~near]
+        sides = np.sign(locus_distances(geometry, np.vstack([home_pose(geometry), poses])))
+        poses = poses[(sides[1:] == sides[0]).all(axis=-1)]
+    if not len(poses):
+        return ((0.0, 0.0),) * 3
+    angles = inverse_kinematics(geometry, poses).actuators[:, :3]
+    return tuple(around(angles[:, leg]) for leg in range(3))
+
+
+def around(angles: Array) -> tuple[float, float]:
+    """Return the shortest arc that holds angles (n,), from where to where [rad]."""
+    found = np.sort(np.mod(angles[np.isfinite(angles)], 2 * np.pi))
+    if not len(found):
+        return 0.0, 0.0
+    gaps = np.diff(found, append=found[0] + 2 * np.pi)
+    widest = int(gaps.argmax())
+    start = float(found[(widest + 1) % len(found)])
+    end = start + 2 * np.pi - float(gaps[widest])
+    shift = 2 * np.pi * np.round((start + end) / 2 / (2 * np.pi))
+    return start - shift, end - shift
+
+
+def sector(start: float, end: float) -> tuple[Array, Array]:
+    """Return a flat sector about z as points (n, 3) [m] and faces (m, 3)."""
+    angle = np.linspace(start, end, STEPS + 1)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    i = np.arange(STEPS)
+    inner, outer = i, i + STEPS + 1
+    faces = np.concatenate(
+        [np.stack([inner, outer, outer + 1], 1), np.stack([inner, outer + 1, inner + 1], 1)]
+    )
+    return np.concatenate([INNER * ring, OUTER * ring]), faces.astype(np.uint32)
+
+
+def marks(configuration: Configuration) -> Array:
+    """Return the lines of every leg, (3, 5, 2, 3) [m].
+
+    In this order: where theta_k is in its sector, the travel of joint 8, a tick at each of its
+    ends, and a tick where joint 8 is.
+    """
+    geometry, beta = configuration.geometry, configuration.beta
+    axis = configuration.points[2] * [1.0, 1.0, 0.0]
+    axis[:, 2] = ABOVE * geometry.knee.sign
+    heading = np.stack([np.cos(beta), np.sin(beta), np.zeros(3)], axis=-1)
+    across = np.stack([-np.sin(beta), np.cos(beta), np.zeros(3)], axis=-1)
+    place8 = np.einsum("li,li->l", configuration.points[8] - axis, heading)[:, None]
+    stroke = geometry.stroke
+    low, high, here = (axis + end * heading for end in (-stroke, stroke, place8))
+    lines = [(axis + INNER * heading, axis + OUTER * heading), (low, high)]
+    lines += [(place - TICK * across, place + TICK * across) for place in (low, high, here)]
+    return np.stack([np.stack(pair, axis=1) for pair in lines], axis=1)
+
+
+class JointLimits:
+    """The layer ``joint_limits``; made when first shown."""
+
+    def __init__(self, context: SceneContext) -> None:
+        self._scene = context.scene
+        self._sectors: list[MeshHandle] = []
+        self._lines: LineSegmentsHandle | None = None
+        self._key: tuple[object, ...] = ()
+        self._configuration: Configuration | None = None
+
+    def draw(self, frame: Frame, dragging: bool) -> None:
+        """Follow the pose; sectors follow theta and z when nothing is dragged."""
+        shown = "joint_limits" in frame.state.layers and frame.drawable
+        if shown:
+            configuration = frame.configuration
+            geometry, pose = configuration.geometry, configuration.pose
+            key = (geometry, float(pose[2]), float(pose[3]), frame.state.condition_limit)
+            if key != self._key and (not dragging or not self._sectors):
+                self._key = key
+                self._draw_sectors(geometry, turning_ranges(*key))
+            if configuration is not self._configuration:
+                self._configuration = configuration
+                self._draw_lines(marks(configuration))
+        for node in (*self._sectors, self._lines):
+            if node is not None:
+                node.visible = shown
+
+    def _draw_sectors(self, geometry: Geometry, ranges: tuple[tuple[float, float], ...]) -> None:
+        for leg, (start, end) in enumerate(ranges):
+            # theta_k is counted from the direction toward the robot's axis
+            zero = AXIS_ANGLES[leg] + np.pi
+            points, faces = sector(start + zero, end + zero)
+            vertices = points.astype(np.float32)
+            if leg >= len(self._sectors):
+                self._sectors.append(
+                    self._scene.add_mesh_simple(
+                        f"/joint_limits/theta_{leg + 1}", vertices, faces,
+                        color=palette.rgb(palette.LEG_COLORS[leg]), opacity=0.35, side="double",
+                        flat_shading=True, cast_shadow=False, receive_shadow=False,
+                    )
+                )  # fmt: skip
+            x, y = geometry.base_radius * np.array(
+                [np.cos(AXIS_ANGLES[leg]), np.sin(AXIS_ANGLES[leg])]
+            )
+            self._sectors[leg].vertices = vertices
+            self._sectors[leg].position = (float(x), float(y), ABOVE * geometry.knee.sign)
+
+    def _draw_lines(self, lines: Array) -> None:
+        flat = lines.reshape(-1, 2, 3).astype(np.float32)
+        if self._lines is None:
+            per_leg = linear_colors(*palette.LEG_COLORS)[:, None, None].repeat(5, 1).repeat(2, 2)
+            per_leg[:, 2:4] = linear_colors(palette.BAD)
+            self._lines = self._scene.add_line_segments(
+                "/joint_limits/lines", flat, per_leg.reshape(-1, 2, 3),
+                thickness=3.5, thickness_units="screen",
+            )  # fmt: skip
+        self._lines.points = flat

@@ -1,0 +1,192 @@
+"""Runs the search of a session, and tells of the best robot so far."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+
+import numpy as np
+
+from paminsa_viz.explorer.background import Report
+from paminsa_viz.explorer.synthesis.jobs import (
+    BestSoFar,
+    EffortChoice,
+    PriceJob,
+    PriceOutcome,
+    SynthesisJob,
+    SynthesisOutcome,
+)
+from paminsa_viz.model import Design, PaminsaError
+from paminsa_viz.quantities.requirements import Requirements
+from paminsa_viz.studies.executors import Workers, here, processes
+from paminsa_viz.synthesis.answer import SynthesisResult
+from paminsa_viz.synthesis.check import check_requirements
+from paminsa_viz.synthesis.evaluation import Evaluator
+from paminsa_viz.synthesis.objectives import find_objective
+from paminsa_viz.synthesis.outer import SearchProgress
+from paminsa_viz.synthesis.robustness import BuildYield, build_yield
+from paminsa_viz.synthesis.search import synthesize
+
+PERIOD = 0.5
+"""Time between two robots that are shown [s]: each is drawn with bodies of other lengths."""
+
+POINTS = 6
+"""Points of a front."""
+
+BUILT = 200
+"""Robots built within tolerances that are measured."""
+
+SEARCH_SHARE = 0.9
+"""Part of a job that the search takes; the tolerances take the rest."""
+
+Tell = Callable[[BestSoFar], None]
+
+
+@contextmanager
+def workers_for(effort: EffortChoice) -> Iterator[Workers]:
+    """Work in other processes, so that the page keeps responding; a quick search ends before."""
+    if effort is EffortChoice.QUICK:
+        yield here
+        return
+    with processes() as found:
+        yield found
+
+
+class ProgressReport:
+    """Turns the progress of a search into what the page shows."""
+
+    def __init__(self, job: SynthesisJob, report: Report, tell: Tell) -> None:
+        self._job, self._report, self._tell = job, report, tell
+        self._due = 0.0
+        self._search: int | None = None
+        self._trials: dict[object, int] = {}
+        self._best = (math.inf, BestSoFar())
+
+    def of_front(self, number: int, count: int, progress: SearchProgress) -> bool:
+        """Take over how far the search of a front is; return whether to stop."""
+        if number != self._search:  # another objective or limit
+            self._search, self._best = number, (math.inf, BestSoFar())
+        self._trials[number] = progress.trials
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + PERIOD
+            self._tell(replace(self._shown(progress, number / count), cost=math.nan))
+        return self._report(number / count)
+
+    def __call__(self, progress: SearchProgress) -> bool:
+        """Take over how far a search is; return whether to stop."""
+        case = self._job.case
+        self._trials[progress.regime] = progress.trials
+        turn = case.regimes.index(progress.regime) if progress.regime in case.regimes else 0
+        part = min(progress.generation / case.effort.generations, 1.0)
+        done = SEARCH_SHARE * (turn + part) / len(case.regimes)
+        if time.monotonic() >= self._due:
+            self._due = time.monotonic() + PERIOD
+            self._tell(self._shown(progress, done))
+        return self._report(done)
+
+    def _shown(self, progress: SearchProgress, done: float) -> BestSoFar:
+        cost, known = self._best
+        if progress.cost < cost:
+            cost, known = progress.cost, best_robot(self._job, progress)
+            self._best = cost, known
+        sign = find_objective(self._job.case.objective).sign
+        return BestSoFar(
+            done, sum(self._trials.values()), sign * cost if known.feasible else math.nan,
+            known.feasible, known.design, known.center,
+        )  # fmt: skip
+
+
+def best_robot(job: SynthesisJob, progress: SearchProgress) -> BestSoFar:
+    """Return the best robot of a search so far; none if it does not reach its workspace."""
+    case = job.case
+    found = Evaluator(case, progress.regime).evaluate(np.array([progress.best]))[0]
+    if found.trial is None:
+        return BestSoFar(feasible=False)
+    try:
+        design = found.trial.design
+    except PaminsaError:
+        return BestSoFar(feasible=False)
+    x, y, z = (float(place or 0.0) for place in found.trial.workspace.center)
+    return BestSoFar(feasible=progress.feasible, design=design, center=(x, y, z))
+
+
+def search(job: SynthesisJob, report: Report, tell: Tell) -> SynthesisOutcome:
+    """Run a search, then measure robots built within tolerances."""
+    start = time.monotonic()
+    try:
+        with workers_for(job.effort) as workers:
+            shown = ProgressReport(job, report, tell)
+            if job.against:
+                return find_front(job, workers, shown, start)
+            result = synthesize(job.case, workers=workers, progress=shown)
+            built = None
+            if result.feasible and not report(SEARCH_SHARE):
+                built = tolerances(result, workers, report)
+    except PaminsaError as error:
+        return SynthesisOutcome(job, problem=str(error), seconds=time.monotonic() - start)
+    return SynthesisOutcome(job, result, built, seconds=time.monotonic() - start)
+
+
+def find_front(
+    job: SynthesisJob, workers: Workers, shown: ProgressReport, start: float
+) -> SynthesisOutcome:
+    """Search for the Pareto front of two objectives."""
+    from paminsa_viz.synthesis.front import design_front
+
+    front = design_front(
+        job.case, (job.case.objective, job.against), points=POINTS, workers=workers,
+        progress=shown.of_front,
+    )  # fmt: skip
+    seconds = time.monotonic() - start
+    if not front.points:
+        problem = "No robot meets all requirements; search one objective alone for the reasons."
+        return SynthesisOutcome(job, front=front, problem=problem, seconds=seconds)
+    return SynthesisOutcome(job, front.points[0].result, front=front, seconds=seconds)
+
+
+def find_prices(job: PriceJob, report: Report) -> PriceOutcome:
+    """Work out what the requirements of an answer cost."""
+    from paminsa_viz.synthesis.prices import requirement_prices
+
+    try:
+        with workers_for(job.effort) as workers:
+            prices = requirement_prices(
+                job.result, workers=workers, progress=lambda done, count: report(done / count)
+            )
+    except PaminsaError as error:
+        return PriceOutcome(job, problem=str(error))
+    return PriceOutcome(job, prices)
+
+
+class RequirementMargins:
+    """Margins of a robot to requirements by their names; can be sent to other processes."""
+
+    def __init__(self, requirements: Requirements) -> None:
+        self.requirements = requirements
+
+    def __call__(self, design: Design) -> dict[str, float]:
+        """Return the margins [SI]."""
+        items = check_requirements(design, self.requirements).items
+        return {item.label: item.margin for item in items}
+
+
+def tolerances(result: SynthesisResult, workers: Workers, report: Report) -> BuildYield:
+    """Return which part of the robots built within tolerances meets the requirements."""
+    requirements = placed_requirements(result)
+
+    def progress(done: int, count: int) -> bool:
+        return report(SEARCH_SHARE + (1 - SEARCH_SHARE) * done / count)
+
+    return build_yield(
+        result.design, RequirementMargins(requirements), samples=BUILT, workers=workers,
+        seed=result.case.seed, progress=progress,
+    )  # fmt: skip
+
+
+def placed_requirements(result: SynthesisResult) -> Requirements:
+    """Return the requirements of a search with the workspace where it was found."""
+    held = result.case.requirements
+    return Requirements(held.bounds, held.theta, result.workspace)

@@ -1,0 +1,155 @@
+"""``synthesize``: the robot, what decides it, and why there is none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from paminsa_viz.files.design_file import load_content
+from tests.support.commands import check_refused, run, run_json
+
+CASE = """schema_version = 1
+name = "small"
+[workspace]
+theta_min_rad = -0.3
+theta_max_rad = 0.3
+shape = "cylinder"
+diameter_m = 0.2
+height_m = 0.1
+[[requirements]]
+quantity = "condition"
+max = 10.0
+[synthesis]
+generations = 20
+population = 4
+[synthesis.ranges]
+base_radius_m = [0.2, 0.5]
+crank_length_m = [0.2, 0.6]
+coupler_length_m = [0.2, 0.8]
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("small.toml").write_text(CASE)
+
+
+def test_the_saved_robot_is_that_of_the_answer(capsys) -> None:
+    words = ("small.toml", "--out", "best.toml", "--checkpoint", "at.json", "--prove", "2")
+    found = run_json("synthesize", capsys, *words)
+    assert found["feasible"]
+    assert found["regime"] == "R_pl < R_b"
+    assert "R_pl > R_b" in found["refused"]
+    assert found["proof"] in ("proven", "undecided")
+    content = load_content("best.toml")
+    assert content.design.geometry.base_radius == found["design"]["geometry.base_radius"]
+    assert content.requirements is not None
+    assert content.requirements.workspace is not None
+    assert list(content.requirements.workspace.center) == found["workspace_center_m"]
+    # the checkpoint has the whole search: nothing is tried again
+    again = run_json("synthesize", capsys, *words[:-2])
+    assert again["trials"] == found["trials"]
+    assert again["design"] == found["design"]
+    other = run_json("synthesize", capsys, "small.toml", "--seed", "5")
+    assert other["design"] != found["design"]
+
+
+def test_what_people_read(capsys) -> None:
+    code, out, err = run("synthesize", capsys, "small.toml")
+    assert (code, err) == (0, "")
+    assert "R_pl > R_b: not possible. |R_b - R_pl| has to be above 135.7 mm" in out
+    assert "small: footprint R_f" in out
+    assert "condition <= 10" in out
+    assert "verified at" in out
+
+
+def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
+    text = CASE + "[synthesis.limits]\nfootprint_m = 0.2\n"
+    Path("tight.toml").write_text(text)
+    code, out, err = run("synthesize", capsys, "tight.toml", "--out", "no.toml")
+    assert (code, err) == (1, "")
+    assert "R_f <= 200 mm is required" in out
+    assert "no robot meets the requirements" in out
+    assert not Path("no.toml").exists()
+    Path("weak.toml").write_text(
+        CASE.replace(
+            "[synthesis]\n", '[[requirements]]\nquantity = "f_4"\nmax_N = 50.0\n[synthesis]\n'
+        )
+    )
+    code, out, _ = run("synthesize", capsys, "weak.toml")
+    assert code == 1
+    assert "would have to be relaxed" in out
+    assert "f_4 <= 50 N" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("none.toml",), "none.toml"),
+        (("small.toml", "--out", "x.csv"), "--out"),
+        (("small.toml", "--checkpoint", "x.csv"), "--checkpoint"),
+        (("small.toml", "--objective", "beauty"), "objective"),
+        (("small.toml", "--workers", "0"), "jobs"),
+        (("small.toml", "--workers", "2", "--dask", "tcp://x:1"), "--dask"),
+        (("small.toml", "--prove", "-1"), "--prove"),
+        (("small.toml", "--generations", "0"), "generations"),
+    ],
+)
+def test_wrong_arguments_are_refused(words, place, capsys) -> None:
+    check_refused("synthesize", capsys, *words, place=place)
+
+
+@pytest.mark.slow
+def test_prices_robots_within_tolerances_and_mujoco(capsys) -> None:
+    words = ("small.toml", "--prices", "--built", "12", "--mujoco")
+    found = run_json("synthesize", capsys, *words)
+    labels = [item["label"] for item in found["prices"]]
+    assert "height of the workspace" in labels
+    assert found["built"]["samples"] == 12
+    assert 0 <= found["built"]["low"] <= found["built"]["high"] <= 1
+    assert found["mujoco"]["passed"]
+    code, out, _ = run("synthesize", capsys, "small.toml", "--built", "4", "--mujoco")
+    assert code == 0
+    assert "of 4 robots meet all" in out
+    assert "confirms" in out
+
+
+@pytest.mark.slow
+def test_a_front_is_written_point_by_point(capsys) -> None:
+    words = ("small.toml", "--front", "footprint", "--front", "moving_mass", "--points", "2")
+    found = run_json("synthesize", capsys, *words, "--out", "f.toml")
+    for number, point in enumerate(found["points"], 1):
+        design = load_content(f"f-{number}.toml").design
+        assert design.geometry.crank_length == point["numbers"]["geometry.crank_length"]
+    code, out, _ = run("synthesize", capsys, *words)
+    assert code == 0
+    assert "robots of which none is better in all" in out
+
+
+def test_contradictory_requirements_are_named(capsys) -> None:
+    text = CASE.replace("generations = 20", "objective = 'moving_mass'\ngenerations = 20")
+    limits = "[synthesis.limits]\nfootprint_m = 0.05\nmoving_mass_kg = 100.0\n"
+    Path("none.toml").write_text(text + limits)
+    code, out, _ = run("synthesize", capsys, "none.toml", "--conflict")
+    assert code == 1
+    assert "contradict, proven in closed form:\n  footprint <= 50 mm\n" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("--built", "0"), "--built 0"),
+        (("--mass-tolerance", "100"), "--mass-tolerance"),
+        (("--front", "footprint"), "at least two"),
+        (("--front", "footprint", "--front", "beauty"), "are known"),
+        (("--front", "footprint", "--front", "volume", "--prices"), "--front excludes"),
+        (
+            ("--front", "footprint", "--front", "volume", "--checkpoint", "a.json"),
+            "--front excludes",
+        ),
+    ],
+)
+def test_flags_that_make_no_sense_are_refused(words, place, capsys) -> None:
+    check_refused("synthesize", capsys, "small.toml", *words, place=place)

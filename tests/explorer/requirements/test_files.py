@@ -1,0 +1,44 @@
+"""The volume as a file of the Export tab."""
+
+from __future__ import annotations
+
+import io
+
+import numpy as np
+import pytest
+import trimesh
+
+from paminsa_viz.explorer.requirements import actions
+from paminsa_viz.explorer.requirements.checking import find_volume
+from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
+from paminsa_viz.explorer.requirements.jobs import VolumeJob
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import InvalidInput
+from paminsa_viz.quantities.requirements import Requirement
+from paminsa_viz.synthesis.volume_files import VOLUME_FORMATS
+
+
+def solved(state: State) -> State:
+    """Return a state whose fine volume is a coarse one: files are of what is there."""
+    document = state.document
+    outcome = find_volume(VolumeJob(document.design, document.requirements), lambda _: False)
+    return state.updated("requiring", fine=outcome)
+
+
+def test_the_volume_that_is_shown_is_written_in_every_format() -> None:
+    state = solved(actions.suggest(initial_state()))
+    volume = state.requiring.fine.volume  # type: ignore[union-attr]
+    assert volume is not None
+    assert set(VOLUME_KINDS) == set(VOLUME_FORMATS)
+    files = {kind: volume_file(state, kind) for kind in VOLUME_KINDS}
+    assert all(file.name == f"paminsa_appendix-4_volume.{kind}" for kind, file in files.items())
+    mesh = trimesh.load(io.BytesIO(files["stl"].content), file_type="stl")
+    assert abs(mesh.volume) / 1e9 == pytest.approx(volume.volume, rel=1e-3)
+    arrays = np.load(io.BytesIO(files["npz"].content))
+    assert (arrays["cause"] == volume.cause).all()
+
+
+def test_an_empty_volume_has_no_surface_to_write() -> None:
+    asked = actions.change(initial_state(), bounds=(Requirement("condition", high=1.001),))
+    with pytest.raises(InvalidInput, match="empty"):
+        volume_file(solved(asked), "stl")

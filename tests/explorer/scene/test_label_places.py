@@ -1,0 +1,85 @@
+"""Labels: on the screen none covers another, and each stays near its place."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from paminsa_viz.explorer.scene.actuators import NAME_SIZE, label_places
+from paminsa_viz.explorer.scene.cameras import CAMERAS, preset
+from paminsa_viz.explorer.scene.label_places import Projection, apart, lifts
+from paminsa_viz.model import APPENDIX_4, KneeBranch
+
+PLACES = st.lists(st.tuples(st.floats(-60, 60), st.floats(-60, 60)), min_size=1, max_size=8).map(
+    np.array
+)
+
+
+def covering(places: np.ndarray) -> list[tuple[int, int]]:
+    width, height = NAME_SIZE
+    return [
+        (i, j)
+        for i, j in combinations(range(len(places)), 2)
+        if abs(places[i, 0] - places[j, 0]) < width - 1e-6
+        and abs(places[i, 1] - places[j, 1]) < height - 1e-6
+    ]
+
+
+@given(places=PLACES)
+def test_no_label_covers_another_and_none_moves_without_need(places: np.ndarray) -> None:
+    lift = lifts(places, NAME_SIZE)
+    assert (lift >= 0).all()
+    assert covering(places + np.stack([0 * lift, lift], axis=1)) == []
+    if not covering(places):
+        assert not lift.any()
+
+
+def test_what_is_behind_the_camera_is_left_alone() -> None:
+    places = np.array([[0.0, 0.0], [np.nan, np.nan], [1.0, 1.0]])
+    assert lifts(places, NAME_SIZE)[1] == 0
+
+
+@pytest.mark.parametrize("knee", KneeBranch)
+@pytest.mark.parametrize("name", [*CAMERAS, *range(0, 360, 15)])
+@pytest.mark.parametrize("height", [500, 720, 1080])
+def test_names_of_the_actuators_are_apart_from_every_side(
+    knee: KneeBranch, name: str | int, height: int
+) -> None:
+    geometry = APPENDIX_4.with_knee(knee).geometry
+    view = preset("Front" if isinstance(name, int) else name, geometry, aspect=0.7)
+    position = np.array(view.position)
+    if isinstance(name, int):
+        c, s = np.cos(np.radians(name)), np.sin(np.radians(name))
+        position = np.array([[c, -s, 0], [s, c, 0], [0, 0, 1]]) @ position
+    camera = SimpleNamespace(
+        position=position, look_at=view.look_at, up_direction=view.up, fov=view.fov,
+        image_height=height,
+    )  # fmt: skip
+    before = np.array(label_places(geometry))
+    after = apart(before, camera, NAME_SIZE)
+    projection = Projection.of(camera)
+    assert projection is not None
+    assert covering(projection.seen(after)[0]) == []
+    moved = projection.seen(after)[0] - projection.seen(before)[0]
+    assert np.abs(moved[:, 0]).max() < 1e-6
+    assert moved[:, 1].max() < 2 * NAME_SIZE[1] + 1e-6
+
+
+def test_projection_agrees_with_the_picture() -> None:
+    camera = SimpleNamespace(
+        position=(0, -4, 0), look_at=(0, 0, 0), up_direction=(0, 0, 1), fov=np.pi / 2,
+        image_height=800,
+    )  # fmt: skip
+    projection = Projection.of(camera)
+    assert projection is not None
+    seen, depth = projection.seen(np.array([[4.0, 0, 0], [0, 0, 4.0], [0, -5.0, 0]]))
+    np.testing.assert_allclose(seen[:2], [[400, 0], [0, 400]], atol=1e-9)  # at the edge
+    assert np.isnan(seen[2]).all()
+    np.testing.assert_allclose(depth, [4, 4, -1])
+    camera.image_height = 0
+    assert Projection.of(camera) is None

@@ -1,0 +1,212 @@
+"""The tab Synthesize: what is asked, what is missing, a search that is adopted, what is shown."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.explorer import actions as designs
+from paminsa_viz.explorer.frame import compute
+from paminsa_viz.explorer.panels import synthesize_text as text
+from paminsa_viz.explorer.panels.design_front import clicked_point, front_figure, front_key
+from paminsa_viz.explorer.panels.synthesize_panel import SYNTHESIZE
+from paminsa_viz.explorer.requirements import actions as requirements
+from paminsa_viz.explorer.requirements.checking import current_check
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.explorer.synthesis import actions, cases
+from paminsa_viz.explorer.synthesis.jobs import (
+    BestSoFar,
+    EffortChoice,
+    PriceOutcome,
+    Shown,
+    SynthesisOutcome,
+)
+from paminsa_viz.explorer.synthesis.solving import search
+from paminsa_viz.model import APPENDIX_4, InvalidInput
+from paminsa_viz.quantities.requirements import Requirement, WorkspaceShape
+from paminsa_viz.synthesis.answer import SynthesisResult
+from paminsa_viz.synthesis.case import Effort, Regime
+from paminsa_viz.synthesis.front import DesignFront, FrontPoint
+from paminsa_viz.synthesis.prices import RequirementPrice
+from tests.support.desk import Desk
+
+PANEL = SYNTHESIZE
+
+EASY = (Requirement("condition", high=10.0),)
+
+
+@pytest.fixture
+def asked() -> State:
+    """A small cylinder about home with a bound on the condition number."""
+    state = requirements.choose_shape(initial_state(), WorkspaceShape.CYLINDER)
+    state = requirements.change(state, bounds=EASY, theta=(-0.3, 0.3))
+    return requirements.set_workspace(state, size=(0.1, 0.1, 0.1))
+
+
+def test_what_is_missing_is_said_before_the_search() -> None:
+    bare = initial_state()
+    assert "required workspace is needed" in text.intro_html(compute(bare))
+    with pytest.raises(InvalidInput, match="workspace"):
+        actions.start(bare)
+
+
+def test_ranges_are_about_the_design_and_equal_ends_hold_a_length(asked: State) -> None:
+    path = "geometry.base_radius"
+    held = actions.set_range(asked, path, (0.3, 0.3))
+    document, settings = held.document, held.synthesizing.settings
+    case = cases.case_of(settings, document.design, document.requirements)
+    assert path not in case.paths
+    assert case.reference.geometry.base_radius == 0.3
+    other = cases.case_of(asked.synthesizing.settings, document.design, document.requirements)
+    low, high = other.bounds[other.paths.index(path)]
+    assert low < APPENDIX_4.geometry.base_radius < high
+    with pytest.raises(InvalidInput):
+        actions.set_range(asked, path, (0.3, 0.2))
+
+
+def test_a_required_margin_of_reach_is_that_of_the_guides_too(asked: State) -> None:
+    state = requirements.change(asked, bounds=(Requirement("reach_margin", low=0.02),))
+    document = state.document
+    case = cases.case_of(state.synthesizing.settings, document.design, document.requirements)
+    assert case.margin == 0.02
+
+
+@pytest.mark.slow
+def test_a_short_search_is_adopted_with_the_design_before_as_reference(
+    asked: State, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(cases.EFFORTS, EffortChoice.QUICK, Effort(10, 6))
+    started = actions.start(asked)
+    job = started.synthesizing.running
+    assert job is not None
+    seen: list[BestSoFar] = []
+    done: list[float] = []
+    outcome = search(job, lambda part: done.append(part) is not None, seen.append)
+    assert outcome.problem == ""
+    assert done == sorted(done)
+    assert seen
+    state = actions.receive(actions.tell(started, job, seen[-1]), outcome)
+    assert outcome.result is not None
+    assert outcome.result.feasible
+    shown = text.result_html(compute(state))
+    assert "footprint" in shown
+    assert "robots built within tolerances" in shown
+    opened = actions.open_result(state)
+    assert opened.document.design == outcome.result.design
+    assert opened.document.reference == APPENDIX_4
+    assert opened.last_reachable.geometry == outcome.result.design.geometry
+    check = current_check(opened)
+    assert check is not None
+    assert check.holds
+
+
+def answer(state: State, radius: float, objective: float) -> SynthesisResult:
+    """Return an answer of a made-up search."""
+    job = actions.start(state).synthesizing.running
+    assert job is not None
+    return SynthesisResult(
+        case=job.case, design=APPENDIX_4.vary({"geometry.base_radius": radius}),
+        workspace=replace(job.case.workspace, center=(0.0, 0.0, -0.55)), regime=Regime.SMALLER,
+        feasible=True, objective=objective, outcomes=(), states=(), refused={}, relaxed=(),
+        canceled=False, poses=1,
+    )  # fmt: skip
+
+
+def test_a_front_is_chosen_from_and_its_robot_opened(asked: State) -> None:
+    with pytest.raises(InvalidInput, match="different"):
+        actions.start(actions.change_settings(asked, against="footprint"))
+    started = actions.start(actions.change_settings(asked, against="moving_mass"))
+    job = started.synthesizing.running
+    assert job is not None
+    assert front_key(started) is None
+    points = tuple(
+        FrontPoint((size, mass), answer(asked, radius, size))
+        for size, mass, radius in ((0.4, 20.0, 0.3), (0.5, 18.0, 0.33), (0.6, 17.0, 0.36))
+    )
+    front = DesignFront(("footprint", "moving_mass"), points, 0, 4, 0, canceled=False)
+    state = actions.receive(started, SynthesisOutcome(job, points[0].result, front=front))
+    figure = front_figure(state)
+    x, y = (figure["data"][0][axis] for axis in "xy")
+    assert np.allclose(x, [400.0, 500.0, 600.0])
+    assert clicked_point({"x": x[1], "y": y[1]}, state) == 1
+    assert clicked_point({"x": 1e9, "y": y[1]}, state) is None
+    assert clicked_point({"x": "no"}, state) is None
+    chosen = actions.choose_point(state, 1)
+    assert front_key(chosen) != front_key(state)
+    assert "moving mass 18 kg" in text.result_html(compute(chosen))
+    assert actions.open_result(chosen).document.design == points[1].result.design
+    assert actions.choose_point(state, 99) is state
+
+
+def test_prices_are_of_the_answer_that_is_shown(asked: State) -> None:
+    started = actions.start(asked)
+    job = started.synthesizing.running
+    assert job is not None
+    state = actions.receive(started, SynthesisOutcome(job, answer(asked, 0.3, 0.4)))
+    pricing = actions.start_prices(state)
+    price_job = pricing.synthesizing.pricing
+    assert price_job is not None
+    assert actions.report_prices(pricing, price_job, 0.5).synthesizing.priced == 0.5
+    found = RequirementPrice("κ ≤ 10", "1", 10.0, 0.2, 0.42, 0.39, 0.075)
+    priced = actions.receive_prices(pricing, PriceOutcome(price_job, (found,)))
+    shown = text.prices_html(compute(priced))
+    assert "−10 mm" in shown  # relaxed
+    assert "20 mm" in shown  # tightened
+    other = actions.receive(priced, SynthesisOutcome(job, answer(asked, 0.31, 0.41)))
+    assert text.prices_html(compute(other)) == ""
+    with pytest.raises(InvalidInput):
+        actions.start_prices(asked)
+
+
+def test_a_search_without_an_answer_says_why_and_cannot_be_opened(asked: State) -> None:
+    # No robot with R_pl < R_b can turn by 90 degrees.
+    state = requirements.change(asked, theta=(-1.6, 1.6))
+    state = actions.change_settings(state, regimes="R_pl < R_b")
+    job = actions.start(state).synthesizing.running
+    assert job is not None
+    outcome = search(job, lambda _: False, lambda _: None)
+    received = actions.receive(state, outcome)
+    shown = text.result_html(compute(received))
+    assert "No robot meets all requirements" in shown
+    assert "is excluded" in shown
+    with pytest.raises(InvalidInput, match="no robot"):
+        actions.open_result(received)
+
+
+def test_the_best_so_far_takes_the_robots_place_only_while_it_is_asked_for(asked: State) -> None:
+    started = actions.start(actions.change_settings(asked, shown=Shown.ROBOT))
+    job = started.synthesizing.running
+    assert job is not None
+    assert actions.previewed(started) is started
+    design = APPENDIX_4.vary({"geometry.base_radius": 0.4})
+    best = BestSoFar(0.5, 10, 0.4, True, design, (0.0, 0.0, -0.5))
+    told = actions.tell(started, job, best)
+    shown = actions.previewed(told)
+    assert shown.document.design == design
+    assert shown.last_reachable.pose == (0.0, 0.0, 0.0, -0.5)
+    assert told.document == started.document
+    changed = designs.vary(told, {"payload.mass": 1.0})
+    assert actions.previewed(changed) is changed
+    ghost = actions.change_settings(told, shown=Shown.GHOST)
+    assert actions.previewed(ghost) is ghost
+    stopped = actions.stop(told)
+    assert actions.previewed(stopped) is stopped
+    assert actions.tell(stopped, job, best) is stopped
+    assert np.isnan(replace(best, cost=np.nan).cost)
+
+
+def test_settings_are_set_on_the_page_and_a_search_can_be_stopped(desk: Desk, asked: State) -> None:
+    desk.dispatch(lambda state: replace(state, document=asked.document))
+    desk.set("synthesize.seed", 3)
+    desk.until(lambda: desk.state.synthesizing.settings.seed == 3)
+    desk.set("synthesize.geometry.base_radius", [200.0, 300.0])
+    desk.until(
+        lambda: ("geometry.base_radius", (0.2, 0.3)) in desk.state.synthesizing.settings.ranges
+    )
+    desk.set("synthesize.start", True)
+    desk.until(lambda: desk.state.synthesizing.running is not None)
+    desk.set("synthesize.stop", True)
+    desk.until(lambda: desk.state.synthesizing.running is None)
+    assert not desk.notices

@@ -1,0 +1,56 @@
+"""Requirements and synthesis in the report: verdicts, volume, the proven workspace, the search."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import pytest
+
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+from paminsa_viz.report import requirements_section as section
+from paminsa_viz.report.blocks import Note, Table
+from paminsa_viz.report.synthesis_section import synthesis_section
+from paminsa_viz.synthesis import Effort, SearchRange, SynthesisCase, synthesize
+from paminsa_viz.synthesis.check import COARSE, check_requirements
+from paminsa_viz.synthesis.volume import solve_volume
+
+NEEDS = Requirements(
+    (Requirement("condition", high=10.0), Requirement("f_4", high=200.0)),
+    (-0.5, 0.5),
+    Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.1), (0.0, 0.0, -0.55)),
+)
+
+pytestmark = pytest.mark.slow
+
+
+def test_broken_requirements_are_marked_and_the_volume_says_what_they_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(section, "TIME_LIMIT", 0.5)
+    monkeypatch.setattr(section, "solve_volume", partial(solve_volume, resolution=COARSE))
+    found = section.requirements_section(APPENDIX_4, NEEDS)
+    tables = [block for block in found.blocks if isinstance(block, Table)]
+    notes = [block.text for block in found.blocks if isinstance(block, Note)]
+    checked = check_requirements(APPENDIX_4, NEEDS, fine=True)
+    marked = [row.cells[0] for row in tables[0].rows if row.kind == "marked"]
+    assert marked == [item.label for item in checked.items if not item.holds] == ["F₄ ≤ 200 N"]
+    assert "A requirement is broken." in notes
+    assert any("dm³" in note or "is empty" in note for note in notes)
+
+
+def test_a_search_is_told_with_what_it_changed() -> None:
+    needs = Requirements(NEEDS.bounds[:1], NEEDS.theta, NEEDS.workspace)
+    path = "geometry.base_radius"
+    case = SynthesisCase(needs, (SearchRange(path, 0.3, 0.5),), effort=Effort(6, 6))
+    result = synthesize(case)
+    assert result.feasible
+    blocks = synthesis_section(result).blocks
+    lengths = next(b for b in blocks if isinstance(b, Table) and b.caption.startswith("Lengths"))
+    assert "R_b" in {row.cells[0] for row in lengths.rows}
+    assert any(f"{1e3 * result.objective:.4g} mm" in b.text for b in blocks if isinstance(b, Note))

@@ -1,0 +1,148 @@
+"""Cases and their files: what is read, and what is refused with its line."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import count
+
+import numpy as np
+import pytest
+
+from paminsa_viz.errors import InvalidInput
+from paminsa_viz.files.errors import DesignFileError
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.quantities.requirements import Requirements, Workspace, WorkspaceShape
+from paminsa_viz.synthesis import (
+    Effort,
+    Guide,
+    ObjectiveLimit,
+    Regime,
+    SearchRange,
+    SynthesisCase,
+)
+from paminsa_viz.synthesis.case_file import EXAMPLES, load_case, read_case
+from tests.synthesis.search_cases import CELL, CYLINDER
+
+HEAD = """schema_version = 1
+name = "mine"
+[workspace]
+shape = "cylinder"
+diameter_m = 0.3
+height_m = 0.4
+"""
+
+
+def test_worked_cases_are_those_of_the_tests() -> None:
+    limit = ObjectiveLimit("footprint", 0.578)
+    assert load_case(EXAMPLES["cylinder"]) == replace(CYLINDER, limits=(limit,))
+    assert load_case(EXAMPLES["cell"]) == CELL
+
+
+def test_all_keys() -> None:
+    text = (
+        HEAD
+        + """
+[links]
+b3_kg = 0.5
+[synthesis]
+objective = "moving_mass"
+margin_m = 0.005
+guide = "kept"
+scale_bars = false
+arm_follows = false
+above_guides = true
+regimes = ["larger"]
+seed = 7
+generations = 90
+population = 5
+[synthesis.ranges]
+base_radius_m = [0.1, 0.6]
+guide_link_length_m = [0.1, 0.5]
+workspace_z_m = [-0.9, -0.4]
+[synthesis.limits]
+footprint_m = 0.7
+"""
+    )
+    workspace = Workspace(WorkspaceShape.CYLINDER, (0.3, 0.3, 0.4), (0.0, 0.0, None))
+    expected = SynthesisCase(
+        Requirements((), (0.0, 0.0), workspace),
+        (
+            SearchRange("geometry.base_radius", 0.1, 0.6),
+            SearchRange("geometry.guide_link_length", 0.1, 0.5),
+            SearchRange("workspace.z", -0.9, -0.4),
+        ),
+        APPENDIX_4.vary({"links.b3": 0.5}),
+        "moving_mass", (ObjectiveLimit("footprint", 0.7),), False, Guide.KEPT, False, 0.005, True,
+        (Regime.LARGER,), None, 7, Effort(90, 5),
+    )  # fmt: skip
+    found = read_case(text, "mine.toml")
+    assert found == expected
+    assert found.name == "mine"
+
+
+RANGES = "[synthesis.ranges]\nbase_radius_m = [0.1, 0.6]\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ("", None, "[synthesis] is needed"),
+        ("[synthesis]\nobjective = 'x'\n" + RANGES, 8, "footprint, moving_mass"),
+        ("[synthesis]\nobjective = 3\n", 8, "a word is needed"),
+        ("[synthesis]\nobjectiv = 'x'\n", 8, "did you mean objective?"),
+        ("[synthesis]\nguide = 'x'\n" + RANGES, 8, '"follows" or "kept"'),
+        ("[synthesis]\nregimes = ['x']\n" + RANGES, 8, '"smaller" or "larger"'),
+        ("[synthesis]\nregimes = []\n" + RANGES, 8, "at least one"),
+        ("[synthesis]\nseed = true\n", 8, "a number is needed"),
+        ("[synthesis]\nmargin_m = -1.0\n" + RANGES, 8, "at least 0"),
+        ("[synthesis]\ngenerations = 0\n" + RANGES, 8, "1 to 100000"),
+        ("[synthesis]\n", 7, "at least one length"),
+        ("[synthesis.ranges]\nbase_radius = [0.1, 0.6]\n", 8, "did you mean base_radius_m?"),
+        ("[synthesis.ranges]\nbase_radius_m = [0.6, 0.1]\n", 8, "low < high"),
+        ("[synthesis.ranges]\nbase_radius_m = [0.1]\n", 8, "[least, largest]"),
+        ("[synthesis.ranges]\nbase_radius_m = [0.1, 'b']\n", 8, "a number is needed"),
+        ("[synthesis.ranges]\nguide_link_length_m = [0.1, 0.2]\n", 8, 'guide = "kept"'),
+        ("[synthesis.ranges]\narm_length_m = [0.1, 0.2]\n", 8, "arm_follows = false"),
+        ("[synthesis]\n" + RANGES + "[synthesis.limits]\nfootprint = 0.5\n", 11, "footprint_m"),
+    ],
+)
+def test_what_is_refused(text: str, line: int | None, words: str) -> None:
+    with pytest.raises(DesignFileError) as error:
+        read_case(HEAD + text, "mine.toml")
+    assert error.value.line == line
+    assert words in str(error.value)
+
+
+def test_a_workspace_is_needed() -> None:
+    with pytest.raises(DesignFileError, match="workspace"):
+        read_case("schema_version = 1\n[synthesis]\n" + RANGES, "mine.toml")
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: replace(CYLINDER, requirements=Requirements()),
+        lambda: replace(CYLINDER, ranges=CYLINDER.ranges[:1] * 2),
+        lambda: replace(CYLINDER, objective="beauty"),
+        lambda: replace(CYLINDER, margin=np.nan),
+        lambda: replace(CYLINDER, regimes=()),
+        lambda: SearchRange("links.b3", 0.1, 0.2),
+        lambda: SearchRange("geometry.base_radius", 0.0, 0.2),
+        lambda: SearchRange("geometry.base_radius", 0.1, np.inf),
+        lambda: ObjectiveLimit("footprint", np.inf),
+        lambda: ObjectiveLimit("beauty", 1.0),
+        lambda: Effort(0),
+        lambda: Effort(10, 3),
+    ],
+    ids=count(),
+)
+def test_impossible_cases_are_rejected(make) -> None:
+    with pytest.raises(InvalidInput):
+        make()
+
+
+def test_heights_follow_from_the_longest_bars() -> None:
+    height = CYLINDER.ranges[-1]
+    assert height.path == "workspace.z"
+    # the top of the workspace is at the guides or below, its center no deeper than the bars reach
+    assert (height.low, height.high) == pytest.approx((-1.7 - 0.0275, -0.2 - 0.0275))

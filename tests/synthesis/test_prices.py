@@ -1,0 +1,79 @@
+"""What requirements cost: against closed forms of a case with one length."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from paminsa_viz.model import APPENDIX_4
+from paminsa_viz.quantities.requirements import (
+    Requirement,
+    Requirements,
+    Workspace,
+    WorkspaceShape,
+)
+from paminsa_viz.synthesis import (
+    Effort,
+    Regime,
+    SearchRange,
+    SynthesisCase,
+    synthesize,
+)
+from paminsa_viz.synthesis.prices import requirement_prices
+
+HEIGHT, RADIUS = 0.2, 0.1
+
+
+def one_length(**changes: object) -> SynthesisCase:
+    """Return a case whose optimum is the shortest crank that reaches the lowest height."""
+    space = Workspace(WorkspaceShape.CYLINDER, (2 * RADIUS, 2 * RADIUS, HEIGHT), (0.0, 0.0, -0.7))
+    case = SynthesisCase(
+        Requirements((Requirement("condition", high=30.0),), (0.0, 0.0), space),
+        (SearchRange("geometry.crank_length", 0.2, 0.8),),
+        objective="moving_mass", regimes=(Regime.SMALLER,), effort=Effort(30, 8),
+    )  # fmt: skip
+    return replace(case, **changes)
+
+
+def test_workspace_costs_what_the_closed_form_says():
+    case = one_length()
+    result = synthesize(case)
+    g = result.design.geometry
+    wide = g.magnification / (g.magnification - 1)
+    far = g.base_radius - g.platform_radius + RADIUS
+    low = 0.8 - g.platform_joint_height
+    span = np.hypot(wide * far, low)
+    assert g.crank_length == pytest.approx(case.margin + span - g.coupler_length, rel=1e-5)
+    # 3 (m_B3 + m_B8) per length of the crank, and the lowest height falls by half of the height
+    by_crank = 3 * (APPENDIX_4.links.b3 + APPENDIX_4.links.b8) / APPENDIX_4.geometry.crank_length
+    by_guide = 3 * APPENDIX_4.links.b10 / APPENDIX_4.geometry.guide_link_length
+    expected = {
+        "height of the workspace": by_crank * 0.5 * low / span,
+        "width of the workspace": 0.5
+        * (by_crank * wide**2 * far / span + by_guide / (g.magnification - 1)),
+    }
+    prices = {item.label: item for item in requirement_prices(result, step=0.01, rounds=6)}
+    for label, price in expected.items():
+        assert prices[label].price == pytest.approx(price, rel=0.01)
+        assert prices[label].relaxed < result.objective < prices[label].tightened
+    assert set(prices) == set(expected)
+
+
+def test_an_end_of_a_range_has_its_price_and_can_be_canceled():
+    short = one_length(ranges=(SearchRange("geometry.crank_length", 0.6, 0.8),))
+    result = synthesize(short)
+    asked = []
+    prices = requirement_prices(result, rounds=2, progress=lambda *done: asked.append(done) or True)
+    (price,) = prices
+    assert asked == [(1, 3)]
+    assert price.label == "least crank_length"
+    by_crank = 3 * (APPENDIX_4.links.b3 + APPENDIX_4.links.b8) / APPENDIX_4.geometry.crank_length
+    assert price.price == pytest.approx(by_crank, rel=1e-3)
+
+
+def test_an_answer_that_fails_has_no_prices():
+    space = Workspace(WorkspaceShape.CYLINDER, (0.2, 0.2, 0.2), (0.0, 0.0, -3.0))
+    failing = one_length(requirements=Requirements((), (0.0, 0.0), space), effort=Effort(1, 4))
+    assert requirement_prices(synthesize(failing, relax=False)) == ()
