@@ -58,6 +58,7 @@ class Volume:
             minus infinite where there is no value, NaN where a pose cannot be taken.
         depth: Estimated distance to what ends the volume, negative outside of it [m]; the surface
             is where it is zero.
+        nearest: Code of the cause that ends the volume next to a node inside; elsewhere the cause.
         reachable: Nodes whose poses can be taken with every heading, joined to home.
         volume: [m^3].
         error: What twice the cells' size, and every second heading, change it by [m^3].
@@ -76,6 +77,7 @@ class Volume:
     causes: tuple[VolumeCause, ...]
     margins: Array
     depth: Array
+    nearest: NDArray[np.uint8]
     reachable: NDArray[np.bool_]
     volume: float
     error: float
@@ -166,17 +168,23 @@ def solve_volume(
     met = (margins >= 0.0).all(axis=0) & reachable
     inside, home_inside = joined_to_home(met, x, z, g)
 
-    body = np.minimum(reach_distances(bounds, z), side)
+    body, nearest = reach_distances(bounds, z)
+    nearest = np.where(side < body, np.uint8(OTHER_SIDE), nearest)
+    body = np.minimum(body, side)
     body = np.where(reachable, np.maximum(body, 0.0), -np.abs(body))
     slopes = [margin_slope(margin) for margin in margins]
     apart = _distances(requirements, margins, slopes, z, step)
-    depth = np.fmin(body, apart.min(axis=0)) if len(apart) else body
+    depth = body
+    if len(apart):
+        worst = np.argmin(np.where(np.isnan(apart), np.inf, apart), axis=0)
+        least = np.take_along_axis(apart, worst[None], axis=0)[0]
+        nearest = np.where(least < body, FIRST_REQUIREMENT + worst, nearest).astype(np.uint8)
+        depth = np.fmin(body, least)
     depth = np.where(inside, np.maximum(depth, 0.0), -np.abs(depth))
 
     cause = np.full(takes.shape, INSIDE, np.uint8)
     cause[~inside] = DISCONNECTED
     if len(apart):
-        worst = np.argmin(np.where(np.isnan(apart), np.inf, apart), axis=0)
         cause = np.where(reachable & ~met, FIRST_REQUIREMENT + worst, cause).astype(np.uint8)
     cause[np.broadcast_to(~bounds.regular, cause.shape)] = SINGULAR
     cause = np.where(reached, cause, FIRST_REACH + which).astype(np.uint8)
@@ -193,7 +201,8 @@ def solve_volume(
         error += abs(enclosed_volume(looser, step) - volume)
     return Volume(
         design, requirements, x, x, z, headings, cause, causes_of(requirements), margins,
-        depth, reachable, volume, error, enclosed_volume(body, step), home_inside,
+        depth, np.where(inside, nearest, cause), reachable, volume, error,
+        enclosed_volume(body, step), home_inside,
     )  # fmt: skip
 
 
