@@ -17,7 +17,7 @@ from paminsa_viz.synthesis.causes import (
     FIRST_REQUIREMENT,
     INSIDE,
     SINGULAR,
-    VolumeCause,
+    Cause,
     causes_of,
 )
 from paminsa_viz.synthesis.reach_bounds import reach_bounds
@@ -38,7 +38,7 @@ class Slice:
 
     cause: NDArray[np.uint8]
     broken: NDArray[np.bool_]
-    causes: tuple[VolumeCause, ...]
+    causes: tuple[Cause, ...]
 
 
 def cause_slice(
