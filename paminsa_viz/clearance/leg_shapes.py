@@ -65,7 +65,8 @@ def _links(g: Geometry) -> Iterator[Shape]:
 
     beyond = at.ARM_BEARING_HALF + 0.004
     shaft = rod(at.SHAFT_RADIUS, size.SHAFT_LOW, g.shaft_length + beyond)
-    nut = rod(size.NUT_RADIUS, *(g.shaft_length + end for end in size.NUT))
+    nut_low, nut_high = size.NUT
+    nut = rod(size.NUT_RADIUS, g.shaft_length + nut_low, g.shaft_length + nut_high)
     yield "shaft", "shaft B2", "shaft", (shaft, nut)
 
     low, high = size.SHAFT_BLOCK_HEIGHTS

@@ -157,7 +157,7 @@ def _enclosing_rod(solid: Solid) -> Array:
     axis = int(np.argmax(half))
     rest = np.delete(half, axis)
     along = half[axis] * solid.rotation[:, axis]
-    radius = float(np.hypot(*rest))
+    radius = float(np.hypot(rest[0], rest[1]))
     if solid.kind == CAPSULE:
         radius = solid.radius
     elif solid.kind == CYLINDER:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -56,7 +57,7 @@ class Solid:
             rotation @ self.center + place, self.joint,
         )  # fmt: skip
 
-    @property
+    @cached_property
     def extent(self) -> Array:
         """Least and largest coordinates of the solid in its body's frame, (2, 3) [m]."""
         size = self.size
@@ -102,9 +103,16 @@ def capsule(start: Sequence[float] | Array, end: Sequence[float] | Array, radius
     axis = (second - first) / length if length > 0 else np.array([0.0, 0.0, 1.0])
     side = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     side /= np.linalg.norm(side)
-    rotation = np.stack([side, np.cross(axis, side), axis], axis=1)
+    rotation = np.stack([side, np.cross(axis, side), axis], axis=1).astype(np.float64)
     middle = (first + second) / 2
-    return Solid(CAPSULE, np.array([0.0, 0.0, length / 2]), radius, NO_CORNERS, rotation, middle)
+    return Solid(
+        CAPSULE,
+        np.array([0.0, 0.0, length / 2]),
+        radius,
+        NO_CORNERS,
+        rotation.astype(np.float64),
+        middle,
+    )
 
 
 def box(

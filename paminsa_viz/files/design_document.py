@@ -47,7 +47,7 @@ class RequirementEntry(BaseModel):
     """One table ``[[requirements]]``; which keys it may have depends on the quantity."""
 
     model_config = ConfigDict(extra="allow", strict=True)
-    __pydantic_extra__: dict[str, _Number]
+    __pydantic_extra__: dict[str, _Number]  # pyright: ignore[reportIncompatibleVariableOverride, reportGeneralTypeIssues]
     quantity: str
 
 

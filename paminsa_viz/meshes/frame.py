@@ -103,9 +103,9 @@ def _base_plate(geometry: Geometry) -> MeshPart:
     for angle in AXIS_ANGLES:
         spin = turn("z", angle)
         # Spokes stand on edge above the plate's lower face, clear of the bars below.
-        sections = [(width, size.SPOKE_HEIGHT) for width in size.SPOKE_WIDTHS]
+        inner, outer = ((width, size.SPOKE_HEIGHT) for width in size.SPOKE_WIDTHS)
         ends = size.SPOKE_END, radius - size.SPOKE_END
-        spoke = beam(*ends, *sections, 0.003, size.SPOKE_CHAMFER)
+        spoke = beam(*ends, inner, outer, 0.003, size.SPOKE_CHAMFER)
         part.add("frame", moved(spoke, (0.0, 0.0, low + size.SPOKE_MIDDLE), spin))
         seat = tube(at.QUILL_RADIUS + 0.001, size.SEAT_RADIUS, low + 0.0003, high, 0.0015, 28)
         part.add("frame", moved(seat, polar(radius, angle)))

@@ -13,6 +13,7 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import WorkspaceShape
@@ -146,7 +147,7 @@ class _Pool:
         self.keep(~chosen)
         return taken
 
-    def keep(self, chosen: Array) -> None:
+    def keep(self, chosen: NDArray[np.bool_]) -> None:
         self.middle, self.half = self.middle[chosen], self.half[chosen]
         self.gauge = self.gauge[chosen]
 

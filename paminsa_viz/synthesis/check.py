@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from enum import Enum
 
 import numpy as np
+from numpy.typing import NDArray
 
-from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import requirement_label
 from paminsa_viz.quantities.requirements import Requirements
@@ -152,7 +152,7 @@ def _over_volume(volume: Volume) -> RequirementsCheck:
     return RequirementsCheck(tuple(items), over, None, volume)
 
 
-def _volume_reach_items(volume: Volume, inside: Array) -> list[RequirementCheck]:
+def _volume_reach_items(volume: Volume, inside: NDArray[np.bool_]) -> list[RequirementCheck]:
     columns = np.nonzero(inside.any(axis=2))
     positions = np.column_stack([volume.x[columns[0]], volume.y[columns[1]]])
     bounds = reach_bounds(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.synthesis.reach_bounds import ReachBounds
@@ -79,11 +80,11 @@ def enclosed_volume(depth: Array, step: float) -> float:
     if not (depth > 0.0).any():
         return 0.0
     vertices, faces = zero_surface(depth)
-    a, b, c = (vertices[faces[:, i]] for i in range(3))
+    a, b, c = (vertices[corner] for corner in faces.T)
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0) * step**3
 
 
-def zero_surface(depth: Array) -> tuple[Array, Array]:
+def zero_surface(depth: Array) -> tuple[Array, NDArray[np.int64]]:
     """Return the closed surface where a depth is zero: vertices [nodes] and faces.
 
     By marching cubes (Lorensen and Cline 1987). Beyond the last nodes is outside, and the faces'

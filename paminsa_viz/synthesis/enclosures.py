@@ -197,7 +197,7 @@ def center_vectors(m: Mechanism, middle: Array) -> tuple[Array, Array]:
     x, y, theta, _ = middle.T
     rows = inverse_jacobian_rows(m, x, y, np.cos(theta), np.sin(theta))
     g = np.stack(np.broadcast_arrays(*rows)).reshape(3, 3, -1).transpose(2, 0, 1)
-    finite = np.isfinite(g).all(axis=(1, 2))
+    finite = np.all(np.isfinite(g), axis=(1, 2))
     u, _, v = np.linalg.svd(np.where(finite[:, None, None], g, np.eye(3)))
     flat = [turn.reshape(9, -1) for turn in (u.transpose(1, 2, 0), v.transpose(2, 1, 0))]
     return np.ascontiguousarray(flat[0]), np.ascontiguousarray(flat[1])

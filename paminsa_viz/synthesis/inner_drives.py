@@ -80,7 +80,9 @@ def solve_with_drives(
     if not chosen:
         raise InvalidInput("motions", "drives are chosen for motions; at least one is needed")
     drives: Drives = NO_DRIVES
-    for number in range(1, ROUNDS + 1):
+    number = 0
+    while True:
+        number += 1
         inner = solve_inner(replace(design, drives=drives), case, pose)
         found = select_drives(duty_cycle(inner.design, chosen), catalog, order=order, same=same)
         following = found.design(replace(inner.design, drives=NO_DRIVES)).drives

@@ -183,4 +183,5 @@ def _spring(row: _Table) -> SpringPlace:
         )  # fmt: skip
         end.end()
     stiffness = row.take("max_stiffness_N_per_m", float)
-    return SpringPlace(*ends, stiffness, *row.numbers("free_length_m", 2, (0.0, 0.0)))
+    first, second = ends
+    return SpringPlace(first, second, stiffness, *row.numbers("free_length_m", 2, (0.0, 0.0)))

@@ -149,7 +149,7 @@ def search_round(
     found = differential_evolution(
         evaluator.costs, [(0.0, 1.0)] * len(low), maxiter=generations,
         popsize=case.effort.population, rng=np.random.default_rng(seed),
-        init=np.array(state.population) if state.population else "sobol",
+        init=cast(Any, np.array(state.population) if state.population else "sobol"),
         callback=after_generation, polish=False, updating="deferred",
         workers=cast(Any, in_parts), tol=1e-6,
         **(EXPLORING if state.generation < EXPLORE * case.effort.generations else CONVERGING),

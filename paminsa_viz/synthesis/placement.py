@@ -88,7 +88,7 @@ class CenterSearch:
         axes = [np.pad(axis, 1, mode="reflect", reflect_type="odd") for axis in
                 (volume.x, volume.y, volume.z)]  # fmt: skip
         inside = np.pad(volume.inside, 1)
-        around = ndimage.binary_dilation(inside) & ~inside
+        around: NDArray[np.bool_] = np.logical_and(ndimage.binary_dilation(inside), ~inside)
         self._broken = self._chosen(axes, around, MOST_POSITIONS)
         self._inside = self._chosen(axes, inside, CANDIDATES)
         self._cell = volume.cell

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.model.design import Geometry
@@ -155,7 +156,7 @@ def _cosines(theta: Range) -> Range:
     return least, most
 
 
-def _within(angle: Array, low: Array | float, high: Array | float) -> Array:
+def _within(angle: Array, low: Array | float, high: Array | float) -> NDArray[np.bool_]:
     """Say which angles are in a range, counted with every whole turn."""
     after = np.mod(angle - low + _ANGLE, 2 * np.pi)
     return after <= high - low + 2 * _ANGLE
@@ -195,8 +196,11 @@ def leg_distances(geometry: Geometry, region: PoseRegion) -> tuple[Array, Array]
         across_y = np.arcsin(np.stack([y0 - axis[:, 1], y1 - axis[:, 1]]) / g.platform_radius)
     quarter = np.tile(0.5 * np.pi * np.arange(4)[:, None], (1, 3))
     toward = [np.arctan2(*(corner - axis).T[::-1]) for corner in corners]
-    angle = np.concatenate(
-        [np.stack([*ends, *toward]), quarter, across_x, -across_x, across_y, np.pi - across_y]
+    angle = np.asarray(
+        np.concatenate(
+            [np.stack([*ends, *toward]), quarter, across_x, -across_x, across_y, np.pi - across_y]
+        ),
+        np.float64,
     )
     on_arc = np.concatenate([np.ones((2, 3), bool), _within(angle[2:], *ends)])
     x = axis[:, 0] + g.platform_radius * np.cos(angle)

@@ -88,15 +88,14 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
     cause = _cause_at(volume, nodes)
     vertices = nodes * volume.cell + [volume.x[0], volume.y[0], volume.z[0]]
     if len(triangles) > faces:
-        # Late: needed only for surfaces, and they take their time to load.
+        # Late: needed only for surfaces, and it takes its time to load.
         import fast_simplification
-        from scipy.spatial import cKDTree
 
-        fewer, triangles = fast_simplification.simplify(
-            vertices, triangles, target_count=max(faces, 4)
+        fewer, fewer_triangles = fast_simplification.simplify(
+            vertices, triangles.astype(np.int32), target_count=max(faces, 4)
         )[:2]
-        cause = cause[cKDTree(vertices).query(fewer)[1]]
-        vertices, triangles = np.asarray(fewer, float), np.asarray(triangles, np.int64)
+        cause = cause[_nearest(vertices, fewer)]
+        vertices, triangles = np.asarray(fewer, float), np.asarray(fewer_triangles, np.int64)
     return VolumeSurface(vertices, triangles, cause, volume.causes)
 
 
@@ -108,7 +107,13 @@ def _cause_at(volume: Volume, nodes: Array) -> NDArray[np.uint8]:
     found = np.where(first != INSIDE, first, second)
     lost = found == INSIDE  # the surface passes through a node
     if lost.any() and not lost.all():
-        from scipy.spatial import cKDTree
-
-        found[lost] = found[~lost][cKDTree(nodes[~lost]).query(nodes[lost])[1]]
+        found[lost] = found[~lost][_nearest(nodes[~lost], nodes[lost])]
     return found
+
+
+def _nearest(points: Array, queries: Array) -> NDArray[np.intp]:
+    """Return the index of the nearest of some points to each other point."""
+    # Late: needed only for surfaces, and it takes its time to load.
+    from scipy.spatial import KDTree
+
+    return np.asarray(KDTree(points).query(queries)[1], np.intp)

@@ -215,7 +215,7 @@ def _margins(
     columns = reachable.any(axis=2)
     if not columns.any() or not requirements.bounds:
         return found
-    heights = slice(*_span(reachable.any(axis=(0, 1))))
+    heights = slice(*_span(np.any(reachable, axis=(0, 1))))
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
     solved = heading_margins(

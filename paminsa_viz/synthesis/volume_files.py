@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from paminsa_viz import palette
 from paminsa_viz.errors import InvalidInput
@@ -76,11 +75,12 @@ def volume_table(volume: Volume) -> DataTable:
     outside), and the least margin of each requirement over its headings, NaN out of reach. A binary
     file holds the axes and arrays (x, y, z) of all nodes instead, and ``cause_words`` by code.
     """
-    near = ndimage.binary_dilation(volume.reachable)
-    index = np.nonzero(near)
-    x, y, z = (
-        np.round(axis[i], 9) for axis, i in zip((volume.x, volume.y, volume.z), index, strict=True)
-    )
+    # Late: it takes a third of a second to load.
+    from scipy import ndimage
+
+    near: NDArray[np.bool_] = np.asarray(ndimage.binary_dilation(volume.reachable), np.bool_)
+    places = zip((volume.x, volume.y, volume.z), np.nonzero(near), strict=True)
+    x, y, z = (np.round(axis[i], 9) for axis, i in places)
     words = np.array([cause.word for cause in volume.causes])
     margins: dict[str, Array] = {}
     for index, bound in enumerate(volume.requirements.bounds):

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array
@@ -76,7 +75,7 @@ def axes_of(
     count += 1 - count % 2  # odd, so that every second node reaches the ends
     middle = 0.5 * (low + high)
     z = middle + step * (np.arange(count) - (count - 1) / 2)
-    return step * np.arange(-half, half + 1), z
+    return np.asarray(step * np.arange(-half, half + 1), np.float64), z
 
 
 def _below(geometry: Geometry) -> bool:
@@ -94,7 +93,11 @@ def joined_to_home(
     nodes: NDArray[np.bool_], x: Array, z: Array, geometry: Geometry
 ) -> tuple[NDArray[np.bool_], bool]:
     """Return the nodes that are joined to home, or the largest part if home is not among them."""
-    labels, count = ndimage.label(nodes)
+    # Late: it takes a third of a second to load.
+    from scipy import ndimage
+
+    labels = np.zeros(nodes.shape, np.int32)
+    count = int(np.asarray(ndimage.label(nodes, output=labels)))
     if count == 0:
         return np.zeros(nodes.shape, np.bool_), False
     middle = len(x) // 2

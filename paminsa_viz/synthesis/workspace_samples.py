@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import ndimage
 
 from paminsa_viz.model.arrays import Array
 from paminsa_viz.quantities.requirements import Workspace, WorkspaceShape
@@ -87,6 +86,9 @@ def least_within(values: Array, workspace: Workspace, volume: Volume) -> Array:
         workspace: Shape, size and center.
         volume: The volume.
     """
+    # Late: it takes a third of a second to load.
+    from scipy import ndimage
+
     step = volume.cell
     found = np.where(np.isnan(values), -np.inf, values)
     reach = [round(0.5 * extent / step) for extent in workspace.size]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from paminsa_viz.explorer import exports, pictures
@@ -19,7 +20,7 @@ from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.state import Appearance, State
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -69,6 +70,18 @@ class Exporter:
                 notice.remove()
         finally:
             self._busy.release()
+
+
+def light_view(session: Session, legend: Legend) -> exports.File:
+    """Return a picture of the 3D view with the colors of the light theme."""
+    state = session.state
+    if not state.theme.dark:
+        return pictures.view(state, session.client, legend)
+    session.show_scene(replace(state, appearance=Appearance.LIGHT))
+    try:
+        return pictures.view(state, session.client, legend)
+    finally:
+        session.dispatch("view", replace)  # draws the scene as the page is
 
 
 def export_entries(
@@ -146,7 +159,7 @@ def export_entries(
             choices={
                 "View as PNG": exporter.run(
                     "the 3D view as PNG",
-                    lambda session: pictures.view(session.state, session.client, legend()),
+                    lambda session: light_view(session, legend()),
                 ),
                 "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
             },

@@ -102,13 +102,14 @@ WORKSPACE = (
     ),
     Pair(
         "requirements.cylinder", "⌀, height [mm]", visible=CYLINDER,
-        units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST),) * 2,
+        units=(MILLIMETERS, MILLIMETERS), step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
         read=lambda state: workspace(state).size[1:],
         apply=lambda state, size: _set_size(state, x=size[0], y=size[0], z=size[1]),
     ),
     Pair(
         "requirements.box", "x, y size [mm]", visible=BOX, units=(MILLIMETERS, MILLIMETERS),
-        step=1.0, range=((LEAST, LARGEST),) * 2, read=lambda state: workspace(state).size[:2],
+        step=1.0, range=((LEAST, LARGEST), (LEAST, LARGEST)),
+        read=lambda state: workspace(state).size[:2],
         apply=lambda state, size: _set_size(state, x=size[0], y=size[1]),
     ),
     Number(

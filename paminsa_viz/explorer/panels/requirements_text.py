@@ -76,7 +76,7 @@ def _row(item: RequirementCheck, requirements: Requirements) -> dict[str, Any]:
     }  # fmt: skip
 
 
-NO_POSE: Pose = (math.nan,) * 4
+NO_POSE: Pose = (math.nan, math.nan, math.nan, math.nan)
 
 
 def list_html(frame: Frame) -> str:
