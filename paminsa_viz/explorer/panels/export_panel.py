@@ -10,11 +10,12 @@ from functools import partial
 
 from paminsa_viz.explorer import exports, pictures
 from paminsa_viz.explorer.copying import Clipboard
-from paminsa_viz.explorer.entries import ButtonGroup, Entry, Html, Run
+from paminsa_viz.explorer.entries import Button, ButtonGroup, Entry, Html, Progress, Run
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.recording import FORMATS, Recorder
 from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
@@ -94,7 +95,7 @@ def export_entries(
 
     Everything is made of the newest state, at full resolution, and says design and pose inside.
     """
-    exporter = Exporter()
+    exporter, recorder = Exporter(), Recorder()
 
     def export(what: str, make: Callable[[State], exports.File]) -> Run:
         return exporter.run(what, lambda session: make(session.state))
@@ -204,6 +205,27 @@ def export_entries(
             | copied("Motion", lambda state: exports.motion_series(state)[1])
             | {"HTML page": export("a page that plays the motion", exports.motion_page)},
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
+        ),
+        ButtonGroup(
+            "export.record", "picture",
+            choices={
+                label: exporter.run(
+                    f"the motion as {label}",
+                    lambda session, kind=kind: recorder.record(session, kind, legend()),
+                )
+                for kind, label in FORMATS.items()
+            },
+            visible=lambda state: not state.recording.running,
+            hint="The motion in the 3D view as an animated picture, in true time; this tab of the "
+            "browser has to stay in front",
+        ),
+        Progress(
+            "export.recorded", read=lambda state: state.recording.done,
+            visible=lambda state: state.recording.running,
+        ),
+        Button(
+            "export.cancel", "Cancel", color="gray", effect=Run(recorder.cancel),
+            visible=lambda state: state.recording.running,
         ),
     )  # fmt: skip
 
