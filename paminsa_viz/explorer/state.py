@@ -8,6 +8,7 @@ from typing import Any
 
 from paminsa_viz.explorer.balancing.jobs import Balancing
 from paminsa_viz.explorer.balancing.spring_settings import Springing
+from paminsa_viz.explorer.balancing.tolerances import Tolerating
 from paminsa_viz.explorer.clearing import ClearanceView, Clearing
 from paminsa_viz.explorer.drives import Driving
 from paminsa_viz.explorer.elasticity import ElasticView
@@ -138,6 +139,19 @@ class ExportSettings:
 
 
 @dataclass(frozen=True)
+class Recording:
+    """The recording of a motion as an animated picture.
+
+    Attributes:
+        running: Whether one is being made.
+        done: What part of it is.
+    """
+
+    running: bool = False
+    done: float = 0.0
+
+
+@dataclass(frozen=True)
 class State:
     """Everything one browser tab shows.
 
@@ -148,13 +162,13 @@ class State:
         floor_opacity: Opacity of the map on the ground.
         playback, plots: Where the motion is played, and how it is plotted.
         point_editing: Which of the poses that a motion is built from is edited, and how.
-        simulating, balancing, springing, clearing, driving, manufacture, loads, elastic_view,
-            identifying, requiring, synthesizing, engine_answer: Jobs of the session and what came
-            of them.
+        simulating, balancing, springing, tolerating, clearing, driving, manufacture, loads,
+            elastic_view, identifying, requiring, synthesizing, engine_answer: Jobs of the session
+            and what came of them.
         clearance_view: Which pairs of bodies are checked for clearance, and what is enough.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
-        export: How files are exported.
+        export, recording: How files are exported, and what is made of a motion's picture.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
         appearance: Which theme the page has.
         browser_dark: Whether the browser asks for a dark one.
@@ -172,6 +186,7 @@ class State:
     simulating: Simulating = field(default_factory=Simulating)
     balancing: Balancing = field(default_factory=Balancing)
     springing: Springing = field(default_factory=Springing)
+    tolerating: Tolerating = field(default_factory=Tolerating)
     clearance_view: ClearanceView = field(default_factory=ClearanceView)
     clearing: Clearing = field(default_factory=Clearing)
     driving: Driving = field(default_factory=Driving)
@@ -184,6 +199,7 @@ class State:
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
+    recording: Recording = field(default_factory=Recording)
     table_at_rest: bool = False
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False

@@ -9,12 +9,15 @@ from numpy.typing import NDArray
 
 from paminsa_viz import palette
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.synthesis.causes import INSIDE, Cause, CauseKind
+from paminsa_viz.synthesis.causes import INSIDE, CauseKind, VolumeCause
 from paminsa_viz.synthesis.distance import zero_surface
 from paminsa_viz.synthesis.volume import Volume
 
 FACES = 20_000
 """Faces of a surface, at most, unless another number is asked for."""
+
+_BEYOND = (CauseKind.SINGULAR, CauseKind.REACH)
+"""Causes at nodes where requirements are not evaluated."""
 
 _KIND_COLORS = {
     CauseKind.INSIDE: palette.OK,
@@ -28,7 +31,7 @@ _REQUIREMENT_COLORS = (
 )  # fmt: skip
 
 
-def cause_color(cause: Cause) -> str:
+def cause_color(cause: VolumeCause) -> str:
     """Return the color ``#rrggbb`` of a cause: one a requirement, one for all limits of reach."""
     if cause.requirement is None:
         return _KIND_COLORS[cause.kind]
@@ -49,7 +52,7 @@ class VolumeSurface:
     vertices: Array
     faces: NDArray[np.int64]
     cause: NDArray[np.uint8]
-    causes: tuple[Cause, ...]
+    causes: tuple[VolumeCause, ...]
 
     @property
     def face_cause(self) -> NDArray[np.uint8]:
@@ -57,7 +60,7 @@ class VolumeSurface:
         a, b, c = self.cause[self.faces].T
         return np.where(b == c, b, a)
 
-    def parts(self) -> dict[Cause, tuple[Array, NDArray[np.int64]]]:
+    def parts(self) -> dict[VolumeCause, tuple[Array, NDArray[np.int64]]]:
         """Return vertices (n, 3) [m] and faces (m, 3) of the part that each cause cuts."""
         found, code = {}, self.face_cause
         for each in np.unique(code):
@@ -65,7 +68,7 @@ class VolumeSurface:
             found[self.causes[each]] = (self.vertices[used], faces.reshape(-1, 3))
         return found
 
-    def areas(self) -> dict[Cause, float]:
+    def areas(self) -> dict[VolumeCause, float]:
         """Return the area that each cause cuts [m^2], the largest first."""
         found = {}
         for cause, (vertices, faces) in self.parts().items():
@@ -100,15 +103,23 @@ def volume_surface(volume: Volume, *, faces: int = FACES) -> VolumeSurface:
 
 
 def _cause_at(volume: Volume, nodes: Array) -> NDArray[np.uint8]:
-    """Return the cause at points on edges of the grid: that of the edge's node that is outside."""
+    """Return what cuts the volume at points on edges of the grid.
+
+    It is the cause at the edge's node outside. Where that cannot be reached, requirements are not
+    known there, and one may end the volume before reach or the singularity does: then it is what
+    is nearest to the node inside.
+    """
     top = np.array(volume.cause.shape) - 1
-    ends = [np.clip(round_(nodes).astype(int), 0, top) for round_ in (np.floor, np.ceil)]
-    first, second = (volume.cause[tuple(end.T)] for end in ends)
-    found = np.where(first != INSIDE, first, second)
-    lost = found == INSIDE  # the surface passes through a node
-    if lost.any() and not lost.all():
-        found[lost] = found[~lost][_nearest(nodes[~lost], nodes[lost])]
-    return found
+    first, second = (
+        tuple(np.clip(round_(nodes).astype(int), 0, top).T) for round_ in (np.floor, np.ceil)
+    )
+    swapped = volume.cause[first] != INSIDE
+    inner = tuple(np.where(swapped, b, a) for a, b in zip(first, second, strict=True))
+    outer = tuple(np.where(swapped, a, b) for a, b in zip(first, second, strict=True))
+    cause = volume.cause[outer]
+    kinds = np.array([each.kind in _BEYOND for each in volume.causes])
+    hidden = kinds[cause] & (volume.depth[inner] < volume.cell)
+    return np.where(hidden | (cause == INSIDE), volume.nearest[inner], cause)
 
 
 def _nearest(points: Array, queries: Array) -> NDArray[np.intp]:
