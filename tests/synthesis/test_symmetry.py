@@ -93,6 +93,8 @@ def test_a_box_is_no_third_and_other_headings_no_mirror() -> None:
     (group,) = groups(APPENDIX_4, Requirements(BOUNDS[:1], (-0.5, 0.5)))
     box = replace(CENTERED, shape=WorkspaceShape.BOX)
     assert symmetry(group, box) == Symmetry(False, True)
+    aside = replace(CENTERED, center=(0.0, 0.1, -0.6))
+    assert symmetry(group, aside) == Symmetry(False, True)
     (group,) = groups(APPENDIX_4, Requirements(BOUNDS[:1], (-0.5, 0.6)))
     assert symmetry(group, CENTERED) == Symmetry(True, False)
 
