@@ -33,7 +33,7 @@ def sprung_answer() -> SynthesisResult:
 def sprung() -> SynthesisCase:
     """Return the arch with a spring, a bound on torque at rest, and few samples."""
     case = looser()
-    motion = case.inner.motions[0].take(np.arange(0, case.inner.motions[0].size, 8))
+    motion = case.inner.motions[0].take(np.arange(0, case.inner.motions[0].size, 40))
     inner = replace(
         case.inner, motions=(motion,), motion_torque=20.0,
         springs=(SpringPlace(on_slider(0.2), at_joint(9), 2000.0, 0.0, 0.2),),

@@ -14,12 +14,12 @@ from paminsa_viz.trajectory.planners import arch, round_trip
 from tests.synthesis.arch_case import arch_case
 
 ANSWER = {
-    "geometry.base_radius": 0.30965326920927416,
-    "geometry.platform_radius": 0.08000305741163169,
-    "geometry.magnification": 3.448984740715721,
-    "geometry.crank_length": 0.36149520505505195,
-    "geometry.coupler_length": 0.28079106241834073,
-    "workspace.z": -0.22842089129941567,
+    "geometry.base_radius": 0.30932129119695545,
+    "geometry.platform_radius": 0.08000053704497243,
+    "geometry.magnification": 3.4132757918120165,
+    "geometry.crank_length": 0.3706458785491439,
+    "geometry.coupler_length": 0.2782969084830305,
+    "workspace.z": -0.2335830537890331,
 }
 """What ``paminsa-viz synthesize arch`` finds with seed 0."""
 
@@ -30,17 +30,17 @@ def test_the_answer_holds_and_no_robot_near_it_is_better():
     best = np.array([ANSWER[path] for path in case.paths])
     found = Evaluator(case, Regime.SMALLER, Density().finer(2)).evaluate(best[None])[0]
     assert found.feasible
-    assert found.objective == pytest.approx(2.8736, abs=1e-3)
+    assert found.objective == pytest.approx(2.8951, abs=1e-3)
     assert found.trial.inner.gap < 1e-6
-    # at 1 kHz, analyzed with the design: between 40 samples a second the peak is 1.4 % higher
+    # at 1 kHz, analyzed with the design: between 200 samples a second there is hardly more
     turn, z = np.radians(30.0), ANSWER["workspace.z"]
     start, goal = (-0.15, 0.0, -turn, z - 0.05), (0.15, 0.0, turn, z - 0.05)
     motion = round_trip(arch(start, goal, 0.1, 1.0)).sample()
     design = found.trial.design
     assert check_path(design.geometry, motion).ok
     torque = np.abs(analyze(design, motion).torque)
-    assert torque[:, :3].max() == pytest.approx(2.9124, abs=1e-3)
-    assert torque[:, 3].max() == pytest.approx(300.64, abs=0.05)
+    assert torque[:, :3].max() == pytest.approx(found.objective, rel=1e-3)
+    assert torque[:, 3].max() < 300.0 * (1 + 2e-4)
     evaluator = Evaluator(case, Regime.SMALLER)
     steps = np.concatenate([np.diag(side * np.abs(best)) for side in (-0.01, 0.01, 0.003)])
     low, high = case.bounds.T
