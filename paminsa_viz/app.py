@@ -215,6 +215,7 @@ def _warm_up(design: Design, first_tab: threading.Event) -> None:
     importlib.import_module("paminsa_viz.explorer.page")
     first_tab.wait(FIRST_TAB_TIMEOUT)
     importlib.import_module("paminsa_viz.explorer.scene.bodies")
+    from paminsa_viz.clearance import compile_in_background as compile_clearance
     from paminsa_viz.meshes import prepare
     from paminsa_viz.model.backend import compile_in_background
     from paminsa_viz.quantities import formulas
@@ -222,6 +223,7 @@ def _warm_up(design: Design, first_tab: threading.Event) -> None:
     prepare(design.geometry)
     importlib.import_module("paminsa_viz.explorer.deferred_tabs")
     compile_in_background(*formulas())
+    compile_clearance()
     importlib.import_module("scipy.optimize")  # or the first balance would wait for it
 
 

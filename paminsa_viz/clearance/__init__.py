@@ -13,6 +13,7 @@ from paminsa_viz.clearance.clearance import (
     nearest_points,
     pair_clearance,
 )
+from paminsa_viz.clearance.kernels import compile_in_background
 from paminsa_viz.clearance.pairs import ALL_PAIRS, Exclusion, PairGroup
 from paminsa_viz.clearance.shapes import Shapes, shapes_of
 from paminsa_viz.clearance.solids import Body, Part, Solid
@@ -29,6 +30,7 @@ __all__ = [
     "Solid",
     "clearance",
     "clearance_reason",
+    "compile_in_background",
     "group_clearance",
     "nearest_points",
     "pair_clearance",

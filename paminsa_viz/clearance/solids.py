@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -56,7 +57,7 @@ class Solid:
             rotation @ self.center + place, self.joint,
         )  # fmt: skip
 
-    @property
+    @cached_property
     def extent(self) -> Array:
         """Least and largest coordinates of the solid in its body's frame, (2, 3) [m]."""
         size = self.size

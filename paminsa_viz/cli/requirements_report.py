@@ -13,9 +13,9 @@ from paminsa_viz.cli.output import print_table
 from paminsa_viz.model.design import Design
 from paminsa_viz.quantities.requirement_text import ascii_unit, requirement_text
 from paminsa_viz.quantities.requirements import Requirements, WorkspaceShape
-from paminsa_viz.synthesis.causes import Cause, CauseKind
+from paminsa_viz.synthesis.causes import CauseKind, VolumeCause
 from paminsa_viz.synthesis.check import Over, RequirementCheck, RequirementsCheck
-from paminsa_viz.synthesis.conflict import Conflict, Relaxation
+from paminsa_viz.synthesis.conflict import Conflict, VolumeRelaxation
 from paminsa_viz.synthesis.surface import volume_surface
 from paminsa_viz.synthesis.volume import Volume
 from paminsa_viz.units import DEGREES, MM, DisplayUnit, format_ascii
@@ -101,7 +101,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f} %"
 
 
-def _cause(volume: Volume, cause: Cause) -> str:
+def _cause(volume: Volume, cause: VolumeCause) -> str:
     """Return a cause as text that every terminal shows."""
     if cause.requirement is None:
         return cause.text
@@ -126,7 +126,7 @@ def _print_conflict(report: CheckReport) -> None:
         print(f"  {_relaxation_text(report, relaxation)}")
 
 
-def _relaxation_text(report: CheckReport, relaxation: Relaxation) -> str:
+def _relaxation_text(report: CheckReport, relaxation: VolumeRelaxation) -> str:
     bound = report.requirements.bounds[relaxation.requirement]
     text = requirement_text(bound)
     if relaxation.relaxed is None or relaxation.by is None:

@@ -14,6 +14,14 @@ from paminsa_viz import __version__
 from paminsa_viz.cli.arguments import UsageError, command_line
 from paminsa_viz.cli.flags import JsonFlags, check_ending
 from paminsa_viz.cli.output import print_json, print_written
+from paminsa_viz.cli.synthesize_answer import (
+    AnswerFlags,
+    checks_data,
+    front_data,
+    numbered,
+    print_checks,
+    print_front,
+)
 from paminsa_viz.cli.synthesize_report import print_result, progress_line, result_data
 from paminsa_viz.files.design_file import save_design
 from paminsa_viz.interrupts import on_interrupt
@@ -23,6 +31,7 @@ from paminsa_viz.studies import Workers, cluster, processes
 from paminsa_viz.synthesis import SynthesisCase, SynthesisResult, synthesize
 from paminsa_viz.synthesis.case_file import EXAMPLES, load_case
 from paminsa_viz.synthesis.checkpoint import load_checkpoint, save_checkpoint
+from paminsa_viz.synthesis.front import design_front
 
 DESCRIPTION = """\
 Find the lengths of the robot that meets requirements over a workspace and minimizes an objective.
@@ -31,6 +40,8 @@ Find the lengths of the robot that meets requirements over a workspace and minim
   paminsa-viz synthesize mine.toml --seed 1 --out best.toml
   paminsa-viz synthesize mine.toml --workers 4 --checkpoint mine.json
   paminsa-viz synthesize cell --objective moving_mass --prove 30
+  paminsa-viz synthesize arch --prices --built 400 --mujoco
+  paminsa-viz synthesize cylinder --front footprint --front moving_mass --points 6
 
 A case is a design file, for the reference, with [workspace], [[requirements]] and a table
 [synthesis] that says what is searched and what is to be least; see docs/synthesis.md. R_pl < R_b
@@ -45,13 +56,14 @@ requirements that can be met; 2 a wrong argument or file; 130 stopped with Ctrl-
 
 
 @dataclass(frozen=True, kw_only=True)
-class Synthesize(JsonFlags):
+class Synthesize(AnswerFlags, JsonFlags):
     """Flags of the command."""
 
     case: Annotated[str, tyro.conf.Positional, tyro.conf.arg(metavar="CASE.toml")]
-    """Case file, or a worked case: cylinder, cell."""
+    """Case file, or a worked case: cylinder, cell, arch."""
     objective: str | None = None
-    """What is minimized, instead of the file's: footprint, moving_mass, static_torque, volume."""
+    """What is minimized, instead of the file's: footprint, moving_mass, static_torque, volume;
+    with motions peak_torque, energy."""
     seed: int | None = None
     """Seed of the search, instead of the file's."""
     generations: int | None = None
@@ -75,7 +87,10 @@ class Synthesize(JsonFlags):
             raise UsageError("--dask and --workers exclude each other")
         if self.prove is not None and not 0 < self.prove < 1e6:
             raise UsageError(f"--prove {self.prove:g}: a positive number of seconds is needed")
+        self.check_flags()
         case = self._case()
+        if self.front:
+            return self._front(case)
         path = self.checkpoint
         states = () if path is None else load_checkpoint(path, case)
         started = time.monotonic()
@@ -89,19 +104,44 @@ class Synthesize(JsonFlags):
                 case, workers=workers, progress=show, states=states, prove=self.prove,
                 checkpoint=None if path is None else lambda s: save_checkpoint(path, case, s),
             )  # fmt: skip
-        seconds = time.monotonic() - started
+            seconds = time.monotonic() - started
+            checks = self.checks(result, workers)
         if self.json:
-            print_json(result_data(result, seconds))
+            print_json(result_data(result, seconds) | checks_data(result, checks))
         else:
             print_result(result, seconds)
+            print_checks(result, checks)
         if self.out is not None and result.feasible:
-            saved = save_design(
-                _named(result), self.out, requirements=_requirements(result),
-                comment=f"Made by paminsa_viz {__version__}: {command_line.get()}",
-            )  # fmt: skip
-            if not self.json:
-                print_written([saved])
+            self._save(result, self.out)
         return 0 if result.feasible else 1
+
+    def _save(self, result: SynthesisResult, path: Path) -> None:
+        saved = save_design(
+            _named(result), path, requirements=_requirements(result),
+            comment=f"Made by paminsa_viz {__version__}: {command_line.get()}",
+        )  # fmt: skip
+        if not self.json:
+            print_written([saved])
+
+    def _front(self, case: SynthesisCase) -> int:
+        """Search a front and report."""
+        if self.checkpoint is not None:
+            raise UsageError("--front excludes --checkpoint")
+        started = time.monotonic()
+        with progress_line(case) as show, self._executor() as workers:
+            front = design_front(
+                case, self.front, points=self.points, workers=workers,
+                progress=lambda done, total, progress: show(progress),
+            )  # fmt: skip
+        seconds = time.monotonic() - started
+        if self.json:
+            print_json(front_data(case, front, seconds))
+        else:
+            print_front(case, front, seconds)
+        for number, point in enumerate(front.points, 1):
+            if self.out is not None:
+                self._save(point.result, numbered(self.out, number))
+        return 0 if front.points else 1
 
     def _case(self) -> SynthesisCase:
         known = self.case in EXAMPLES and not Path(self.case).exists()

@@ -181,7 +181,7 @@ def motion_figure(state: State, kind: str) -> File:
         sources = SeriesSources(published or sources.analysis, engine=check.engine)
     export, data = state.export, build_series(what, sources)
     content = render_series(data, kind, width_mm=export.width, dpi=export.dpi, title=title)
-    return File(_motion_name(state, found, what, kind), content)
+    return File(motion_name(state, found, what, kind), content)
 
 
 def motion_table(state: State, kind: str) -> File:
@@ -196,7 +196,7 @@ def motion_table(state: State, kind: str) -> File:
     """
     found, series = motion_series(state)
     what = "simulation" if state.plots.plot in SIMULATED and found.sources.simulation else ""
-    return File(_motion_name(state, found, what, kind), table_bytes(series, kind))
+    return File(motion_name(state, found, what, kind), table_bytes(series, kind))
 
 
 def motion_series(state: State) -> tuple[MotionResults, DataTable]:
@@ -223,7 +223,7 @@ def motion_page(state: State) -> File:
     found = _motion_results(state)
     document = state.document
     content = motion_html(document.design, found.analysis.trajectory)
-    return File(_motion_name(state, found, "", "html"), content)
+    return File(motion_name(state, found, "", "html"), content)
 
 
 def identification_table(state: State, kind: str) -> File:
@@ -261,6 +261,7 @@ def _motion_results(state: State) -> MotionResults:
     return found
 
 
-def _motion_name(state: State, found: MotionResults, what: str, ending: str) -> str:
+def motion_name(state: State, found: MotionResults, what: str, ending: str) -> str:
+    """Return the name of a file of a motion: of which design, which motion, and what of it."""
     parts = (state.document.design.name, found.analysis.trajectory.name, what)
     return "_".join(["paminsa", "motion", *filter(None, map(plain, parts))]) + f".{ending}"

@@ -10,71 +10,22 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import viser
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.actions import Action
 from paminsa_viz.explorer.frame import Frame, compute
+from paminsa_viz.explorer.history import History, Snapshot
 from paminsa_viz.explorer.motion.actions import advance_time
-from paminsa_viz.explorer.state import Document, State
+from paminsa_viz.explorer.state import State
 from paminsa_viz.explorer.synthesis.actions import previewed
 from paminsa_viz.model import PaminsaError
-from paminsa_viz.model.singular_limit import CONDITION_LIMIT
 
 log = logging.getLogger(__name__)
-
-PAUSE = 0.8
-"""Changes by one control that follow each other faster than this are one step [s]."""
-
-DEPTH = 200
-"""Steps that are kept."""
-
-
-class Snapshot(NamedTuple):
-    """What undo brings back: the document, and which poses count, which everything is judged by."""
-
-    document: Document
-    condition_limit: float = CONDITION_LIMIT
-
-    @classmethod
-    def of(cls, state: State) -> Snapshot:
-        """Return that of a state."""
-        return cls(state.document, state.condition_limit)
-
-
-@dataclass
-class History:
-    """Past and undone snapshots of one session."""
-
-    past: list[Snapshot] = field(default_factory=list)
-    future: list[Snapshot] = field(default_factory=list)
-    _source: str = ""
-    _time: float = -1e9
-
-    def record(self, before: Snapshot, after: Snapshot, source: str, now: float) -> None:
-        """Remember a change from ``before`` to ``after``, made by ``source`` at ``now`` [s]."""
-        if before == after and before.document.design.name == after.document.design.name:
-            return
-        same_drag = source == self._source and now - self._time < PAUSE and bool(self.past)
-        self._source, self._time = source, now
-        self.future.clear()
-        if not same_drag:
-            self.past.append(before)
-            del self.past[:-DEPTH]
-
-    def travel(self, current: Snapshot, *, back: bool) -> Snapshot | None:
-        """Return the snapshot before the last step, or the one that the last undo left, or None."""
-        self._source = ""
-        source, target = (self.past, self.future) if back else (self.future, self.past)
-        if not source:
-            return None
-        target.append(current)
-        return source.pop()
-
 
 IDLE_DELAY = 0.4
 """Time without a change after which the page is idle [s]."""
@@ -88,6 +39,10 @@ together, so the robot would wait for the numbers; nor can one tab take a core f
 
 DEFERRED_TIMEOUT = 0.02
 """How long a newer state waits for the deferred views of an older one while dragging [s]."""
+
+
+SCENE_TIMEOUT = 10.0
+"""How long another scene is waited for [s]."""
 
 
 class View(Protocol):
@@ -173,6 +128,17 @@ class Session:
         with self._lock:
             self._jobs.append(job)
         self._wake.set()
+
+    def show_scene(self, state: State) -> None:
+        """Draw the scene as of another state, until the next change, and wait for it."""
+        done = threading.Event()
+
+        def draw() -> None:
+            self._draw_together(self.immediate, compute(state), False)
+            done.set()
+
+        self.submit(draw)
+        done.wait(SCENE_TIMEOUT)
 
     def undo(self) -> None:
         """Undo the last step."""

@@ -138,6 +138,19 @@ class ExportSettings:
 
 
 @dataclass(frozen=True)
+class Recording:
+    """The recording of a motion as an animated picture.
+
+    Attributes:
+        running: Whether one is being made.
+        done: What part of it is.
+    """
+
+    running: bool = False
+    done: float = 0.0
+
+
+@dataclass(frozen=True)
 class State:
     """Everything one browser tab shows.
 
@@ -154,7 +167,7 @@ class State:
         clearance_view: Which pairs of bodies are checked for clearance, and what is enough.
         condition_limit: Largest condition number of a pose that counts, see
             `paminsa_viz.model.singular_limit`.
-        export: How files are exported.
+        export, recording: How files are exported, and what is made of a motion's picture.
         table_at_rest: Whether a motion in an opened file starts and ends at rest.
         appearance: Which theme the page has.
         browser_dark: Whether the browser asks for a dark one.
@@ -184,6 +197,7 @@ class State:
     engine_answer: Answer | None = None
     condition_limit: float = CONDITION_LIMIT
     export: ExportSettings = field(default_factory=ExportSettings)
+    recording: Recording = field(default_factory=Recording)
     table_at_rest: bool = False
     appearance: Appearance = Appearance.BROWSER
     browser_dark: bool = False

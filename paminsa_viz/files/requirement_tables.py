@@ -125,7 +125,8 @@ def _workspace(table: Mapping[str, Any], refuse: Refuse) -> Workspace | None:
             raise refuse(f"{WORKSPACE}.{name}", table[name], "a number above 0 is needed")
     sizes = [float(table[name]) for name in _SIZES[shape]]
     x, y, z = sizes if len(sizes) == 3 else (sizes[0], sizes[0], sizes[1])
-    return Workspace(shape, (x, y, z), (*(table.get(name) for name in _CENTER),))  # type: ignore[arg-type]
+    first, second, third = (table.get(name) for name in _CENTER)
+    return Workspace(shape, (x, y, z), (first, second, third))
 
 
 def requirements_rows(requirements: Requirements) -> list[tuple[str, list[tuple[str, str]]]]:

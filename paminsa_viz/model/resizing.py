@@ -22,7 +22,7 @@ TUBES = ("b3", "b4", "b7", "b8")
 
 def _powers() -> dict[str, int]:
     """Return the power of its bar's length with which each mass and inertia grows."""
-    found = {"links.b10": 1, "inertias.b10_vertical": 3}
+    found = {"links.b1": 1, "links.b10": 1, "inertias.b10_vertical": 3}
     for bar in TUBES:
         found |= {f"links.{bar}": 1, f"inertias.{bar}_axial": 1, f"inertias.{bar}_transverse": 3}
     return found
@@ -36,7 +36,14 @@ def _bar(path: str) -> str:
 
 
 def _length(geometry: Geometry, bar: str) -> float:
-    return geometry.guide_link_length if bar == "b10" else bar_length(geometry, bar)
+    others = {"b1": geometry.arm_length, "b10": geometry.guide_link_length}
+    return others[bar] if bar in others else bar_length(geometry, bar)
+
+
+def _ratio(after: Geometry, before: Geometry, bar: str) -> float:
+    """Return how much longer a bar is; 1 if it had no length."""
+    length = _length(before, bar)
+    return _length(after, bar) / length if length else 1.0
 
 
 def resized(design: Design, values: Mapping[str, float], *, scale_bars: bool = True) -> Design:
@@ -45,8 +52,9 @@ def resized(design: Design, values: Mapping[str, float], *, scale_bars: bool = T
     Args:
         design: The design.
         values: Lengths by path.
-        scale_bars: Whether the bars B3, B4, B7, B8 and the guide link B10 keep their cross section:
-            mass and axial inertia grow with the length, transverse inertia with its cube.
+        scale_bars: Whether the bars B3, B4, B7, B8, the arm B1 and the guide link B10 keep their
+            cross section: mass and axial inertia grow with the length, transverse inertia with its
+            cube.
 
     Raises:
         InvalidDesign: If the lengths make no robot.
@@ -56,8 +64,7 @@ def resized(design: Design, values: Mapping[str, float], *, scale_bars: bool = T
         return changed
     before, after = design.geometry, changed.geometry
     numbers: dict[str, float | None] = {
-        path: (_length(after, _bar(path)) / _length(before, _bar(path))) ** power
-        * design.value(path)
+        path: _ratio(after, before, _bar(path)) ** power * design.value(path)
         for path, power in POWERS.items()
     }  # fmt: skip
     return changed.vary(numbers)
@@ -71,8 +78,8 @@ def resized_masses(design: Design, geometries: Sequence[Geometry], *, scale_bars
     masses = np.tile(mass_vector(design), (len(geometries), 1))
     if scale_bars:
         ratio = {
-            bar: np.array([_length(g, bar) for g in geometries]) / _length(design.geometry, bar)
-            for bar in (*TUBES, "b10")
+            bar: np.array([_ratio(g, design.geometry, bar) for g in geometries])
+            for bar in (*TUBES, "b1", "b10")
         }
         for path, power in POWERS.items():
             masses[:, MASS_PATHS.index(path)] *= ratio[_bar(path)] ** power

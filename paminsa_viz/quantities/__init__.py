@@ -15,6 +15,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.backend import Formula
 from paminsa_viz.quantities.accuracy import ACCURACY
 from paminsa_viz.quantities.capability import CAPABILITY
+from paminsa_viz.quantities.clearance import CLEARANCE
 from paminsa_viz.quantities.joint_forces import JOINT_FORCES
 from paminsa_viz.quantities.kinematics import KINEMATICS
 from paminsa_viz.quantities.manufacture import MANUFACTURE
@@ -50,6 +51,7 @@ QUANTITIES: dict[str, Quantity] = {
         *JOINT_FORCES,
         *STIFFNESS,
         *VIBRATION,
+        *CLEARANCE,
     )
 }
 """Every quantity by its key, in the order of choices."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         SearchRange,
         SynthesisCase,
     )
-    from paminsa_viz.synthesis.causes import Cause, CauseKind
+    from paminsa_viz.synthesis.causes import CauseKind, VolumeCause
     from paminsa_viz.synthesis.certificate import prove
     from paminsa_viz.synthesis.check import RequirementsCheck, check_requirements
     from paminsa_viz.synthesis.conflict import Conflict, smallest_conflict
@@ -46,7 +46,6 @@ __all__ = [
     "FINE",
     "OBJECTIVES",
     "BoundOutcome",
-    "Cause",
     "CauseKind",
     "Conflict",
     "Density",
@@ -72,6 +71,7 @@ __all__ = [
     "Trial",
     "Verdict",
     "Volume",
+    "VolumeCause",
     "VolumeSurface",
     "cause_slice",
     "check_requirements",
@@ -104,7 +104,7 @@ _HOMES = {
         "SynthesisCase",
     ),
     "causes": (
-        "Cause",
+        "VolumeCause",
         "CauseKind",
     ),
     "certificate": ("prove",),

@@ -18,6 +18,7 @@ from paminsa_viz.synthesis.inner_case import InnerCase, check_inner
 from paminsa_viz.synthesis.objectives import find_objective
 
 GUIDE = "geometry.guide_link_length"
+ARM = "geometry.arm_length"
 
 DIMENSIONS: dict[str, str] = {
     "workspace.z": "height of the workspace's center",
@@ -146,6 +147,8 @@ class SynthesisCase:
         limits: Largest values of other objectives.
         scale_bars: Whether bars gain mass and inertia with their length, see `resized`.
         guide: Whether B10 follows the workspace.
+        arm_follows: Whether the arms B1 grow with R_b, so that they end at their leg axes as those
+            of the reference do.
         margin: Least distance to every limit of reach over the workspace [m].
         above_guides: Whether joints 5 may be above the guides (with the lower knee; below them
             with the upper one).
@@ -167,6 +170,7 @@ class SynthesisCase:
     limits: tuple[ObjectiveLimit, ...] = ()
     scale_bars: bool = True
     guide: Guide = Guide.FOLLOWS
+    arm_follows: bool = True
     margin: float = 0.001
     above_guides: bool = False
     regimes: tuple[Regime, ...] = (Regime.SMALLER, Regime.LARGER)
@@ -196,6 +200,8 @@ class SynthesisCase:
             raise InvalidInput("workspace.z", "it is given by the workspace's center already")
         if GUIDE in paths and self.guide is Guide.FOLLOWS:
             raise InvalidInput(GUIDE, 'it is searched only with guide = "kept"')
+        if ARM in paths and self.arm_follows:
+            raise InvalidInput(ARM, "it is searched only with arm_follows = false")
         if not (math.isfinite(self.margin) and self.margin >= 0):
             raise InvalidInput("margin", f"at least 0 is needed, not {self.margin!r}")
         if not self.regimes:
@@ -260,6 +266,10 @@ class SynthesisCase:
         """
         lengths, _ = self.split(numbers)
         changes = {path.partition(".")[2]: value for path, value in lengths.items()}
+        if self.arm_follows and "base_radius" in changes:
+            held = self.reference.geometry
+            grown = changes["base_radius"] - held.base_radius
+            changes["arm_length"] = max(held.arm_length + grown, 0.0)
         if self.guide is Guide.FOLLOWS:
             changes["guide_stroke"] = None  # type: ignore[assignment]
         return replace(self.reference.geometry, **changes)

@@ -75,9 +75,10 @@ REGIMES: dict[str, Regime] = {"smaller": Regime.SMALLER, "larger": Regime.LARGER
 
 _KINDS: dict[str, tuple[type, ...]] = {
     "objective": (str,), "margin_m": (int, float), "guide": (str,), "scale_bars": (bool,),
-    "above_guides": (bool,), "regimes": (list,), "seed": (int,), "generations": (int,),
-    "population": (int,), "ranges": (dict,), "limits": (dict,),
+    "arm_follows": (bool,), "above_guides": (bool,), "regimes": (list,), "seed": (int,),
+    "generations": (int,), "population": (int,), "ranges": (dict,), "limits": (dict,),
 }  # fmt: skip
+_PLAIN = ("objective", "scale_bars", "arm_follows", "above_guides", "seed")
 _NEEDED = {str: "a word", bool: "true or false", list: "a list", dict: "a table", int: "a number"}
 
 _KEY_OF_FIELD = {
@@ -125,7 +126,7 @@ def read_case(content: str | bytes, source: str) -> SynthesisCase:
     name = document.get("name", Path(source).stem)
     try:
         given: dict[str, Any] = {
-            key: table[key] for key in ("objective", "scale_bars", "above_guides", "seed")
+            key: table[key] for key in _PLAIN
             if key in table
         }  # fmt: skip
         if "margin_m" in table:

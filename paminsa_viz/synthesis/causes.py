@@ -21,7 +21,7 @@ class CauseKind(Enum):
     REQUIREMENT = "requirement"
 
 
-class Cause(NamedTuple):
+class VolumeCause(NamedTuple):
     """Why a node is not in a volume.
 
     Attributes:
@@ -46,12 +46,14 @@ FIRST_REQUIREMENT = FIRST_REACH + 3 * len(MARGINS)
 """Codes: reach is FIRST_REACH + 4 * leg + limit, requirements count from FIRST_REQUIREMENT."""
 
 _FIXED = (
-    Cause(INSIDE, CauseKind.INSIDE, "all requirements hold", "inside"),
-    Cause(OTHER_SIDE, CauseKind.OTHER_SIDE, "on the other side of the guides", "other-side"),
-    Cause(SINGULAR, CauseKind.SINGULAR, "at a singularity, or beyond one from home", "singular"),
-    Cause(DISCONNECTED, CauseKind.DISCONNECTED, "not connected to home", "not-connected"),
+    VolumeCause(INSIDE, CauseKind.INSIDE, "all requirements hold", "inside"),
+    VolumeCause(OTHER_SIDE, CauseKind.OTHER_SIDE, "on the other side of the guides", "other-side"),
+    VolumeCause(
+        SINGULAR, CauseKind.SINGULAR, "at a singularity, or beyond one from home", "singular"
+    ),
+    VolumeCause(DISCONNECTED, CauseKind.DISCONNECTED, "not connected to home", "not-connected"),
     *(
-        Cause(
+        VolumeCause(
             FIRST_REACH + len(MARGINS) * leg + index,
             CauseKind.REACH,
             limit.reason(leg),
@@ -64,10 +66,10 @@ _FIXED = (
 )
 
 
-def causes_of(requirements: Requirements) -> tuple[Cause, ...]:
+def causes_of(requirements: Requirements) -> tuple[VolumeCause, ...]:
     """Return every cause by its code: those of all volumes, then the requirements."""
     broken = (
-        Cause(
+        VolumeCause(
             FIRST_REQUIREMENT + index,
             CauseKind.REQUIREMENT,
             requirement_label(bound),

@@ -26,7 +26,7 @@ _FEW = 12
 
 
 @dataclass(frozen=True)
-class Relaxation:
+class VolumeRelaxation:
     """The nearest bound of a requirement at which the others leave something.
 
     Attributes:
@@ -53,7 +53,7 @@ class Conflict:
     """
 
     requirements: tuple[int, ...]
-    relaxations: tuple[Relaxation, ...]
+    relaxations: tuple[VolumeRelaxation, ...]
 
 
 def smallest_conflict(volume: Volume, workspace: Workspace | None = None) -> Conflict | None:
@@ -112,11 +112,11 @@ def _relaxation(
     margins: Array,
     places: NDArray[np.intp],
     index: int,
-) -> Relaxation:
+) -> VolumeRelaxation:
     others = np.delete(margins, index, axis=0) >= 0.0
     usable = others.all(axis=0) & np.isfinite(margins[index])
     if not usable.any():
-        return Relaxation(index, None, None, None)
+        return VolumeRelaxation(index, None, None, None)
     best = int(np.where(usable, margins[index], -np.inf).argmax())
     by = -float(margins[index, best])
     bound = volume.requirements.bounds[index]
@@ -127,7 +127,7 @@ def _relaxation(
     else:
         center = center_at(workspace, volume, int(places[best]))
         samples = sample_workspace(workspace, center, 4)
-    return Relaxation(index, by, _moved(volume, bound, samples, by), center)
+    return VolumeRelaxation(index, by, _moved(volume, bound, samples, by), center)
 
 
 def _moved(volume: Volume, bound: Requirement, samples: Samples, by: float) -> Requirement:

@@ -20,6 +20,7 @@ from paminsa_viz.errors import InvalidInput
 from paminsa_viz.model.arrays import Array, as_vectors
 from paminsa_viz.model.design import Design
 from paminsa_viz.model.dynamics import inverse_dynamics
+from paminsa_viz.model.parameters import BAR_ENDS
 from paminsa_viz.model.statics import static_torques
 from paminsa_viz.quantities.requirements import Requirement
 from paminsa_viz.synthesis.inner_case import ACTUATORS_OF
@@ -105,6 +106,7 @@ def check_by_mujoco(
 
     Raises:
         EngineMissing: If MuJoCo is not installed.
+        InvalidDesign: If there are motions, and a bar's inertias belong to no rigid body.
         InvalidInput: If there is no pose, or one is out of reach.
     """
     design = design.without_friction()
@@ -120,7 +122,7 @@ def check_by_mujoco(
         order = inside[np.argsort(bound_margins(bound, held[inside]))]
         chosen |= set(order[:WORST].tolist())
     index = np.array(sorted(chosen), np.intp)
-    robot = SprungMujocoRobot(design, springs)
+    robot = SprungMujocoRobot(design if motions else _at_rest(design), springs)
     found = robot.static_torques(pose[index])
     compared = [Comparison(held[index], found, torque_scale(design, pose[index], found))]
     rows = []
@@ -155,6 +157,18 @@ def check_by_mujoco(
         tuple(dict.fromkeys(b.quantity for b in bounds if b.quantity not in ACTUATORS_OF)),
         float(np.max([one.relative for one in compared])),
     )
+
+
+def _at_rest(design: Design) -> Design:
+    """Return a design with inertias that a rigid body can have; none of them counts at rest.
+
+    Bars that are short for their mass by `resized` may have too much about their own axis.
+    """
+    numbers: dict[str, float | None] = {}
+    for bar in BAR_ENDS:
+        axial, transverse = (f"inertias.{bar}_{axis}" for axis in ("axial", "transverse"))
+        numbers[axial] = min(design.value(axial), 1.9 * design.value(transverse))
+    return design.vary(numbers)
 
 
 def bound_margins(bound: Requirement, torque: Array) -> Array:

@@ -17,7 +17,7 @@ from paminsa_viz.synthesis.causes import (
     FIRST_REQUIREMENT,
     INSIDE,
     SINGULAR,
-    Cause,
+    VolumeCause,
     causes_of,
 )
 from paminsa_viz.synthesis.reach_bounds import reach_bounds
@@ -38,7 +38,7 @@ class Slice:
 
     cause: NDArray[np.uint8]
     broken: NDArray[np.bool_]
-    causes: tuple[Cause, ...]
+    causes: tuple[VolumeCause, ...]
 
 
 def cause_slice(

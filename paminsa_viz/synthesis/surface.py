@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from paminsa_viz import palette
 from paminsa_viz.model.arrays import Array
-from paminsa_viz.synthesis.causes import INSIDE, Cause, CauseKind
+from paminsa_viz.synthesis.causes import INSIDE, CauseKind, VolumeCause
 from paminsa_viz.synthesis.distance import zero_surface
 from paminsa_viz.synthesis.volume import Volume
 
@@ -28,7 +28,7 @@ _REQUIREMENT_COLORS = (
 )  # fmt: skip
 
 
-def cause_color(cause: Cause) -> str:
+def cause_color(cause: VolumeCause) -> str:
     """Return the color ``#rrggbb`` of a cause: one a requirement, one for all limits of reach."""
     if cause.requirement is None:
         return _KIND_COLORS[cause.kind]
@@ -49,7 +49,7 @@ class VolumeSurface:
     vertices: Array
     faces: NDArray[np.int64]
     cause: NDArray[np.uint8]
-    causes: tuple[Cause, ...]
+    causes: tuple[VolumeCause, ...]
 
     @property
     def face_cause(self) -> NDArray[np.uint8]:
@@ -57,7 +57,7 @@ class VolumeSurface:
         a, b, c = self.cause[self.faces].T
         return np.where(b == c, b, a)
 
-    def parts(self) -> dict[Cause, tuple[Array, NDArray[np.int64]]]:
+    def parts(self) -> dict[VolumeCause, tuple[Array, NDArray[np.int64]]]:
         """Return vertices (n, 3) [m] and faces (m, 3) of the part that each cause cuts."""
         found, code = {}, self.face_cause
         for each in np.unique(code):
@@ -65,7 +65,7 @@ class VolumeSurface:
             found[self.causes[each]] = (self.vertices[used], faces.reshape(-1, 3))
         return found
 
-    def areas(self) -> dict[Cause, float]:
+    def areas(self) -> dict[VolumeCause, float]:
         """Return the area that each cause cuts [m^2], the largest first."""
         found = {}
         for cause, (vertices, faces) in self.parts().items():

@@ -19,7 +19,7 @@ from paminsa_viz.synthesis.causes import (
     INSIDE,
     OTHER_SIDE,
     SINGULAR,
-    Cause,
+    VolumeCause,
     causes_of,
 )
 from paminsa_viz.synthesis.distance import (
@@ -73,7 +73,7 @@ class Volume:
     z: Array
     headings: int
     cause: NDArray[np.uint8]
-    causes: tuple[Cause, ...]
+    causes: tuple[VolumeCause, ...]
     margins: Array
     depth: Array
     reachable: NDArray[np.bool_]
@@ -121,7 +121,7 @@ class Volume:
         only = (broken == 1) & self.reachable
         return (only & ~self.met).sum(axis=(1, 2, 3)) / count
 
-    def shares(self) -> dict[Cause, float]:
+    def shares(self) -> dict[VolumeCause, float]:
         """Return what share of the reachable nodes each cause takes, those that take any."""
         codes = np.bincount(self.cause[self.reachable], minlength=len(self.causes))
         count = max(1, int(self.reachable.sum()))
@@ -153,7 +153,7 @@ def solve_volume(
     Raises:
         Canceled: If ``progress`` says so.
     """
-    x, z = axes_of(design, requirements, resolution, both_sides)
+    x, z, headings = axes_of(design, requirements, resolution, both_sides)
     step = float(x[1] - x[0])
     g = design.geometry
     bounds = reach_bounds(g, x[:, None, None], x[None, :, None], requirements.theta)
@@ -162,7 +162,7 @@ def solve_volume(
     reached = _reached(margin, which)
     takes = reached & bounds.regular & (side >= 0.0)
     reachable = joined_to_home(takes, x, z, g)[0]
-    margins, fewer = _margins(design, requirements, x, z, reachable, resolution, progress)
+    margins, fewer = _margins(design, requirements, x, z, reachable, headings, progress)
     met = (margins >= 0.0).all(axis=0) & reachable
     inside, home_inside = joined_to_home(met, x, z, g)
 
@@ -192,7 +192,7 @@ def solve_volume(
         looser[met & ~inside] *= -1.0
         error += abs(enclosed_volume(looser, step) - volume)
     return Volume(
-        design, requirements, x, x, z, resolution.headings, cause, causes_of(requirements), margins,
+        design, requirements, x, x, z, headings, cause, causes_of(requirements), margins,
         depth, reachable, volume, error, enclosed_volume(body, step), home_inside,
     )  # fmt: skip
 
@@ -206,7 +206,7 @@ def _margins(
     x: Array,
     z: Array,
     reachable: NDArray[np.bool_],
-    resolution: Resolution,
+    headings: int,
     progress: Progress | None,
 ) -> tuple[Array, Array]:
     """Return margins on the nodes, and those over every second heading; NaN out of reach."""
@@ -218,9 +218,7 @@ def _margins(
     heights = slice(*_span(np.any(reachable, axis=(0, 1))))
     index = np.nonzero(columns)
     positions = np.column_stack([x[index[0]], x[index[1]]])
-    solved = heading_margins(
-        design, requirements, positions, z[heights], resolution.headings, progress
-    )
+    solved = heading_margins(design, requirements, positions, z[heights], headings, progress)
     for target, source in zip(found, (solved.least, solved.coarse), strict=True):
         for number in range(len(target)):
             target[number, index[0], index[1], heights] = source[number]

@@ -48,10 +48,18 @@ _LEAST_NODES = 300
 """Nodes of a volume of the costliest quantities."""
 
 
+_FEW_NODES = 0.1
+"""Share of the nodes asked for below which headings are left out as well."""
+
+
 def axes_of(
     design: Design, requirements: Requirements, resolution: Resolution, both_sides: bool
-) -> tuple[Array, Array]:
-    """Return the nodes along x (and y) and along z, one at least beyond all that can be reached."""
+) -> tuple[Array, Array, int]:
+    """Return the nodes along x (and y) and along z, and how many headings there are.
+
+    One node at least lies beyond all that can be reached. Costly quantities get fewer nodes, and
+    where these are very few also fewer headings.
+    """
     g = design.geometry
     nearest = np.arccos(np.clip(cosine_range(*requirements.theta)[1], -1.0, 1.0))
     offset = float(singular_radius(g, nearest))
@@ -63,19 +71,25 @@ def axes_of(
     low, high = -height - g.platform_joint_height, height - g.platform_joint_height
     if not both_sides:
         low, high = (low, min(high, 0.0)) if _below(g) else (max(low, 0.0), high)
+    high = max(high, low + 0.1 * bars)  # with the platform's joints far above or below it
     size = (2.0 * radius) ** 2 * (high - low)
     step = float(np.cbrt(size / resolution.nodes))
     heights = max(2, round((high - low) / step))
-    each = time_per_position(design, requirements, resolution.headings, heights) / heights
-    if each > 0.0:
-        nodes = max(_LEAST_NODES, min(resolution.nodes, resolution.budget / each))
-        step = float(np.cbrt(size / nodes))
+    headings, nodes = resolution.headings, float(resolution.nodes)
+    while True:
+        each = time_per_position(design, requirements, headings, heights) / heights
+        if each > 0.0:
+            nodes = max(_LEAST_NODES, min(resolution.nodes, resolution.budget / each))
+        if headings <= COARSE.headings or nodes >= _FEW_NODES * resolution.nodes:
+            break
+        headings = (headings - 1) // 4 * 2 + 1
+    step = float(np.cbrt(size / nodes))
     half = int(np.ceil(radius / step)) + 1
     count = int(np.ceil((high - low) / step)) + 3
     count += 1 - count % 2  # odd, so that every second node reaches the ends
     middle = 0.5 * (low + high)
     z = middle + step * (np.arange(count) - (count - 1) / 2)
-    return np.asarray(step * np.arange(-half, half + 1), np.float64), z
+    return np.asarray(step * np.arange(-half, half + 1), np.float64), z, headings
 
 
 def _below(geometry: Geometry) -> bool:

@@ -44,11 +44,13 @@ def distances(one: Solid, other: Solid, place: Array, wxyz: Array) -> Found:
         for name, frame, solid in zip("ab", frames, (one, other), strict=True)
     )
     n, pair = len(place), np.zeros(1, np.int64)
+    # the last frame is the world's
+    place = np.concatenate([place, np.zeros((n, 1, 3))], axis=1)
+    wxyz = np.concatenate([wxyz, np.tile([1.0, 0.0, 0.0, 0.0], (n, 1, 1))], axis=1)
     distance, nearest = np.empty((n, 1)), np.empty((n, 1), np.int64)
     points = np.empty((n, 1, 6))
     kernels.compiled()(
-        arrays_of(bodies), np.ascontiguousarray(place, float), np.ascontiguousarray(wxyz, float),
-        pair, pair + 1, pair, distance, nearest, points,
+        arrays_of(bodies), place, wxyz, pair, pair + 1, pair, distance, nearest, points,
     )  # fmt: skip
     return Found(distance[:, 0], points.reshape(n, 2, 3))
 

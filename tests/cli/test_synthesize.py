@@ -99,3 +99,57 @@ def test_no_robot_is_a_negative_result_with_its_reason(capsys) -> None:
 )
 def test_wrong_arguments_are_refused(words, place, capsys) -> None:
     check_refused("synthesize", capsys, *words, place=place)
+
+
+@pytest.mark.slow
+def test_prices_robots_within_tolerances_and_mujoco(capsys) -> None:
+    words = ("small.toml", "--prices", "--built", "12", "--mujoco")
+    found = run_json("synthesize", capsys, *words)
+    labels = [item["label"] for item in found["prices"]]
+    assert "height of the workspace" in labels
+    assert found["built"]["samples"] == 12
+    assert 0 <= found["built"]["low"] <= found["built"]["high"] <= 1
+    assert found["mujoco"]["passed"]
+    code, out, _ = run("synthesize", capsys, "small.toml", "--built", "4", "--mujoco")
+    assert code == 0
+    assert "of 4 robots meet all" in out
+    assert "confirms" in out
+
+
+@pytest.mark.slow
+def test_a_front_is_written_point_by_point(capsys) -> None:
+    words = ("small.toml", "--front", "footprint", "--front", "moving_mass", "--points", "2")
+    found = run_json("synthesize", capsys, *words, "--out", "f.toml")
+    for number, point in enumerate(found["points"], 1):
+        design = load_content(f"f-{number}.toml").design
+        assert design.geometry.crank_length == point["numbers"]["geometry.crank_length"]
+    code, out, _ = run("synthesize", capsys, *words)
+    assert code == 0
+    assert "robots of which none is better in all" in out
+
+
+def test_contradictory_requirements_are_named(capsys) -> None:
+    text = CASE.replace("generations = 20", "objective = 'moving_mass'\ngenerations = 20")
+    limits = "[synthesis.limits]\nfootprint_m = 0.05\nmoving_mass_kg = 100.0\n"
+    Path("none.toml").write_text(text + limits)
+    code, out, _ = run("synthesize", capsys, "none.toml", "--conflict")
+    assert code == 1
+    assert "contradict, proven in closed form:\n  footprint <= 50 mm\n" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        (("--built", "0"), "--built 0"),
+        (("--mass-tolerance", "100"), "--mass-tolerance"),
+        (("--front", "footprint"), "at least two"),
+        (("--front", "footprint", "--front", "beauty"), "are known"),
+        (("--front", "footprint", "--front", "volume", "--prices"), "--front excludes"),
+        (
+            ("--front", "footprint", "--front", "volume", "--checkpoint", "a.json"),
+            "--front excludes",
+        ),
+    ],
+)
+def test_flags_that_make_no_sense_are_refused(words, place, capsys) -> None:
+    check_refused("synthesize", capsys, "small.toml", *words, place=place)

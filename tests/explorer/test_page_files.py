@@ -13,6 +13,8 @@ from PIL import Image
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.examples import EXAMPLES
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Timing
 from paminsa_viz.files.design_file import read_design
 from paminsa_viz.model import APPENDIX_4
 from tests.support.chromium import Tab, until
@@ -97,3 +99,19 @@ def test_an_example_is_one_click_and_one_key_press(tab: Tab) -> None:
     tab.open_tab("Balance")
     tab.page.get_by_text("Springs", exact=True).click()
     tab.page.get_by_text("91 N/m").wait_for()
+
+
+def test_motion_is_recorded_as_the_page_draws_it(tab: Tab) -> None:
+    tab.dispatch(lambda s: motions.change(s, timing=Timing.GIVEN, duration=0.5))
+    tab.open_tab("Export")
+    button = tab.page.get_by_role("button", name="GIF", exact=True)
+    name, content = download(tab, button.click)
+    assert name.endswith(".gif")
+    image: Any = Image.open(io.BytesIO(content))
+    assert image.n_frames == 9
+    first = np.asarray(image.convert("RGB"), dtype=int)
+    image.seek(image.n_frames - 1)
+    last = np.asarray(image.convert("RGB"), dtype=int)
+    moved = np.abs(last - first).max(axis=2) > 40
+    assert 0.003 < moved.mean() < 0.5  # the robot, and not all of the picture
+    until(lambda: not tab.state.recording.running, "the recording has ended")

@@ -12,9 +12,9 @@ from hypothesis import strategies as st
 
 from paminsa_viz.explorer import actions
 from paminsa_viz.explorer.frame import Health, compute
+from paminsa_viz.explorer.history import DEPTH, PAUSE, History, Snapshot
 from paminsa_viz.explorer.panels.design_layout import GROUPS, slider
 from paminsa_viz.explorer.panels.file_panel import uploaded_design
-from paminsa_viz.explorer.session import DEPTH, PAUSE, History, Snapshot
 from paminsa_viz.explorer.state import Document, initial_state
 from paminsa_viz.files.design_file import write_design
 from paminsa_viz.files.design_writer import NAME_CHARACTERS

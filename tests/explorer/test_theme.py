@@ -9,17 +9,21 @@ from typing import Any
 
 import numpy as np
 import pytest
+import viser
 
 from paminsa_viz.explorer import actions, exports, tab_store, theme
+from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.maps import COARSE, MapStore
-from paminsa_viz.explorer.panels import css_color
+from paminsa_viz.explorer.panels import css_color, export_panel
 from paminsa_viz.explorer.panels.balance_charts import themed
+from paminsa_viz.explorer.scene.legend import NO_LEGEND
 from paminsa_viz.explorer.state import Appearance, initial_state
 from paminsa_viz.meshes.bodies import ground_glb
 from paminsa_viz.model import APPENDIX_4
 from paminsa_viz.palette import ACTUATOR_COLORS, DARK, LIGHT, Theme, rgb
 from paminsa_viz.plots.map_figure import LiveMaps
 from paminsa_viz.plots.series_uplot import ChartShape, uplot_options
+from tests.support.desk import desk_with
 
 BOTH = pytest.mark.parametrize("ground", [LIGHT, DARK], ids=["light", "dark"])
 
@@ -96,6 +100,31 @@ def test_exported_maps_are_light_on_every_page(ground: Theme) -> None:
     assert exports.figure(shown, MapStore(), "svg") == exports.figure(
         actions.move(STATE, theta=0.5), MapStore(), "svg"
     )
+
+
+@BOTH
+def test_picture_of_the_view_is_taken_of_the_light_scene(
+    ground: Theme, server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Theme] = []
+    taken: list[Theme] = []
+
+    class Remembers:
+        def draw(self, frame: Frame, dragging: bool) -> None:
+            drawn.append(frame.state.theme)
+
+    def view(*_: Any) -> exports.File:
+        taken.append(drawn[-1])
+        return exports.File("view.png", b"")
+
+    monkeypatch.setattr(export_panel.pictures, "view", view)
+    with desk_with(server, lambda _: Remembers()) as desk:
+        chosen = Appearance.DARK if ground.dark else Appearance.LIGHT
+        desk.dispatch(lambda s: replace(s, appearance=chosen))
+        desk.until(lambda: drawn and drawn[-1] == ground)
+        export_panel.light_view(desk.session, NO_LEGEND)
+        assert taken == [LIGHT]
+        desk.until(lambda: drawn[-1] == ground)
 
 
 def test_ground_is_darker_in_the_dark_and_as_large() -> None:

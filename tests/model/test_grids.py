@@ -32,7 +32,7 @@ from paminsa_viz.model.singularity import DEXTERITY
 from paminsa_viz.model.statics import UNIT_TORQUES
 from paminsa_viz.quantities import QUANTITIES, find
 from tests.support.cases import BOTH, Case, cases
-from tests.support.measured import pointwise
+from tests.support.measured import CLEARANCES, pointwise
 from tests.support.samples import with_knee
 
 VALUES = {
@@ -48,6 +48,9 @@ NAMES = [names for n in range(5) for names in permutations(VALUES, n)]
 
 def near(got: Any, expected: Any, relative: float = 1e-11) -> None:
     """Equal but for rounding; NaN in the same places."""
+    if np.isnan(expected).all():
+        assert np.isnan(got).all()
+        return
     size = np.nanmax(np.abs(expected), initial=1e-300)
     np.testing.assert_allclose(got, expected, rtol=relative, atol=relative * size)
 
@@ -251,7 +254,8 @@ def test_units() -> None:
     assert {key: quantity.unit for key, quantity in QUANTITIES.items()} == {
         **dict.fromkeys(("tau_1", "tau_2", "tau_3", "max_torque", "rms_torque", "moment"), "N m"),
         **dict.fromkeys(("f_4", "horizontal_force", "vertical_force"), "N"),
-        **dict.fromkeys(("determinant", "reach_margin"), "m"),
+        **dict.fromkeys(("determinant", "reach_margin", "clearance"), "m"),
+        **dict.fromkeys([f"clearance_{key}" for key in CLEARANCES], "m"),
         **dict.fromkeys(("selective_x", "selective_y"), "1/m"),
         **dict.fromkeys(numbers, "1"),
         **angles,

@@ -17,3 +17,13 @@ def test_bars_grow_with_their_length() -> None:
     assert big.links.b4 == APPENDIX_4.links.b4
     plain = resized(APPENDIX_4, values, scale_bars=False)
     assert plain == APPENDIX_4.vary(values)
+
+
+def test_arm_and_guide_grow_with_their_length() -> None:
+    values = {"geometry.arm_length": 0.616, "geometry.guide_link_length": 2 * 0.3635}
+    big = resized(APPENDIX_4, values)
+    assert big.links.b1 == pytest.approx(2 * APPENDIX_4.links.b1)
+    assert big.links.b10 == pytest.approx(2 * APPENDIX_4.links.b10)
+    assert big.inertias.b10_vertical == pytest.approx(8 * APPENDIX_4.inertias.b10_vertical)
+    none = APPENDIX_4.vary({"geometry.arm_length": 0.0})
+    assert resized(none, values).links.b1 == APPENDIX_4.links.b1

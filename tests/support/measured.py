@@ -8,6 +8,7 @@ import numpy as np
 
 from paminsa_viz.actuation.transmission import TRANSMISSION
 from paminsa_viz.actuation.wrench_capability import capability
+from paminsa_viz.clearance import PairGroup, clearance
 from paminsa_viz.elastostatics.bar_loads import bar_loads
 from paminsa_viz.elastostatics.drive_modes import drive_modes
 from paminsa_viz.elastostatics.joint_forces import JOINT_INDEX, joint_forces
@@ -37,6 +38,10 @@ AXES = {"x": 0, "y": 1, "z": 2, "theta": 5}
 """Axes of a wrench."""
 
 
+CLEARANCES = ("legs", "same_leg", "arms", "platform", "frame", "payload", "counterweights")
+"""Keys of the clearances of the groups of pairs, in their order."""
+
+
 def pointwise(design: Design, pose: Any) -> dict[str, Any]:
     """Return every quantity at poses (..., 4), each (...)."""
     pose = np.asarray(pose, float)
@@ -55,6 +60,11 @@ def pointwise(design: Design, pose: Any) -> dict[str, Any]:
         **{f"stiffness_{name}": stiff.along(i) for name, i in AXES.items()},
         "frequency_1": first_frequencies(design, pose),
         "frequency_drives": drive_modes(design, pose).frequencies[..., 0],
+        "clearance": clearance(design, pose).least,
+        **{
+            f"clearance_{key}": clearance(design, pose, [group]).least
+            for key, group in zip(CLEARANCES, PairGroup, strict=True)
+        },
         "stiffness_tilt": stiff.tilt,
         "stiffness_horizontal": stiff.horizontal,
         "deflection": np.linalg.norm(deflection[..., :3], axis=-1),

@@ -49,6 +49,7 @@ objective = "moving_mass"
 margin_m = 0.005
 guide = "kept"
 scale_bars = false
+arm_follows = false
 above_guides = true
 regimes = ["larger"]
 seed = 7
@@ -71,7 +72,7 @@ footprint_m = 0.7
             SearchRange("workspace.z", -0.9, -0.4),
         ),
         APPENDIX_4.vary({"links.b3": 0.5}),
-        "moving_mass", (ObjectiveLimit("footprint", 0.7),), False, Guide.KEPT, 0.005, True,
+        "moving_mass", (ObjectiveLimit("footprint", 0.7),), False, Guide.KEPT, False, 0.005, True,
         (Regime.LARGER,), None, 7, Effort(90, 5),
     )  # fmt: skip
     found = read_case(text, "mine.toml")
@@ -101,6 +102,7 @@ RANGES = "[synthesis.ranges]\nbase_radius_m = [0.1, 0.6]\n"
         ("[synthesis.ranges]\nbase_radius_m = [0.1]\n", 8, "[least, largest]"),
         ("[synthesis.ranges]\nbase_radius_m = [0.1, 'b']\n", 8, "a number is needed"),
         ("[synthesis.ranges]\nguide_link_length_m = [0.1, 0.2]\n", 8, 'guide = "kept"'),
+        ("[synthesis.ranges]\narm_length_m = [0.1, 0.2]\n", 8, "arm_follows = false"),
         ("[synthesis]\n" + RANGES + "[synthesis.limits]\nfootprint = 0.5\n", 11, "footprint_m"),
     ],
 )

@@ -116,8 +116,8 @@ def test_cell_meets_its_requirements_and_says_which_decide() -> None:
     result = synthesize(replace(CELL, seed=1, effort=Effort(150, 6)))
     assert result.feasible
     assert Regime.LARGER in result.refused
-    # found by searches of other seeds and strategies, 1.410 to 1.413 m
-    assert result.objective == pytest.approx(1.411, rel=0.01)
+    # found by searches of other seeds, 1.521 to 1.524 m
+    assert result.objective == pytest.approx(1.522, rel=0.01)
     active = [o.bound.quantity for o in result.outcomes if o.active]
     assert "max_torque" in active
     _check_everywhere(result)

@@ -17,7 +17,8 @@ from paminsa_viz.model.singularity import measure_singularity
 from paminsa_viz.quantities.requirements import Requirements
 from paminsa_viz.synthesis.causes import FIRST_REQUIREMENT, OTHER_SIDE, CauseKind
 from paminsa_viz.synthesis.margins import Canceled
-from paminsa_viz.synthesis.volume import COARSE, Resolution, Volume, solve_volume
+from paminsa_viz.synthesis.volume import COARSE, FINE, Resolution, Volume, solve_volume
+from paminsa_viz.synthesis.volume_grid import axes_of
 from tests.support.cases import Case, cases
 from tests.synthesis.robots import TURN, met, needs
 
@@ -209,6 +210,7 @@ def test_costly_quantities_get_larger_cells() -> None:
     volume = solve_volume(APPENDIX_4, needs("frequency_1 >= 1 Hz"), resolution=COARSE)
     assert volume.reachable.size < 3_000
     assert volume.volume > 0.0
+    assert volume.headings == 5
 
 
 def test_without_home_the_largest_part_that_can_be_reached_counts() -> None:
@@ -260,3 +262,16 @@ def test_every_node_inside_can_be_taken_by_any_robot(case: Case, low: float, wid
     found = measure_singularity(case.geometry, poses)
     assert (found.rotation_distance > 0.0).all()
     assert (found.condition <= 20.0).all()
+
+
+def test_costly_quantities_get_fewer_headings_before_too_few_nodes() -> None:
+    x, _, headings = axes_of(APPENDIX_4, needs("frequency_1 >= 1 Hz"), FINE, False)
+    assert headings == 5
+    assert len(x) > 12
+    assert axes_of(APPENDIX_4, needs("max_torque <= 15 N m"), FINE, False)[2] == FINE.headings
+
+
+def test_platform_joints_far_above_the_platform_leave_a_grid() -> None:
+    high = replace(APPENDIX_4.geometry, platform_joint_height=3.0, knee=KneeBranch.UPPER)
+    volume = solve_volume(replace(APPENDIX_4, geometry=high), needs(), resolution=COARSE)
+    assert volume.empty

@@ -5,20 +5,22 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 
 from paminsa_viz.explorer import exports, pictures
 from paminsa_viz.explorer.copying import Clipboard
-from paminsa_viz.explorer.entries import ButtonGroup, Entry, Html, Run
+from paminsa_viz.explorer.entries import Button, ButtonGroup, Entry, Html, Progress, Run
 from paminsa_viz.explorer.frame import Frame
 from paminsa_viz.explorer.inputs import Dropdown, Number, attribute
 from paminsa_viz.explorer.maps import FULL, MapStore, shows_difference
 from paminsa_viz.explorer.panels import render
+from paminsa_viz.explorer.recording import FORMATS, Recorder
 from paminsa_viz.explorer.requirements.files import VOLUME_KINDS, volume_file
 from paminsa_viz.explorer.requirements.saved import asked
 from paminsa_viz.explorer.scene.legend import NO_LEGEND, Legend
 from paminsa_viz.explorer.session import Session
-from paminsa_viz.explorer.state import State
+from paminsa_viz.explorer.state import Appearance, State
 from paminsa_viz.files.tables import TABLE_FORMATS, DataTable
 from paminsa_viz.model import PaminsaError
 from paminsa_viz.plots.formats import FIGURE_FORMATS
@@ -70,6 +72,18 @@ class Exporter:
             self._busy.release()
 
 
+def light_view(session: Session, legend: Legend) -> exports.File:
+    """Return a picture of the 3D view with the colors of the light theme."""
+    state = session.state
+    if not state.theme.dark:
+        return pictures.view(state, session.client, legend)
+    session.show_scene(replace(state, appearance=Appearance.LIGHT))
+    try:
+        return pictures.view(state, session.client, legend)
+    finally:
+        session.dispatch("view", replace)  # draws the scene as the page is
+
+
 def export_entries(
     store: MapStore,
     legend: Callable[[], Legend] = lambda: NO_LEGEND,
@@ -81,7 +95,7 @@ def export_entries(
 
     Everything is made of the newest state, at full resolution, and says design and pose inside.
     """
-    exporter = Exporter()
+    exporter, recorder = Exporter(), Recorder()
 
     def export(what: str, make: Callable[[State], exports.File]) -> Run:
         return exporter.run(what, lambda session: make(session.state))
@@ -145,7 +159,7 @@ def export_entries(
             choices={
                 "View as PNG": exporter.run(
                     "the 3D view as PNG",
-                    lambda session: pictures.view(session.state, session.client, legend()),
+                    lambda session: light_view(session, legend()),
                 ),
                 "Robot as GLB": export("the robot as GLB", lambda state: exports.robot(state)),
             },
@@ -191,6 +205,27 @@ def export_entries(
             | copied("Motion", lambda state: exports.motion_series(state)[1])
             | {"HTML page": export("a page that plays the motion", exports.motion_page)},
             hint="All numbers over time in SI units, or a page that plays the motion by itself",
+        ),
+        ButtonGroup(
+            "export.record", "picture",
+            choices={
+                label: exporter.run(
+                    f"the motion as {label}",
+                    lambda session, kind=kind: recorder.record(session, kind, legend()),
+                )
+                for kind, label in FORMATS.items()
+            },
+            visible=lambda state: not state.recording.running,
+            hint="The motion in the 3D view as an animated picture, in true time; this tab of the "
+            "browser has to stay in front",
+        ),
+        Progress(
+            "export.recorded", read=lambda state: state.recording.done,
+            visible=lambda state: state.recording.running,
+        ),
+        Button(
+            "export.cancel", "Cancel", color="gray", effect=Run(recorder.cancel),
+            visible=lambda state: state.recording.running,
         ),
     )  # fmt: skip
 

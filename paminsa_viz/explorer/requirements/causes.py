@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paminsa_viz.synthesis.causes import Cause, CauseKind
+from paminsa_viz.synthesis.causes import CauseKind, VolumeCause
 from paminsa_viz.synthesis.surface import cause_color
 
 
@@ -34,12 +34,14 @@ _TEXTS = {
 }
 
 
-def group_of(cause: Cause) -> CauseGroup:
+def group_of(cause: VolumeCause) -> CauseGroup:
     """Return the group of a cause."""
     return CauseGroup(_TEXTS.get(cause.kind, cause.text), cause_color(cause), cause.requirement)
 
 
-def cause_groups(causes: tuple[Cause, ...]) -> tuple[tuple[CauseGroup, ...], NDArray[np.uint8]]:
+def cause_groups(
+    causes: tuple[VolumeCause, ...],
+) -> tuple[tuple[CauseGroup, ...], NDArray[np.uint8]]:
     """Return the groups of causes, that of what is inside first, and the group of each code."""
     groups = tuple(dict.fromkeys(group_of(cause) for cause in causes))
     return groups, np.array([groups.index(group_of(cause)) for cause in causes], np.uint8)

@@ -1,0 +1,134 @@
+"""A motion as an animated picture: which instants, at which poses, canceled, refused."""
+
+from __future__ import annotations
+
+import io
+import threading
+import time
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from paminsa_viz.explorer import recording
+from paminsa_viz.explorer.motion import actions as motions
+from paminsa_viz.explorer.motion.description import Kind, Timing
+from paminsa_viz.explorer.recording import (
+    LARGEST,
+    LONGEST,
+    MOST_FRAMES,
+    RATE,
+    Canceled,
+    Recorder,
+    encode,
+    instants,
+    size_of,
+)
+from paminsa_viz.explorer.session import Session
+from paminsa_viz.explorer.state import State, initial_state
+from paminsa_viz.model import InvalidInput
+from tests.support.desk import SilentPage, stop
+
+
+class Page(SilentPage):
+    """A tab that renders a picture whose brightness is the platform's x."""
+
+    camera = SimpleNamespace(image_width=100, image_height=80)
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.x = 0.0
+        self.poses: list[Any] = []
+        self.slow = 0.0
+
+    def get_render(self, height: int, width: int, **_: Any) -> np.ndarray:
+        time.sleep(self.slow)
+        self.poses.append(self.x)
+        value = int(np.clip(128 + 1000 * self.x, 0, 255))
+        picture = np.full((height, width, 4), value, dtype=np.uint8)
+        picture[..., 3] = 255
+        return picture
+
+
+@pytest.fixture
+def session() -> Any:
+    page = Page()
+    made: Any = Session(page, motions.choose_preset(initial_state(), "circle"))  # type: ignore[arg-type]
+
+    def draw(frame: Any, dragging: bool) -> None:
+        page.x = float(frame.configuration.pose[0])
+
+    made.immediate.append(SimpleNamespace(draw=draw))
+    made.start()
+    yield made
+    stop(made)
+
+
+def frames_of(content: bytes) -> list[Image.Image]:
+    image = Image.open(io.BytesIO(content))
+    found = []
+    for index in range(image.n_frames):  # type: ignore[attr-defined]
+        image.seek(index)
+        found.append(image.convert("RGB").copy())
+    return found
+
+
+@pytest.mark.parametrize("kind", recording.FORMATS)
+def test_every_instant_is_rendered_at_its_pose(session: Any, kind: str) -> None:
+    before = session.state
+    file = Recorder().record(session, kind)
+    trajectory = motions.planned(before).trajectory
+    assert trajectory is not None
+    times = instants(trajectory.duration)
+    assert times.size == round(3.0 * RATE) + 1
+    np.testing.assert_allclose(session.client.poses, trajectory.at(times).pose[:, 0], atol=1e-12)
+    assert file.name.endswith(f".{kind}")
+    assert Image.open(io.BytesIO(file.content)).format == kind.upper()
+    # Neighbors that look the same are one frame, shown longer.
+    shown = [frame.getpixel((5, 5))[0] for frame in frames_of(file.content)]
+    assert 20 < len(shown) <= times.size
+    assert max(shown) - min(shown) > 150
+    end = time.monotonic() + 10
+    while session.state.recording.running:
+        assert time.monotonic() < end
+    assert session.state.document == before.document
+
+
+def test_recording_can_be_canceled(session: Any) -> None:
+    session.client.slow = 0.05
+    recorder = Recorder()
+    timer = threading.Timer(0.3, lambda: recorder.cancel(session))
+    timer.start()
+    with pytest.raises(Canceled):
+        recorder.record(session, "gif")
+    assert 0 < len(session.client.poses) < 30
+    again = Recorder()
+    session.client.slow = 0.0
+    assert again.record(session, "gif").content
+
+
+def test_what_cannot_be_recorded_is_refused(session: Any) -> None:
+    def refused(state: State, match: str) -> None:
+        session._state = state
+        with pytest.raises(InvalidInput, match=match):
+            Recorder().record(session, "gif")
+
+    start = initial_state()
+    refused(motions.choose_kind(start, Kind.WAYPOINTS), "two or more")
+    refused(motions.change(start, timing=Timing.GIVEN, duration=LONGEST + 1), "at most")
+    line = motions.choose_kind(start, Kind.LINE)
+    refused(motions.change(line, start=(0, 0, 0, -0.5), goal=(0.6, 0, 0, -0.5)), "fails")
+
+
+def test_pictures_are_few_and_small_enough() -> None:
+    assert instants(0.01).size == 2
+    assert instants(100.0).size == MOST_FRAMES
+    np.testing.assert_allclose(instants(1.0)[[0, -1]], [0.0, 1.0])
+    assert size_of((412.0, 705.0)) == (412, 704)
+    assert max(size_of((4000.0, 1000.0))) == LARGEST
+    pictures = iter([np.full((64, 64, 3), value, np.uint8) for value in (0, 99, 200)])
+    image = Image.open(io.BytesIO(encode(pictures, "gif", 0.1)))
+    assert image.info["duration"] == 100
+    assert image.info["loop"] == 0
